@@ -25,8 +25,8 @@ from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
 from server.board.live import LiveBoards
 from server.cells.supervisor import Cells
-from server.classes.presence import Presence
-from server.classes.service import Classes
+from server.classes.presence import PresenceRecorder
+from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_away, utc_now
 from server.figures.pictures import Pictures
@@ -40,7 +40,7 @@ from server.grading.task import give_ups
 from server.health.metrics import Metrics
 from server.health.readiness import Readiness
 from server.identity import service as accounts
-from server.identity.service import Accounts
+from server.identity.service import AccountService
 from server.offline.service import Archives
 from server.personal.joining import adopt
 from server.personal.service import Personal
@@ -51,7 +51,7 @@ from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.queue.watch import Watch
 from server.reading.downloads import Downloads
-from server.regrades.service import Regrades
+from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
 from server.routers import ROUTERS
@@ -167,7 +167,7 @@ class Services:
 
     def tidy(self) -> None:
         with self.database.write() as db:
-            accounts.forget_stale(db)
+            accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
         self.personal.forget_guests(utc_now())
         erased = self.personal.purge(utc_now())
@@ -269,9 +269,11 @@ def _share(app: FastAPI, services: Services) -> None:
     school_time.use(services.settings.time_zone)
     root.use(services.settings.root_path)
     provide(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    provide(app, Accounts(services.database, services.settings, adopt=adopt))
-    provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
-    provide(app, Regrades(course, services.queue))
+    provide(app, AccountService(services.database, services.settings, adopt=adopt))
+    provide(
+        app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
+    )
+    provide(app, RegradeService(course, services.queue))
     provide(app, services.submissions, services.collecting)
     carrier = None if services.engine is None else services.engine.state
     provide(app, Readiness(services.database, services.supervisor, services.walls, carrier))

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from server.api.schemas import Strict
-from server.assignments.models import Counts, Mode, Shown
+from server.assignments.models import AttemptSelection, Mode, Visibility
 from server.assignments.rules import Field as RuleField
 from server.assignments.rules import Origin
 
@@ -84,11 +84,13 @@ class AssignmentIn(Strict):
     closes_at: Annotated[MaybeMoment, Field(description="Null: it stays open.")] = None
     late: Annotated[Lateness, Field(description="What becomes of what is sent after `due_at`.")] = "accept"
     mode: Annotated[Mode, Field(**Lenient)] = Mode.practice
-    counts: Annotated[Counts, Field(description="Which attempt makes the mark.", **Lenient)] = Counts.best
+    counts: Annotated[AttemptSelection, Field(description="Which attempt makes the mark.", **Lenient)] = (
+        AttemptSelection.best
+    )
     weight: Annotated[Number, Field(description="Of the assignment among the others; above 0.")] = 1.0
-    hints: Annotated[Shown, Field(description="When hints are shown.", **Lenient)] = Shown.usual
-    diagnosis: Annotated[Shown, Field(description="When the diagnosis is shown.", **Lenient)] = Shown.usual
-    solution: Annotated[Shown, Field(description="When the solution is shown.", **Lenient)] = Shown.usual
+    hints: Annotated[Visibility, Field(description="When hints are shown.", **Lenient)] = Visibility.usual
+    diagnosis: Annotated[Visibility, Field(description="When the diagnosis is shown.", **Lenient)] = Visibility.usual
+    solution: Annotated[Visibility, Field(description="When the solution is shown.", **Lenient)] = Visibility.usual
     duration_minutes: Annotated[int | None, Field(description="Of a test, from when one begins it.")] = None
 
 
@@ -104,11 +106,11 @@ class AssignmentChange(Strict):
     closes_at: MaybeMoment = None
     late: Lateness = "accept"
     mode: Annotated[Mode, Field(**Lenient)] = Mode.practice
-    counts: Annotated[Counts, Field(**Lenient)] = Counts.best
+    counts: Annotated[AttemptSelection, Field(**Lenient)] = AttemptSelection.best
     weight: Number = 1.0
-    hints: Annotated[Shown, Field(**Lenient)] = Shown.usual
-    diagnosis: Annotated[Shown, Field(**Lenient)] = Shown.usual
-    solution: Annotated[Shown, Field(**Lenient)] = Shown.usual
+    hints: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
+    diagnosis: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
+    solution: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
     duration_minutes: int | None = None
 
 
@@ -123,11 +125,11 @@ class AssignmentOut(Strict):
     closes_at: datetime | None
     late: Lateness
     mode: Mode
-    counts: Counts
+    counts: AttemptSelection
     weight: float
-    hints: Shown
-    diagnosis: Shown
-    solution: Shown
+    hints: Visibility
+    diagnosis: Visibility
+    solution: Visibility
     duration_minutes: int | None
     released_at: datetime | None
     time_factor: Annotated[float | None, Field(description="Of the student who asks; null to the staff.")]

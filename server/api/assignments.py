@@ -18,11 +18,11 @@ from server.api.assignment_schemas import (
 )
 from server.api.documentation import problems
 from server.assignments import exempting, keeping, mine, repository
-from server.assignments.exempting import explained, find
-from server.assignments.mine import Mine
-from server.assignments.models import Assignment, Exemption, Late
-from server.assignments.rules import in_force
-from server.assignments.schemas import Wanted, WantedExemption, Weighted, Whom
+from server.assignments.exempting import explain_rules, find_exemption
+from server.assignments.mine import StudentAssignment
+from server.assignments.models import Assignment, Exemption, LatePolicy
+from server.assignments.rules import rules_in_force
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
 from server.base import root
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
@@ -34,7 +34,7 @@ from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 
 router = APIRouter(tags=["assignments"])
 
@@ -44,20 +44,20 @@ OTHERS = "Les règles d’un autre élève ne se lisent pas."
 
 
 def _late(late: str, per_day: float | None) -> Lateness:
-    return PerDay(per_day=per_day or 0.0) if late == Late.penalty else late  # type: ignore[return-value]
+    return PerDay(per_day=per_day or 0.0) if late == LatePolicy.penalty else late  # type: ignore[return-value]
 
 
 def _lateness(late: Lateness) -> dict[str, Any]:
     if isinstance(late, PerDay):
-        return {"late": Late.penalty, "late_per_day": late.per_day}
-    return {"late": Late(late), "late_per_day": None}
+        return {"late": LatePolicy.penalty, "late_per_day": late.per_day}
+    return {"late": LatePolicy(late), "late_per_day": None}
 
 
 def _weighted(chosen: list[WeightedIn]) -> tuple[Weighted, ...]:
     return tuple(Weighted(one.exercise, one.weight) for one in chosen)
 
 
-def _out(assignment: Assignment, wanted: Wanted, **in_force: Any) -> AssignmentOut:
+def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
     """`in_force` is what a student sees otherwise."""
     columns = wanted.columns()
     columns["late"] = _late(wanted.late, columns.pop("late_per_day"))
@@ -72,37 +72,37 @@ def _out(assignment: Assignment, wanted: Wanted, **in_force: Any) -> AssignmentO
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 
-def _own(one: Mine) -> AssignmentOut:
+def _own(one: StudentAssignment) -> AssignmentOut:
     rules = one.rules
     told = {name: getattr(rules, name) for name in ("opens_at", "due_at", "closes_at", "time_factor", "excused")}
-    if one.secret:
+    if one.hides_exercises:
         told["exercises"] = None
-    return _out(one.assignment, keeping.wanted_of(one.assignment, one.exercises), **told)
+    return _out(one.assignment, keeping.assignment_input(one.assignment, one.exercises), **told)
 
 
 @router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
 def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: CourseOf, db: Db) -> AssignmentOut:
     """Gives the class something to do."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
     told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _lateness(body.late)
     told |= {"exercises": _weighted(body.exercises), "opens_at": body.opens_at or utc_now()}
-    made = keeping.make(db, course, place.school_class, account.id, Wanted(**told))
-    return _out(made, keeping.current(db, made))
+    made = keeping.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
+    return _out(made, keeping.load_assignment_input(db, made))
 
 
 @router.get(ALL, responses=problems(401, 403, 404))
 def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[AssignmentOut]:
     """All of the class, in the order in which they open; a student's with their own dates."""
-    place = rights.require(db, account, Right.see_assignments, class_id)
-    if not place.may(Right.see_students):
+    place = rights.require_right(db, account, Right.see_assignments, class_id)
+    if not place.has(Right.see_students):
         seat = _seat(place)
-        return [_own(one) for one in mine.of_class(db, seat.class_id, account.id, seat.groups, utc_now())]
-    rows = repository.of_class(db, place.school_class.id)
-    exercises = repository.exercises(db, [one.id for one in rows])
-    return [_out(one, keeping.wanted_of(one, exercises.get(one.id, ()))) for one in rows]
+        return [_own(one) for one in mine.load_class_assignments(db, seat.class_id, account.id, seat.groups, utc_now())]
+    rows = repository.load_class_assignments(db, place.school_class.id)
+    exercises = repository.load_exercises(db, [one.id for one in rows])
+    return [_out(one, keeping.assignment_input(one, exercises.get(one.id, ()))) for one in rows]
 
 
-def _seat(place: Place) -> Membership:
+def _seat(place: ClassAccess) -> Membership:
     """Who is none of the staff has one."""
     assert place.membership is not None
     return place.membership
@@ -111,11 +111,11 @@ def _seat(place: Place) -> Membership:
 @router.get(ONE, responses=problems(401, 403, 404))
 def read(class_id: str, aid: str, account: ApiAccount, db: Db) -> AssignmentOut:
     """One assignment; a student's with their own dates."""
-    place = rights.require(db, account, Right.see_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
-    if place.may(Right.see_students):
-        return _out(assignment, keeping.current(db, assignment))
-    return _own(mine.one(db, assignment, account.id, _seat(place).groups, utc_now()))
+    place = rights.require_right(db, account, Right.see_assignments, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid)
+    if place.has(Right.see_students):
+        return _out(assignment, keeping.load_assignment_input(db, assignment))
+    return _own(mine.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
 
 
 @router.patch(ONE, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -123,9 +123,9 @@ def change(
     class_id: str, aid: str, body: AssignmentChange, account: ApiAccount, course: CourseOf, db: Db
 ) -> AssignmentOut:
     """Changes what is sent, and leaves the rest. What students have sent stays."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid, to_change=True)
-    before = keeping.current(db, assignment)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    before = keeping.load_assignment_input(db, assignment)
     told: dict[str, Any] = {**before.columns(), "exercises": before.exercises}
     told |= {name: getattr(body, name) for name in body.model_fields_set}
     if "late" in body.model_fields_set:
@@ -133,29 +133,31 @@ def change(
     if "exercises" in body.model_fields_set:
         told["exercises"] = _weighted(body.exercises)
     told["opens_at"] = told["opens_at"] or utc_now()
-    keeping.change(db, course, place.school_class, account.id, assignment, Wanted(**told))
-    return _out(assignment, keeping.current(db, assignment))
+    keeping.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
+    return _out(assignment, keeping.load_assignment_input(db, assignment))
 
 
 @router.delete(ONE, status_code=204, responses=problems(401, 403, 404, 409))
 def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
     """Takes the assignment back, with its exceptions. What students have sent stays."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    keeping.delete(db, place.school_class, account.id, keeping.find(db, place.school_class, aid, to_change=True))
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    keeping.delete_assignment(
+        db, place.school_class, account.id, keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    )
     return Response(status_code=204)
 
 
 @router.post(f"{ONE}/exceptions", status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
 def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: Db) -> ExceptionOut:
     """Has something differ for a student or a group."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid, to_change=True)
-    effect = WantedExemption(
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    effect = ExemptionInput(
         body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, body.reason.strip()
     )
-    whom = Whom((body.student,) if body.student else (), body.group or "")
-    members = classes.members(db, place.school_class.id)
-    (made,) = exempting.grant(db, place.school_class, account.id, assignment, members, whom, effect)
+    whom = ExemptionTarget((body.student,) if body.student else (), body.group or "")
+    members = classes.load_members(db, place.school_class.id)
+    (made,) = exempting.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
     return _exception(made)
 
 
@@ -178,17 +180,17 @@ def _exception(one: Exemption) -> ExceptionOut:
 @router.get(f"{ONE}/exceptions", responses=problems(401, 403, 404))
 def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> list[ExceptionOut]:
     """All that were made, oldest first; those revoked too."""
-    place = rights.require(db, account, Right.see_students, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
-    return [_exception(one) for one in repository.all_exemptions(db, assignment.id)]
+    place = rights.require_right(db, account, Right.see_students, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid)
+    return [_exception(one) for one in repository.load_all_exemptions(db, assignment.id)]
 
 
 @router.delete(f"{ONE}/exceptions/{{eid}}", status_code=204, responses=problems(401, 403, 404, 409))
 def revoke(class_id: str, aid: str, eid: str, account: ApiAccount, db: Db) -> Response:
     """Takes an exception back; it stays in the list, revoked."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid, to_change=True)
-    exempting.revoke(db, place.school_class, account.id, assignment, find(db, assignment, eid))
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    exempting.revoke_exemption(db, place.school_class, account.id, assignment, find_exemption(db, assignment, eid))
     return Response(status_code=204)
 
 
@@ -201,12 +203,12 @@ def read_rules(
     student: Annotated[str, Query(max_length=100, description="`id` of a student; oneself, where it is empty.")] = "",
 ) -> RulesOut:
     """The rules in force for a student, and why; one's own, for who is one."""
-    place = rights.require(db, account, Right.see_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
+    place = rights.require_right(db, account, Right.see_assignments, class_id)
+    assignment = keeping.find_assignment(db, place.school_class, aid)
     seat = _student(db, place, account, student)
-    exemptions = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
-    rules = in_force(assignment, exemptions, seat.account_id, seat.groups)
-    staff = place.may(Right.see_students)
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
+    staff = place.has(Right.see_students)
     why = {
         name: [
             SaidOut(
@@ -217,7 +219,7 @@ def read_rules(
             )
             for one in said
         ]
-        for name, said in explained(rules, exemptions, seat.account_id).items()
+        for name, said in explain_rules(rules, exemptions, seat.account_id).items()
     }
     return RulesOut(
         student=seat.account_id,
@@ -232,14 +234,14 @@ def read_rules(
     )
 
 
-def _student(db: Db, place: Place, account: Account, name: str) -> Membership:
+def _student(db: Db, place: ClassAccess, account: Account, name: str) -> Membership:
     """The student whom it is about. Raises NotFound, or Forbidden for another's rules."""
     wanted = name.lower() or str(account.id)
-    if not place.may(Right.see_students):
+    if not place.has(Right.see_students):
         if wanted != str(account.id):
             raise Forbidden(OTHERS)
         return _seat(place)
-    members = exempting.students_of(classes.members(db, place.school_class.id))
+    members = exempting.active_students(classes.load_members(db, place.school_class.id))
     for one in members:
         if str(one.id) == wanted:
             return one.membership

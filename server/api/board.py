@@ -22,7 +22,7 @@ from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.submissions.events import STREAM_HEADERS, sse
 
 router = APIRouter(tags=["classes"])
@@ -34,7 +34,7 @@ SIGN_OF_LIFE = ":\n\n"
 @router.get("/classes/{class_id}/dashboard", response_model=DashboardOut, responses=problems(401, 403, 404))
 def dashboard(class_id: str, account: ApiAccount, course: CourseOf, db: Db) -> Response:
     """The figures behind the class's page, for who teaches or helps there."""
-    place = rights.require(db, account, Right.read_work, class_id)
+    place = rights.require_right(db, account, Right.read_work, class_id)
     shown, insights = service.load_dashboard(db, course, place.school_class, utc_now())
     return Response(_text(_members(shown, insights)), media_type="application/json")
 
@@ -110,12 +110,12 @@ async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, board
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 
-def _place(database: Database, account: Account, class_id: str) -> Place:
+def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
     with database.read() as db:
-        return rights.require(db, account, Right.read_work, class_id)
+        return rights.require_right(db, account, Right.read_work, class_id)
 
 
-def _allowed(database: Database, account: Account, place: Place) -> bool:
+def _allowed(database: Database, account: Account, place: ClassAccess) -> bool:
     with database.read() as db:
         return service.may_watch(db, account.id, place.school_class.id)
 

@@ -7,7 +7,7 @@ from uuid import UUID
 from pydantic import ConfigDict, Field
 
 from server.api.schemas import Strict
-from server.classes.models import Seat, Status
+from server.classes.models import ClassRole, Status
 
 
 class NewClass(Strict):
@@ -63,7 +63,7 @@ class ClassOut(Strict):
 class ClassSeen(ClassOut):
     """A class, with what one is in it. An administrator may be nothing in a class that they see."""
 
-    role: Seat | None
+    role: ClassRole | None
     status: Status | None
     archived_at: datetime | None
 

@@ -8,21 +8,21 @@ from fastapi.concurrency import run_in_threadpool
 
 from server.api.class_schemas import ClassOut, ClassSeen, JoinCode, NewClass, RejectedOut, RosterOut, StudentOut
 from server.api.documentation import problems
-from server.audit.members import noted
+from server.audit.members import recording_membership_changes
 from server.base import root
 from server.base.errors import NotFound
 from server.base.request import client_address
 from server.classes import repository, service
-from server.classes.dependencies import ClassesOf
-from server.classes.importing import Plan
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.dependencies import ClassServiceOf
+from server.classes.importing import ImportPlan
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 
 router = APIRouter(tags=["classes"])
 
@@ -47,15 +47,15 @@ def url_of(school_class: SchoolClass) -> str:
     return root.address(f"/api/v1/classes/{school_class.id}")
 
 
-def _seen(place: Place) -> ClassSeen:
+def _seen(place: ClassAccess) -> ClassSeen:
     school_class, membership = place.school_class, place.membership
     return ClassSeen(
         id=school_class.id,
         name=school_class.name,
         module=school_class.module,
-        join_code=service.good_code(school_class) if place.may(Right.see_code) else None,
+        join_code=service.valid_code(school_class) if place.has(Right.see_code) else None,
         url=url_of(school_class),
-        role=None if membership is None else Seat(membership.role),
+        role=None if membership is None else ClassRole(membership.role),
         status=None if membership is None else Status(membership.status),
         archived_at=school_class.archived_at,
     )
@@ -64,31 +64,33 @@ def _seen(place: Place) -> ClassSeen:
 @router.post("/classes", status_code=201, responses=problems(400, 401, 403, 404, 413, 422))
 def create(body: NewClass, account: ApiAccount, course: CourseOf, db: Db) -> ClassOut:
     """Makes a class, in which one teaches. Needs a teacher's account."""
-    rights.require_on_server(account, Right.create)
+    rights.require_server_right(account, Right.create_class)
     if body.module not in course.modules:
         raise NotFound(f"Le module « {body.module} » n’existe pas.")
-    made = service.create(db, account, body.name, body.module)
+    made = service.create_class(db, account, body.name, body.module)
     return ClassOut(id=made.id, name=made.name, module=made.module, join_code=made.join_code, url=url_of(made))
 
 
 @router.get("/classes", responses=problems(401))
 def list_classes(account: ApiAccount, db: Db) -> list[ClassSeen]:
     """Those where one teaches, helps, learns, or asks to; every class, for an administrator."""
-    return [_seen(rights.place(account, *one)) for one in repository.classes_of(db, account)]
+    return [_seen(rights.class_access(account, *one)) for one in repository.load_visible_classes(db, account)]
 
 
 @router.post("/classes/join", responses=problems(400, 401, 404, 413, 422, 429))
-def join(request: Request, body: JoinCode, account: ApiAccount, classes: ClassesOf, database: DatabaseOf) -> ClassSeen:
+def join(
+    request: Request, body: JoinCode, account: ApiAccount, classes: ClassServiceOf, database: DatabaseOf
+) -> ClassSeen:
     """Joins the class of a code, or asks its teachers to. A guest gives their name on the page for it instead."""
-    joined = classes.join(body.code, account, address=client_address(request))
+    joined = classes.join_class(body.code, account, address=client_address(request))
     with database.read() as db:
-        return _seen(rights.place_of(db, account, joined.school_class.id))
+        return _seen(rights.load_class_access(db, account, joined.school_class.id))
 
 
 @router.get("/classes/{class_id}", responses=problems(401, 404))
 def read(class_id: str, account: ApiAccount, db: Db) -> ClassSeen:
     """One class that one is in."""
-    return _seen(rights.require(db, account, Right.see_class, class_id))
+    return _seen(rights.require_right(db, account, Right.see_class, class_id))
 
 
 @router.post(
@@ -101,7 +103,7 @@ async def import_list(
     class_id: str,
     account: ApiAccount,
     database: DatabaseOf,
-    classes: ClassesOf,
+    classes: ClassServiceOf,
     dry_run: Annotated[bool, Query(description="Tells what the list would change, and writes nothing.")] = False,
 ) -> RosterOut:
     """Has the students of the class be those of a list. Nobody is deleted: who is not in it has left."""
@@ -110,19 +112,19 @@ async def import_list(
 
 
 def _imported(
-    database: DatabaseOf, classes: ClassesOf, account: Account, class_id: str, content: bytes, dry_run: bool
+    database: DatabaseOf, classes: ClassServiceOf, account: Account, class_id: str, content: bytes, dry_run: bool
 ) -> RosterOut:
     with database.read() as db:
-        place = rights.require(db, account, Right.keep_list, class_id)
+        place = rights.require_right(db, account, Right.manage_roster, class_id)
     if dry_run:
-        plan, _ = classes.preview(place.school_class, account, content)
+        plan, _ = classes.preview_import(place.school_class, account, content)
     else:
-        around = partial(noted, class_id=place.school_class.id, by=account.id)
+        around = partial(recording_membership_changes, class_id=place.school_class.id, by=account.id)
         plan, _ = classes.import_list(place.school_class.id, account, content, around=around)
     return _told(plan)
 
 
-def _told(plan: Plan) -> RosterOut:
+def _told(plan: ImportPlan) -> RosterOut:
     return RosterOut(
         added=len(plan.added) + len(plan.joining),
         updated=len(plan.updated),
@@ -135,7 +137,7 @@ def _told(plan: Plan) -> RosterOut:
 @router.get("/classes/{class_id}/students", responses=problems(401, 403, 404))
 def students(class_id: str, account: ApiAccount, db: Db) -> list[StudentOut]:
     """The students who are in the class, as a list of names is sorted."""
-    place = rights.require(db, account, Right.see_students, class_id)
+    place = rights.require_right(db, account, Right.see_students, class_id)
     return [
         StudentOut(
             id=one.id,
@@ -144,6 +146,6 @@ def students(class_id: str, account: ApiAccount, db: Db) -> list[StudentOut]:
             joined_at=one.membership.joined_at,
             last_seen_at=one.membership.last_seen_at,
         )
-        for one in repository.members(db, place.school_class.id)
-        if one.seat is Seat.student and one.status is Status.active
+        for one in repository.load_members(db, place.school_class.id)
+        if one.role is ClassRole.student and one.status is Status.active
     ]

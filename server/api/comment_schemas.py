@@ -7,8 +7,8 @@ from uuid import UUID
 from pydantic import ConfigDict, Field
 
 from server.api.schemas import Strict
-from server.comments.carrying import Fate
-from server.comments.models import CHECK_LENGTH, TEXT_LENGTH, State
+from server.comments.carrying import LineFate
+from server.comments.models import CHECK_LENGTH, TEXT_LENGTH, ThreadState
 
 Line = Annotated[int, Field(ge=1, le=10**6)]
 
@@ -56,8 +56,8 @@ class ThreadOut(Strict):
     id: UUID
     submission: Annotated[UUID | None, Field(description="The one that it was written on; null: the exercise.")]
     lines: list[int] | None
-    fate: Annotated[Fate, Field(description="What became of its lines since that submission.")]
+    fate: Annotated[LineFate, Field(description="What became of its lines since that submission.")]
     check: str | None
-    state: State
+    state: ThreadState
     created_at: datetime
     messages: list[MessageOut]

@@ -8,9 +8,9 @@ from server.api.documentation import problems
 from server.base.dependencies import SettingsOf
 from server.base.errors import NotFound
 from server.comments import service
-from server.comments.carrying import Place
-from server.comments.models import State, Thread
-from server.comments.schemas import WHOLE, Talk, Target
+from server.comments.carrying import LineRange
+from server.comments.models import Thread, ThreadState
+from server.comments.schemas import WHOLE_WORK, Conversation, ThreadTarget
 from server.database.dependencies import Db
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
@@ -24,7 +24,7 @@ router = APIRouter(tags=["comments"])
 def list_comments(submission_id: str, account: ApiAccount, db: Db) -> list[ThreadOut]:
     """What is said of a submission, of its author's earlier ones where that still stands, of the exercise."""
     attempt = gradebook.find_attempt(db, account, submission_id)
-    return [_told(talk, account) for talk in service.beside(db, attempt)]
+    return [_told(talk, account) for talk in service.load_attempt_conversations(db, attempt)]
 
 
 @router.post(
@@ -37,32 +37,32 @@ def comment(submission_id: str, body: NewComment, account: ApiAccount, db: Db, s
     attempt = gradebook.find_attempt(db, account, submission_id)
     target = _target(body)
     if body.thread is not None:
-        thread = _of(attempt, service.find(db, account, body.thread))
-        service.reply(db, account, thread, body.text, settings)
+        thread = _of(attempt, service.find_thread(db, account, body.thread))
+        service.reply_to_thread(db, account, thread, body.text, settings)
     else:
-        thread = service.begin(db, account, attempt, target, body.text, settings)
-    return _told(service.one(db, thread), account)
+        thread = service.begin_thread(db, account, attempt, target, body.text, settings)
+    return _told(service.load_conversation(db, thread), account)
 
 
 @router.patch("/submissions/{submission_id}/comments/{thread_id}", responses=problems(400, 401, 404, 413, 422))
 def change(submission_id: str, thread_id: str, body: ThreadChange, account: ApiAccount, db: Db) -> ThreadOut:
     """Settles a thread, or opens it again."""
     attempt = gradebook.find_attempt(db, account, submission_id)
-    thread = _of(attempt, service.find(db, account, thread_id))
-    service.settle(thread, body.state == "settled")
+    thread = _of(attempt, service.find_thread(db, account, thread_id))
+    service.set_settled(thread, body.state == "settled")
     db.flush()
-    return _told(service.one(db, thread), account)
+    return _told(service.load_conversation(db, thread), account)
 
 
-def _target(body: NewComment) -> Target:
+def _target(body: NewComment) -> ThreadTarget:
     """At most one of what a comment may be about. Raises RequestValidationError."""
     given = [name for name in ("lines", "check", "thread") if getattr(body, name) is not None]
     if len(given) > 1:
         faults = [{"type": "extra_forbidden", "loc": ("body", name), "msg": ""} for name in given[1:]]
         raise RequestValidationError(faults)
     if body.lines is not None:
-        return Target(lines=Place(*body.lines))
-    return WHOLE if body.check is None else Target(check=body.check)
+        return ThreadTarget(lines=LineRange(*body.lines))
+    return WHOLE_WORK if body.check is None else ThreadTarget(check=body.check)
 
 
 def _of(attempt: Attempt, thread: Thread) -> Thread:
@@ -72,15 +72,15 @@ def _of(attempt: Attempt, thread: Thread) -> Thread:
     return thread
 
 
-def _told(talk: Talk, account: Account) -> ThreadOut:
+def _told(talk: Conversation, account: Account) -> ThreadOut:
     thread = talk.thread
     return ThreadOut(
         id=thread.id,
         submission=thread.submission_id,
-        lines=None if talk.place is None else [talk.place.first, talk.place.last],
+        lines=None if talk.lines is None else [talk.lines.first, talk.lines.last],
         fate=talk.fate,
         check=thread.check_id,
-        state=State(thread.state),
+        state=ThreadState(thread.state),
         created_at=thread.created_at,
         messages=[
             MessageOut(

@@ -10,8 +10,8 @@ from fastapi.responses import JSONResponse
 from server.api.documentation import Responses, problems
 from server.api.mark_schemas import EventOut, GradebookOut, LogOut, MarkOut, NewMark
 from server.audit import repository as audit
-from server.audit.models import What
-from server.audit.schemas import Event, Filter
+from server.audit.models import AuditAction
+from server.audit.schemas import AuditEntry, AuditFilter
 from server.base.identities import identity_of
 from server.classes.service import NOT_A_MEMBER
 from server.course.dependencies import CourseOf
@@ -45,7 +45,7 @@ def set_mark(
     class_id: str, student: str, module: str, slug: str, body: NewMark, account: ApiAccount, course: CourseOf, db: Db
 ) -> MarkOut:
     """Sets a student's mark at an exercise in place of the automatic one, which is kept beside it."""
-    place = rights.require(db, account, Right.change_marks, class_id)
+    place = rights.require_right(db, account, Right.change_marks, class_id)
     who, exercise = identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
     service.set_override(
         db,
@@ -72,7 +72,7 @@ def withdraw_mark(
     class_id: str, student: str, module: str, slug: str, account: ApiAccount, course: CourseOf, db: Db
 ) -> Response:
     """Puts the automatic mark in force again."""
-    place = rights.require(db, account, Right.change_marks, class_id)
+    place = rights.require_right(db, account, Right.change_marks, class_id)
     service.withdraw_override(
         db, course, place.school_class, account, identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
     )
@@ -98,7 +98,7 @@ def gradebook(
 ) -> Response:
     """The marks of all students. Moodle's file has those that are final alone, and leaves out who has no identifier:
     `X-Balise-Left-Out` says how many."""
-    place = rights.require(db, account, Right.read_marks, class_id)
+    place = rights.require_right(db, account, Right.read_marks, class_id)
     made = load_gradebook(db, course, place.school_class, utc_now())
     if format is GradebookFormat.json:
         content = GradebookOut.model_validate(files.gradebook_json(made))
@@ -115,17 +115,17 @@ def log(
     account: ApiAccount,
     db: Db,
     student: Annotated[UUID | None, Query(description="Of one student alone.")] = None,
-    what: Annotated[What | None, Query(description="Of one kind alone.")] = None,
+    what: Annotated[AuditAction | None, Query(description="Of one kind alone.")] = None,
     skip: Annotated[int, Query(ge=0, le=10**9, description="Leaves out so many of the newest.")] = 0,
     limit: Annotated[int, Query(ge=1, le=MOST_EVENTS, description="How many at most.")] = MOST_EVENTS,
 ) -> LogOut:
     """Every change of a mark, a date or a right, newest first: who, when, what, before and after."""
-    place = rights.require(db, account, Right.read_log, class_id)
-    wanted = Filter(student, what)
-    some = audit.of_class(db, place.school_class.id, wanted, most=limit, skipped=skip)
-    total = audit.count(db, place.school_class.id, wanted)
+    place = rights.require_right(db, account, Right.read_audit_log, class_id)
+    wanted = AuditFilter(student, what)
+    some = audit.load_entries(db, place.school_class.id, wanted, most=limit, skipped=skip)
+    total = audit.count_entries(db, place.school_class.id, wanted)
     return LogOut(total=total, events=[_event(one) for one in some])
 
 
-def _event(one: Event) -> EventOut:
+def _event(one: AuditEntry) -> EventOut:
     return EventOut.model_validate({**asdict(one), "words": one.words})

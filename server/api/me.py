@@ -11,7 +11,7 @@ from server.api.documentation import content, problems
 from server.api.schemas import Strict
 from server.base.request import client_address
 from server.database import utc_now
-from server.identity.dependencies import AccountsOf, ApiAccount
+from server.identity.dependencies import AccountServiceOf, ApiAccount
 from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
 
@@ -38,10 +38,10 @@ def export(account: ApiAccount, personal: PersonalOf) -> StreamingResponse:
 
 @router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 413, 422, 429, 503))
 async def erase(
-    request: Request, account: ApiAccount, accounts: AccountsOf, personal: PersonalOf, proof: Proof | None = None
+    request: Request, account: ApiAccount, accounts: AccountServiceOf, personal: PersonalOf, proof: Proof | None = None
 ) -> Response:
     """Erases the account with all that hangs on it. It cannot be undone."""
     if proof is not None:
-        await accounts.prove(account, proof.password, address=client_address(request))
+        await accounts.require_password(account, proof.password, address=client_address(request))
     await run_in_threadpool(personal.erase, account.id)
     return Response(status_code=204)

@@ -20,7 +20,7 @@ NAMED = "/classes/{class_id}/names/{module}/{slug}/{group}"
 @router.put(NAMED, responses=problems(400, 401, 403, 404, 409, 413, 422))
 def give(class_id: str, module: str, slug: str, group: str, body: NewName, account: ApiAccount, db: Db) -> NameOut:
     """Names a group of programs that answer alike: what failed so, now and later, has it as its diagnosis."""
-    place = rights.require(db, account, Right.name_behaviours, class_id)
+    place = rights.require_right(db, account, Right.name_behaviours, class_id)
     found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
     require_open(place.school_class)
     given = service.parse_description(body.title, body.explanation, body.question)
@@ -38,7 +38,7 @@ def give(class_id: str, module: str, slug: str, group: str, body: NewName, accou
 @router.delete(NAMED, status_code=204, response_class=Response, responses=problems(401, 403, 404, 409))
 def withdraw(class_id: str, module: str, slug: str, group: str, account: ApiAccount, db: Db) -> Response:
     """Takes a group's name back, where it has one: nobody is told so any more."""
-    place = rights.require(db, account, Right.name_behaviours, class_id)
+    place = rights.require_right(db, account, Right.name_behaviours, class_id)
     found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
     require_open(place.school_class)
     service.withdraw_group_name(db, place.school_class, found, account.id)

@@ -6,8 +6,8 @@ from uuid import UUID
 from pydantic import ConfigDict, Field
 
 from server.api.schemas import Strict
-from server.regrades.models import Policy
-from server.regrades.schemas import Fate, State
+from server.regrades.models import RegradePolicy
+from server.regrades.schemas import MarkOutcome, RegradeState
 
 
 class NewRegrade(Strict):
@@ -18,7 +18,7 @@ class NewRegrade(Strict):
     exercise: Annotated[str, Field(max_length=200, description="Exercise, as `module/slug`.")]
     policy: Annotated[
         Literal["keep_best", "replace"], Field(description="Which of the two gradings counts, once it is applied.")
-    ] = Policy.keep_best.value
+    ] = RegradePolicy.keep_best.value
     assignment: Annotated[UUID | None, Field(strict=False, description="Only attempts that may count in it.")] = None
     student: Annotated[UUID | None, Field(strict=False, description="Only this student's attempts.")] = None
 
@@ -46,11 +46,11 @@ class RegradeOut(Strict):
 
     id: UUID
     exercise: str
-    policy: Policy
+    policy: RegradePolicy
     assignment: UUID | None
     student: UUID | None
-    state: State
+    state: RegradeState
     progress: ProgressOut
-    students: Annotated[dict[Fate, int], Field(description="How many gain, lose, keep the better mark, stay.")]
+    students: Annotated[dict[MarkOutcome, int], Field(description="How many gain, lose, keep the better mark, stay.")]
     failed: Annotated[int, Field(ge=0, description="Attempts whose new grading ended by an error of ours.")]
     changes: list[ChangeOut]

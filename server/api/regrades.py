@@ -13,9 +13,9 @@ from server.database.dependencies import Db
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.regrades import applying, service
-from server.regrades.dependencies import RegradesOf
-from server.regrades.models import Policy, Regrade
-from server.regrades.schemas import Fate, Wanted
+from server.regrades.dependencies import RegradeServiceOf
+from server.regrades.models import Regrade, RegradePolicy
+from server.regrades.schemas import MarkOutcome, RegradeInput
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web import regraded
@@ -24,10 +24,10 @@ router = APIRouter(prefix="/classes/{class_id}/regrades", tags=["classes"])
 
 
 @router.post("", status_code=202, responses=problems(400, 401, 403, 404, 409, 413, 422))
-def begin(class_id: str, body: NewRegrade, account: ApiAccount, store: RegradesOf, db: Db) -> RegradeBegun:
+def begin(class_id: str, body: NewRegrade, account: ApiAccount, store: RegradeServiceOf, db: Db) -> RegradeBegun:
     """Grades attempts anew in the background; nothing counts until it is applied."""
-    place = rights.require(db, account, Right.regrade, class_id)
-    wanted = Wanted(body.exercise, Policy(body.policy), body.assignment, body.student)
+    place = rights.require_right(db, account, Right.regrade, class_id)
+    wanted = RegradeInput(body.exercise, RegradePolicy(body.policy), body.assignment, body.student)
     return RegradeBegun(id=store.start(db, place.school_class, account.id, wanted).id)
 
 
@@ -41,7 +41,7 @@ def read(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, 
 def apply(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, db: Db) -> RegradeOut:
     """Has the new gradings count, all at once; where it is applied already, changes nothing."""
     regrade = _found(db, account, class_id, regrade_id, to_change=True)
-    applying.apply(db, course, regrade.id, account.id)
+    applying.apply_regrade(db, course, regrade.id, account.id)
     return _told(db, course, regrade)
 
 
@@ -49,39 +49,39 @@ def apply(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf,
 def undo(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, db: Db) -> RegradeOut:
     """Has what counted before count again, all at once; where it is not applied, changes nothing."""
     regrade = _found(db, account, class_id, regrade_id, to_change=True)
-    applying.undo(db, course, regrade.id, account.id)
+    applying.undo_regrade(db, course, regrade.id, account.id)
     return _told(db, course, regrade)
 
 
 def _found(db: Db, account: Account, class_id: str, regrade_id: str, *, to_change: bool = False) -> Regrade:
-    place = rights.require(db, account, Right.regrade, class_id)
-    regrade = service.find(db, place.school_class.id, regrade_id)
+    place = rights.require_right(db, account, Right.regrade, class_id)
+    regrade = service.find_regrade(db, place.school_class.id, regrade_id)
     if to_change:
         require_open(place.school_class)
     return regrade
 
 
 def _told(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
-    found = service.preview(db, regrade)
+    found = service.preview_regrade(db, regrade)
     exercise = course.exercises.get(regrade.exercise)
     kind = "code" if exercise is None else exercise.kind
-    fates = Counter(one.fate for one in found.changes)
+    fates = Counter(one.outcome for one in found.changes)
     return RegradeOut(
         id=regrade.id,
         exercise=regrade.exercise,
-        policy=Policy(regrade.policy),
+        policy=RegradePolicy(regrade.policy),
         assignment=regrade.assignment_id,
         student=regrade.student_id,
-        state=found.advance.state,
-        progress=ProgressOut(done=found.advance.graded, total=found.advance.total),
-        students={fate: fates[fate] for fate in Fate},
+        state=found.progress.state,
+        progress=ProgressOut(done=found.progress.graded, total=found.progress.total),
+        students={fate: fates[fate] for fate in MarkOutcome},
         failed=sum(one.failed for one in found.changes),
         changes=[
             ChangeOut(
                 student=one.student,
                 before=one.before,
                 after=one.after,
-                why=" ; ".join(regraded.sentences(one.why, kind)),
+                why=" ; ".join(regraded.sentences(one.differences, kind)),
             )
             for one in found.changes
             if one.before != one.after

@@ -23,13 +23,13 @@ from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.identity.dependencies import ApiAccount, ShownToken, TokenFirst, account_of_token
+from server.identity.dependencies import ApiAccount, BearerToken, TokenFirstRoute, account_of_token
 from server.identity.models import Account
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import STREAM_HEADERS, Events, as_sse
 from server.submissions.service import Submissions, key_of, parse_id
 
-router = APIRouter(tags=["submissions"], route_class=TokenFirst)
+router = APIRouter(tags=["submissions"], route_class=TokenFirstRoute)
 
 _database, _course = needed(Database), needed(Course)
 _store_of, _hub = needed(Submissions), needed(Events)
@@ -71,7 +71,7 @@ STREAM = events(
 async def create(
     request: Request,
     body: NewSubmission,
-    token: ShownToken,
+    token: BearerToken,
     wait: Wait = None,
     reuse: Reuse = False,
     key: SendingKey = None,

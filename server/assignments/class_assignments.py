@@ -12,7 +12,7 @@ from uuid import UUID
 from sqlalchemy import inspect, select
 from sqlalchemy.orm import Session
 
-from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption, Mode, Sitting
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, WeightedExercise
 from server.database import Base
 
 
@@ -22,7 +22,7 @@ class ClassAssignments:
     force, and for tests the sittings by student."""
 
     assignments: Sequence[Assignment]
-    exercises: Mapping[UUID, Sequence[Assigned]]
+    exercises: Mapping[UUID, Sequence[WeightedExercise]]
     exemptions: Mapping[UUID, Sequence[Exemption]]
     sittings: Mapping[UUID, Mapping[UUID, Sitting]]
 
@@ -50,13 +50,13 @@ def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
         .where(Assignment.class_id == class_id)
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id, AssignedExercise.position)
     )
-    exercises: dict[UUID, list[Assigned]] = {}
+    exercises: dict[UUID, list[WeightedExercise]] = {}
     assignments: dict[UUID, Assignment] = {}
     for assignment, exercise, weight in db.execute(query):
         assignments[assignment.id] = assignment
         rows = exercises.setdefault(assignment.id, [])
         if exercise is not None:
-            rows.append(Assigned(exercise, weight))
+            rows.append(WeightedExercise(exercise, weight))
     has_tests = any(assignment.mode == Mode.test for assignment in assignments.values())
     return ClassAssignments(
         assignments=list(assignments.values()),

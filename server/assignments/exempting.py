@@ -16,12 +16,12 @@ from sqlalchemy.orm import Session
 from server.assignments import keeping_tests, repository
 from server.assignments.models import Assignment, Exemption
 from server.assignments.rules import Field, Origin, Rules
-from server.assignments.schemas import WantedExemption, Whom, checked_exemption
+from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate_exemption
 from server.audit import service as audit
-from server.audit.models import What
+from server.audit.models import AuditAction
 from server.base.errors import FieldsRefused, NotFound
 from server.base.identities import identity_of
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
 from server.classes.service import require_open
 from server.database import utc_now
@@ -30,24 +30,24 @@ UNKNOWN = "Cet aménagement n’existe pas."
 NO_STUDENT = "Cette personne n’est pas un élève de la classe."
 
 
-def students_of(members: Collection[Member]) -> Sequence[Member]:
+def active_students(members: Collection[Member]) -> Sequence[Member]:
     """Those who learn in the class now."""
-    return [one for one in members if one.seat is Seat.student and one.status is Status.active]
+    return [one for one in members if one.role is ClassRole.student and one.status is Status.active]
 
 
-def labels_of(members: Collection[Member]) -> Sequence[str]:
+def student_labels(members: Collection[Member]) -> Sequence[str]:
     """Those that some student has."""
-    return sorted({label for one in students_of(members) for label in one.groups}, key=str.casefold)
+    return sorted({label for one in active_students(members) for label in one.groups}, key=str.casefold)
 
 
-def grant(
+def grant_exemptions(
     db: Session,
     school_class: SchoolClass,
     by: UUID,
     assignment: Assignment,
     members: Collection[Member],
-    whom: Whom,
-    wanted: WantedExemption,
+    whom: ExemptionTarget,
+    wanted: ExemptionInput,
     *,
     replacing: bool = False,
 ) -> Sequence[Exemption]:
@@ -56,15 +56,15 @@ def grant(
     Raises Conflict for an archived class, or where it would cut short who sits a test; FieldsRefused.
     """
     require_open(school_class)
-    known = {one.id for one in students_of(members)}
+    known = {one.id for one in active_students(members)}
     if set(whom.students) - known:
         raise FieldsRefused({"student": NO_STUDENT})
-    checked_exemption(wanted, assignment.opens_at, labels_of(members), whom)
+    validate_exemption(wanted, assignment.opens_at, student_labels(members), whom)
     targets: list[dict[str, Any]] = [{"account_id": one} for one in dict.fromkeys(whom.students)]
     if whom.label:
         targets = [{"label": whom.label}]
     made = [Exemption(assignment_id=assignment.id, created_by=by, **target, **wanted.columns()) for target in targets]
-    before = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+    before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     replaced = [
         one
         for one in before
@@ -77,15 +77,17 @@ def grant(
     db.add_all(made)
     db.flush()
     for one in made:
-        _note(db, school_class, by, What.exemption_made, assignment, one)
+        _note(db, school_class, by, AuditAction.exemption_made, assignment, one)
     return made
 
 
-def _note(db: Session, school_class: SchoolClass, by: UUID, what: What, assignment: Assignment, one: Exemption) -> None:
+def _note(
+    db: Session, school_class: SchoolClass, by: UUID, what: AuditAction, assignment: Assignment, one: Exemption
+) -> None:
     told: dict[str, Any] = {} if one.label is None else {"label": one.label}
-    told |= effects(one)
-    before, after = ({}, told) if what is What.exemption_made else (told, {})
-    audit.note(
+    told |= exemption_effects(one)
+    before, after = ({}, told) if what is AuditAction.exemption_made else (told, {})
+    audit.record_event(
         db,
         school_class.id,
         by,
@@ -98,26 +100,26 @@ def _note(db: Session, school_class: SchoolClass, by: UUID, what: What, assignme
     )
 
 
-def effects(one: Exemption) -> dict[str, Any]:
+def exemption_effects(one: Exemption) -> dict[str, Any]:
     """What it says, without why."""
-    named = WantedExemption(one.opens_at, one.due_at, one.closes_at, one.time_factor, one.excused)
+    named = ExemptionInput(one.opens_at, one.due_at, one.closes_at, one.time_factor, one.excused)
     return named.effects
 
 
-def find(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
+def find_exemption(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
     """Raises NotFound."""
-    found = repository.exemption(db, assignment.id, identity_of(exemption_id, UNKNOWN))
+    found = repository.find_exemption(db, assignment.id, identity_of(exemption_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found
 
 
-def revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
+def revoke_exemption(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
     """From now on it says nothing; one that was revoked stays so. Raises Conflict."""
     require_open(school_class)
     if one.revoked_at is not None:
         return
-    before = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+    before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     after = [each for each in before if each.id != one.id]
     keeping_tests.require_exempted_go_on(db, assignment, before, after, utc_now())
     _revoke(db, school_class, by, assignment, one)
@@ -126,7 +128,7 @@ def revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignm
 def _revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
     one.revoked_at = utc_now()
     db.flush()
-    _note(db, school_class, by, What.exemption_revoked, assignment, one)
+    _note(db, school_class, by, AuditAction.exemption_revoked, assignment, one)
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
@@ -135,7 +137,7 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
 
 @dataclass(frozen=True)
-class Told:
+class ExplainedValue:
     """What was said of a field: by whom, when, and why where an exemption did. The reason is for the staff alone."""
 
     origin: Origin
@@ -146,19 +148,21 @@ class Told:
     at: datetime | None = None
 
 
-def explained(rules: Rules, exemptions: Collection[Exemption], student: UUID) -> Mapping[Field, tuple[Told, ...]]:
+def explain_rules(
+    rules: Rules, exemptions: Collection[Exemption], student: UUID
+) -> Mapping[Field, tuple[ExplainedValue, ...]]:
     """The rules' own account of themselves, with the exemption that each value comes from."""
     return {
         name: tuple(_told(name, one.origin, one.value, one.label, exemptions, student) for one in said)
-        for name, said in rules.why.items()
+        for name, said in rules.sources.items()
     }
 
 
 def _told(
     name: Field, origin: Origin, value: Any, label: str, exemptions: Collection[Exemption], student: UUID
-) -> Told:
+) -> ExplainedValue:
     for one in exemptions:
         mine = one.account_id == student if origin == "student" else origin == "label" and one.label == label
         if mine and one.revoked_at is None and getattr(one, name) == value:
-            return Told(origin, value, label, one.reason, one.created_by, one.created_at)
-    return Told(origin, value, label)
+            return ExplainedValue(origin, value, label, one.reason, one.created_by, one.created_at)
+    return ExplainedValue(origin, value, label)

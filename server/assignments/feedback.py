@@ -17,9 +17,9 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
 from server.assignments import held, repository
-from server.assignments.held import Row
-from server.assignments.models import Assignment, EndedBy, Mode, Shown, Sitting
-from server.assignments.rules import Rules, in_force
+from server.assignments.held import AssignedExerciseRow
+from server.assignments.models import Assignment, EndedBy, Mode, Sitting, Visibility
+from server.assignments.rules import Rules, rules_in_force
 from server.database import utc_now
 
 BEGIN_FIRST = (
@@ -33,7 +33,7 @@ OVER = (
 MEMO = "feedback"
 
 
-class Stage(StrEnum):
+class SittingStage(StrEnum):
     """Where a student is in a test; `missed`: it has closed on who never began, `shown`: nothing is held any more."""
 
     before = "before"
@@ -45,7 +45,7 @@ class Stage(StrEnum):
 
 
 @dataclass(frozen=True)
-class Test:
+class HoldingTest:
     """A test as it stands to one student. `since`: what they send from then on is held; `ends_at` once they sit it."""
 
     __test__ = False  # it is none of pytest's
@@ -53,17 +53,17 @@ class Test:
     class_id: UUID
     assignment_id: UUID
     title: str
-    stage: Stage
-    since: datetime
+    stage: SittingStage
+    held_since: datetime
     ends_at: datetime | None
 
     @property
-    def href(self) -> str:
-        return href_of(self.class_id, self.assignment_id)
+    def path(self) -> str:
+        return sitting_path(self.class_id, self.assignment_id)
 
 
 @dataclass(frozen=True)
-class Closed:
+class FeedbackHold:
     """Something that an assignment holds back, until then (None: no date is known, or never)."""
 
     title: str
@@ -72,37 +72,37 @@ class Closed:
 
 
 @dataclass(frozen=True)
-class Feedback:
+class FeedbackHolds:
     """What is held back from one account in one exercise: of its attempts by `tests`, and besides."""
 
-    tests: tuple[Test, ...] = ()
-    hints: Closed | None = None
-    diagnosis: Closed | None = None
-    solution: Closed | None = None
+    tests: tuple[HoldingTest, ...] = ()
+    hints: FeedbackHold | None = None
+    diagnosis: FeedbackHold | None = None
+    solution: FeedbackHold | None = None
 
     @property
-    def held_from(self) -> datetime | None:
+    def held_since(self) -> datetime | None:
         """Attempts sent from then on are held."""
-        return min((test.since for test in self.tests), default=None)
+        return min((test.held_since for test in self.tests), default=None)
 
-    def holds(self, sent_at: datetime) -> Test | None:
+    def test_holding(self, sent_at: datetime) -> HoldingTest | None:
         """The test that holds back what was found of an attempt sent then."""
-        return next((test for test in self.tests if sent_at >= test.since), None)
+        return next((test for test in self.tests if sent_at >= test.held_since), None)
 
     @property
-    def running(self) -> tuple[Test, ...]:
-        return tuple(test for test in self.tests if test.stage is Stage.running)
+    def running_tests(self) -> tuple[HoldingTest, ...]:
+        return tuple(test for test in self.tests if test.stage is SittingStage.running)
 
     @property
     def refusal(self) -> str:
         """Why nothing may be sent at present; empty where it may. Who sits a test works, whatever another one says."""
-        if not self.tests or self.running:
+        if not self.tests or self.running_tests:
             return ""
-        first = min(self.tests, key=lambda test: test.stage is not Stage.may_begin)
-        sentence = BEGIN_FIRST if first.stage is Stage.may_begin else OVER
-        return sentence.format(title=first.title, href=first.href)
+        first = min(self.tests, key=lambda test: test.stage is not SittingStage.may_begin)
+        sentence = BEGIN_FIRST if first.stage is SittingStage.may_begin else OVER
+        return sentence.format(title=first.title, href=first.path)
 
-    def shown(self, verdict: Verdict) -> Verdict:
+    def redact(self, verdict: Verdict) -> Verdict:
         """A verdict that no test holds, without what is held back of it."""
         if self.diagnosis is not None:
             timings = {name: value for name, value in verdict.timings.items() if name != "diagnosis_ms"}
@@ -112,113 +112,113 @@ class Feedback:
         return verdict
 
 
-NOTHING_HELD = Feedback()
+NO_HOLDS = FeedbackHolds()
 
 
-def href_of(class_id: UUID, assignment_id: UUID) -> str:
+def sitting_path(class_id: UUID, assignment_id: UUID) -> str:
     """The page where a student sits a test."""
     return f"/classes/{class_id}/devoirs/{assignment_id}/composer"
 
 
-def of(db: Session, account_id: UUID, exercise: str) -> Feedback:
+def load_holds(db: Session, account_id: UUID, exercise: str) -> FeedbackHolds:
     """In one exercise. Asked once in each transaction, in one query where nothing is held."""
-    return _remembered(db, account_id, exercise).get(exercise, NOTHING_HELD)
+    return _remembered(db, account_id, exercise).get(exercise, NO_HOLDS)
 
 
-def note_nothing(db: Session, account_id: UUID, exercise: str) -> None:
+def remember_no_holds(db: Session, account_id: UUID, exercise: str) -> None:
     """What was learnt in this transaction with something else (`held.anything`): in this exercise nothing is held."""
     db.info.setdefault(MEMO, {}).setdefault((account_id, exercise), {})
 
 
-def of_all(db: Session, account_id: UUID) -> Mapping[str, Feedback]:
+def load_all_holds(db: Session, account_id: UUID) -> Mapping[str, FeedbackHolds]:
     """By exercise, those where something is held."""
     return _remembered(db, account_id, None)
 
 
-def _remembered(db: Session, account_id: UUID, exercise: str | None) -> Mapping[str, Feedback]:
+def _remembered(db: Session, account_id: UUID, exercise: str | None) -> Mapping[str, FeedbackHolds]:
     known = db.info.setdefault(MEMO, {})
     key = (account_id, exercise)
     if key not in known:
         known[key] = _by_exercise(db, account_id, exercise, utc_now())
-    found: Mapping[str, Feedback] = known[key]
+    found: Mapping[str, FeedbackHolds] = known[key]
     return found
 
 
-def of_students(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, Feedback]:
+def load_holds_by_student(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, FeedbackHolds]:
     """Of many in one exercise, those from whom something is held back; two queries."""
     now = utc_now()
-    rows = held.of_students(db, accounts, exercise, now) if accounts else ()
-    differences = repository.exemptions(db, {row.assignment.id for row in rows}) if rows else {}
-    grouped: dict[UUID, list[tuple[Row, Rules]]] = defaultdict(list)
+    rows = held.load_rows_of_students(db, accounts, exercise, now) if accounts else ()
+    differences = repository.load_exemptions(db, {row.assignment.id for row in rows}) if rows else {}
+    grouped: dict[UUID, list[tuple[AssignedExerciseRow, Rules]]] = defaultdict(list)
     for row in rows:
         told = differences.get(row.assignment.id, ())
-        grouped[row.account_id].append((row, in_force(row.assignment, told, row.account_id, row.groups)))
-    return {account_id: feedback(pairs, now) for account_id, pairs in grouped.items()}
+        grouped[row.account_id].append((row, rules_in_force(row.assignment, told, row.account_id, row.groups)))
+    return {account_id: compute_holds(pairs, now) for account_id, pairs in grouped.items()}
 
 
-def forget(db: Session) -> None:
+def forget_holds(db: Session) -> None:
     """What was asked in this transaction is asked again: something of it has changed."""
     db.info.pop(MEMO, None)
 
 
-def _by_exercise(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Mapping[str, Feedback]:
-    rows = held.of_student(db, account_id, exercise, now)
+def _by_exercise(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Mapping[str, FeedbackHolds]:
+    rows = held.load_student_rows(db, account_id, exercise, now)
     if not rows:
         return {}
-    differences = repository.exemptions(db, {row.assignment.id for row in rows})
-    grouped: dict[str, list[tuple[Row, Rules]]] = defaultdict(list)
+    differences = repository.load_exemptions(db, {row.assignment.id for row in rows})
+    grouped: dict[str, list[tuple[AssignedExerciseRow, Rules]]] = defaultdict(list)
     for row in rows:
-        rules = in_force(row.assignment, differences.get(row.assignment.id, ()), account_id, row.groups)
+        rules = rules_in_force(row.assignment, differences.get(row.assignment.id, ()), account_id, row.groups)
         grouped[row.exercise].append((row, rules))
-    return {name: feedback(pairs, now) for name, pairs in grouped.items()}
+    return {name: compute_holds(pairs, now) for name, pairs in grouped.items()}
 
 
-def feedback(pairs: Sequence[tuple[Row, Rules]], now: datetime) -> Feedback:
+def compute_holds(pairs: Sequence[tuple[AssignedExerciseRow, Rules]], now: datetime) -> FeedbackHolds:
     """Of the assignments that contain one exercise, with a student's rules in each: pure."""
     tests = tuple(test for row, rules in pairs if (test := _test(row, rules, now)) is not None)
     if tests:
-        all_of_it = Closed(tests[0].title, None, test=True)
-        return Feedback(tests, all_of_it, all_of_it, all_of_it)
+        all_of_it = FeedbackHold(tests[0].title, None, test=True)
+        return FeedbackHolds(tests, all_of_it, all_of_it, all_of_it)
     mine = [(row.assignment, rules) for row, rules in pairs if row.active and not rules.excused]
-    return Feedback(
+    return FeedbackHolds(
         hints=_longest(_held(one.title, one.hints, rules, now) for one, rules in mine),
         diagnosis=_longest(_held(one.title, one.diagnosis, rules, now) for one, rules in mine),
         solution=_longest(_held(one.title, one.solution, rules, now) for one, rules in mine),
     )
 
 
-def _test(row: Row, rules: Rules, now: datetime) -> Test | None:
+def _test(row: AssignedExerciseRow, rules: Rules, now: datetime) -> HoldingTest | None:
     """A test that holds something back from this student; who is excused and has not begun is not held."""
     if row.assignment.mode != Mode.test or (rules.excused and row.sitting is None):
         return None
-    stage = stage_of(row.assignment, rules, row.sitting, now)
-    if stage in {Stage.before, Stage.shown}:
+    stage = sitting_stage(row.assignment, rules, row.sitting, now)
+    if stage in {SittingStage.before, SittingStage.shown}:
         return None
     began = row.sitting.began_at if row.sitting is not None else rules.opens_at
-    ends_at = end_of(rules, row.sitting) if row.sitting is not None else None
+    ends_at = sitting_end(rules, row.sitting) if row.sitting is not None else None
     since = min(rules.opens_at, began)
     one = row.assignment
-    return Test(one.class_id, one.id, one.title, stage, since, ends_at)
+    return HoldingTest(one.class_id, one.id, one.title, stage, since, ends_at)
 
 
-def stage_of(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> Stage:
+def sitting_stage(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> SittingStage:
     """Pure. Results that are released stay held from who still sits, or is to sit it later than the others."""
     released = assignment.released_at
     is_released = released is not None and released <= now
     if sitting is not None:
-        if is_running(rules, sitting, now):
-            return Stage.running
-        return Stage.shown if is_released else Stage.over
+        if is_sitting_running(rules, sitting, now):
+            return SittingStage.running
+        return SittingStage.shown if is_released else SittingStage.over
     if now < rules.opens_at:
-        return Stage.before
+        return SittingStage.before
     if is_released and released is not None and rules.opens_at <= released:
-        return Stage.shown
+        return SittingStage.shown
     if rules.closes_at is not None and now >= rules.closes_at:
-        return Stage.shown if is_released else Stage.missed
-    return Stage.may_begin
+        return SittingStage.shown if is_released else SittingStage.missed
+    return SittingStage.may_begin
 
 
-def is_running(rules: Rules, sitting: Sitting, now: datetime) -> bool:
+def is_sitting_running(rules: Rules, sitting: Sitting, now: datetime) -> bool:
     """Whether it goes on: not handed in, and its time is not over, by the rules of now."""
     if sitting.ended_by == EndedBy.student:
         return False
@@ -226,23 +226,23 @@ def is_running(rules: Rules, sitting: Sitting, now: datetime) -> bool:
     return end is None or now < end
 
 
-def end_of(rules: Rules, sitting: Sitting) -> datetime | None:
+def sitting_end(rules: Rules, sitting: Sitting) -> datetime | None:
     """When it has ended, or will; None where only its student ends it."""
     if sitting.ended_by == EndedBy.student:
         return sitting.handed_in_at
     return rules.end_of_sitting(sitting.began_at)
 
 
-def _held(title: str, shown: str, rules: Rules, now: datetime) -> Closed | None:
-    if now < rules.opens_at or shown == Shown.usual:
+def _held(title: str, shown: str, rules: Rules, now: datetime) -> FeedbackHold | None:
+    if now < rules.opens_at or shown == Visibility.usual:
         return None
-    if shown == Shown.never:
-        return Closed(title, None)
-    until = rules.closes_at if shown == Shown.after_close else rules.due_at or rules.closes_at
-    return None if until is not None and now >= until else Closed(title, until)
+    if shown == Visibility.never:
+        return FeedbackHold(title, None)
+    until = rules.closes_at if shown == Visibility.after_close else rules.due_at or rules.closes_at
+    return None if until is not None and now >= until else FeedbackHold(title, until)
 
 
-def _longest(found: Iterable[Closed | None]) -> Closed | None:
+def _longest(found: Iterable[FeedbackHold | None]) -> FeedbackHold | None:
     """The one that holds longest."""
     known = [one for one in found if one is not None]
     dated = [(one.until, one) for one in known if one.until is not None]

@@ -11,13 +11,13 @@ from sqlalchemy import ColumnElement, Select, Table, Uuid, and_, bindparam, exis
 from sqlalchemy import Row as Found
 from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Shown, Sitting
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, Visibility
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import UtcDateTime, ask
 
 
 @dataclass(frozen=True)
-class Row:
+class AssignedExerciseRow:
     """One exercise of one assignment of one of a student's classes, with what that student is there and has done."""
 
     account_id: UUID
@@ -43,7 +43,9 @@ def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
     )
     sits = and_(Sitting.began_at.is_not(None), or_(Sitting.handed_in_at.is_(None), Sitting.ended_by == "time"))
     unreleased = or_(Assignment.released_at.is_(None), Assignment.released_at > now, sits, later)
-    hides = or_(*(column != Shown.usual for column in (Assignment.hints, Assignment.diagnosis, Assignment.solution)))
+    hides = or_(
+        *(column != Visibility.usual for column in (Assignment.hints, Assignment.diagnosis, Assignment.solution))
+    )
     return (
         select(
             Membership.account_id, Assignment, AssignedExercise.exercise, Membership.groups, Membership.status, Sitting
@@ -57,10 +59,10 @@ def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
             and_(Sitting.assignment_id == Assignment.id, Sitting.account_id == Membership.account_id),
         )
         .where(
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             or_(
                 Membership.status == Status.active,
-                and_(Membership.status == Status.left, Membership.went),
+                and_(Membership.status == Status.left, Membership.left_voluntarily),
                 and_(Membership.status == Status.pending, Sitting.began_at.is_not(None)),
             ),
             or_(SchoolClass.archived_at.is_(None), Sitting.began_at.is_not(None)),
@@ -78,7 +80,7 @@ OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
 ANY_OF_ONE = OF_ONE.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
 
 
-def anything(table: Table) -> ColumnElement[bool]:
+def has_holds_clause(table: Table) -> ColumnElement[bool]:
     """Whether there is something for the account and the exercise of a row of this table, to be asked with the row. The
     time is the value `now`."""
     row = table.c
@@ -86,7 +88,9 @@ def anything(table: Table) -> ColumnElement[bool]:
     return query.with_only_columns(Assignment.id, maintain_column_froms=True).correlate(table).exists()
 
 
-def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Sequence[Row]:
+def load_student_rows(
+    db: Session, account_id: UUID, exercise: str | None, now: datetime
+) -> Sequence[AssignedExerciseRow]:
     """In one exercise, or in all."""
     values = {"account": account_id, "now": now}
     if exercise is None:
@@ -95,14 +99,16 @@ def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetim
     return () if ask(db, ANY_OF_ONE, in_it).first() is None else _rows(db.execute(OF_ONE, in_it))
 
 
-def of_students(db: Session, accounts: Collection[UUID], exercise: str, now: datetime) -> Sequence[Row]:
+def load_rows_of_students(
+    db: Session, accounts: Collection[UUID], exercise: str, now: datetime
+) -> Sequence[AssignedExerciseRow]:
     """In one exercise, of many."""
     query = OF_EVERYONE.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
     return _rows(db.execute(query, {"now": now}))
 
 
-def _rows(found: Iterable[Found[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[Row]:
+def _rows(found: Iterable[Found[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:
     return [
-        Row(account_id, assignment, name, groups, status == Status.active, sitting)
+        AssignedExerciseRow(account_id, assignment, name, groups, status == Status.active, sitting)
         for account_id, assignment, name, groups, status, sitting in found
     ]

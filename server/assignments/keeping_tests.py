@@ -13,8 +13,8 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, papers, repository
 from server.assignments.models import Assignment, Exemption, Mode
-from server.assignments.rules import Frame, in_force
-from server.assignments.schemas import Wanted
+from server.assignments.rules import CommonRules, rules_in_force
+from server.assignments.schemas import AssignmentInput
 from server.base.errors import FieldsRefused, NotNow
 
 HOLDS = (
@@ -29,7 +29,7 @@ CUTS = (
 DELETE, CHANGE, REMOVE = "supprimez-le", "changez-en le mode", "retirez l’exercice"
 
 
-def lock(db: Session, assignment: Assignment) -> None:
+def lock_test(db: Session, assignment: Assignment) -> None:
     """Nobody begins to sit it, nor releases it, until the commit."""
     db.refresh(assignment, with_for_update=True)
 
@@ -45,13 +45,15 @@ def _refusal(db: Session, assignment: Assignment, then: str) -> str:
     """Why what a test holds back cannot be let go of; empty where it holds nothing of anybody."""
     if assignment.mode != Mode.test:
         return ""
-    begun, ended = papers.counts(db, assignment.id)
+    begun, ended = papers.count_sittings(db, assignment.id)
     if begun and assignment.released_at is None:
         return HOLDS.format(then=then)
     return SITS if begun > ended else ""
 
 
-def require_coherent(db: Session, assignment: Assignment, before: Wanted, after: Wanted, now: datetime) -> None:
+def require_coherent(
+    db: Session, assignment: Assignment, before: AssignmentInput, after: AssignmentInput, now: datetime
+) -> None:
     """That a test may be changed so. Raises FieldsRefused."""
     if before.mode is not Mode.test:
         return
@@ -62,7 +64,7 @@ def require_coherent(db: Session, assignment: Assignment, before: Wanted, after:
     if gone and (refusal := _refusal(db, assignment, REMOVE)):
         problems["exercises"] = refusal
     if not problems and after.mode is Mode.test:
-        told = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+        told = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
         if _cut_off(db, assignment.id, (before, told), (after, told), now):
             shorter = after.duration_minutes != before.duration_minutes
             problems["duration_minutes" if shorter else "closes_at"] = CUTS
@@ -81,13 +83,17 @@ def require_exempted_go_on(
 def _cut_off(
     db: Session,
     assignment_id: UUID,
-    before: tuple[Frame, Collection[Exemption]],
-    after: tuple[Frame, Collection[Exemption]],
+    before: tuple[CommonRules, Collection[Exemption]],
+    after: tuple[CommonRules, Collection[Exemption]],
     now: datetime,
 ) -> bool:
     """Whether somebody sits it now by the one, whose time would be over by the other."""
-    for one in papers.unfinished(db, assignment_id):
-        was, becomes = (in_force(frame, told, one.sitting.account_id, one.groups) for frame, told in (before, after))
-        if feedback.is_running(was, one.sitting, now) and not feedback.is_running(becomes, one.sitting, now):
+    for one in papers.load_unfinished_sittings(db, assignment_id):
+        was, becomes = (
+            rules_in_force(frame, told, one.sitting.account_id, one.groups) for frame, told in (before, after)
+        )
+        if feedback.is_sitting_running(was, one.sitting, now) and not feedback.is_sitting_running(
+            becomes, one.sitting, now
+        ):
             return True
     return False

@@ -21,7 +21,7 @@ class Mode(StrEnum):
     test = "test"
 
 
-class Late(StrEnum):
+class LatePolicy(StrEnum):
     """What is sent after the due date: does not count; counts, and is marked late; loses points for each day begun."""
 
     refuse = "refuse"
@@ -29,7 +29,7 @@ class Late(StrEnum):
     penalty = "penalty"
 
 
-class Counts(StrEnum):
+class AttemptSelection(StrEnum):
     """Which of a student's attempts at an exercise makes the mark."""
 
     best = "best"
@@ -37,7 +37,7 @@ class Counts(StrEnum):
     best_before_due = "best_before_due"
 
 
-class Shown(StrEnum):
+class Visibility(StrEnum):
     """When something of the feedback is shown: `usual` is as outside of any assignment."""
 
     usual = "usual"
@@ -62,20 +62,20 @@ class Assignment(Base):
     opens_at: Mapped[datetime] = mapped_column(UtcDateTime)
     due_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     closes_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
-    late: Mapped[str] = mapped_column(String(16), default=Late.accept)
+    late: Mapped[str] = mapped_column(String(16), default=LatePolicy.accept)
     late_per_day: Mapped[float | None]
-    counts: Mapped[str] = mapped_column(String(16), default=Counts.best)
+    counts: Mapped[str] = mapped_column(String(16), default=AttemptSelection.best)
     weight: Mapped[float] = mapped_column(default=1.0)
-    hints: Mapped[str] = mapped_column(String(16), default=Shown.usual)
-    diagnosis: Mapped[str] = mapped_column(String(16), default=Shown.usual)
-    solution: Mapped[str] = mapped_column(String(16), default=Shown.usual)
+    hints: Mapped[str] = mapped_column(String(16), default=Visibility.usual)
+    diagnosis: Mapped[str] = mapped_column(String(16), default=Visibility.usual)
+    solution: Mapped[str] = mapped_column(String(16), default=Visibility.usual)
     duration_minutes: Mapped[int | None]
     released_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
-class Assigned(NamedTuple):
+class WeightedExercise(NamedTuple):
     """An exercise that an assignment asks, as it is read."""
 
     exercise: str

@@ -16,7 +16,7 @@ from server.database import upserting
 
 
 @dataclass(frozen=True)
-class Unfinished:
+class UnfinishedSitting:
     """A sitting that nobody has ended yet, with what it takes to know when it ends."""
 
     sitting: Sitting
@@ -24,24 +24,24 @@ class Unfinished:
     groups: Sequence[str]
 
 
-def sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
+def load_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
     return db.get(Sitting, (assignment_id, account_id))
 
 
-def locked(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
+def lock_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
     """As it stands now; until the commit nobody else ends it, nor sends or saves anything in it."""
     query = select(Sitting).where(Sitting.assignment_id == assignment_id, Sitting.account_id == account_id)
     query = query.with_for_update().execution_options(populate_existing=True)
     return db.execute(query).scalar_one_or_none()
 
 
-def begin(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
+def insert_sitting(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
     """Begins a sitting, once: of two tabs, the first one's time holds."""
     row = {"assignment_id": assignment_id, "account_id": account_id, "began_at": now}
     db.execute(upserting(db, Sitting).on_conflict_do_nothing(), row)
 
 
-def save(
+def upsert_saved_work(
     db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str, source: bytes, now: datetime
 ) -> None:
     """Keeps what was written last, in the place of what was before."""
@@ -53,31 +53,33 @@ def save(
         db.execute(statement, {**row, **news})
 
 
-def saved_in(db: Session, assignment_id: UUID, account_id: UUID) -> Sequence[SavedWork]:
+def load_saved_work(db: Session, assignment_id: UUID, account_id: UUID) -> Sequence[SavedWork]:
     query = select(SavedWork).where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
     return db.execute(query.order_by(SavedWork.exercise)).scalars().all()
 
 
-def saved_at(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
+def load_save_times(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
     """When each exercise was saved last."""
     query = select(SavedWork.exercise, SavedWork.saved_at)
     query = query.where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
     return dict(db.execute(query).all())
 
 
-def last_saved(db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str) -> SavedWork | None:
+def load_last_saved_work(
+    db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str
+) -> SavedWork | None:
     query = select(SavedWork).where(
         SavedWork.assignment_id.in_(assignments), SavedWork.account_id == account_id, SavedWork.exercise == exercise
     )
     return db.execute(query.order_by(SavedWork.saved_at.desc()).limit(1)).scalar_one_or_none()
 
 
-def all_saved(db: Session, account_id: UUID) -> Sequence[SavedWork]:
+def load_all_saved_work(db: Session, account_id: UUID) -> Sequence[SavedWork]:
     query = select(SavedWork).where(SavedWork.account_id == account_id)
     return db.execute(query.order_by(SavedWork.assignment_id, SavedWork.exercise)).scalars().all()
 
 
-def all_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]:
+def load_account_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]:
     """Each with the title of its test, oldest first."""
     query = select(Sitting, Assignment.title).join(Assignment, Assignment.id == Sitting.assignment_id)
     return [
@@ -86,7 +88,7 @@ def all_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]
     ]
 
 
-def unfinished(db: Session, assignment_id: UUID | None = None) -> Sequence[Unfinished]:
+def load_unfinished_sittings(db: Session, assignment_id: UUID | None = None) -> Sequence[UnfinishedSitting]:
     """Of one test, or of every class."""
     query = (
         select(Sitting, Assignment, Membership.groups)
@@ -98,28 +100,28 @@ def unfinished(db: Session, assignment_id: UUID | None = None) -> Sequence[Unfin
         .where(Sitting.handed_in_at.is_(None))
     )
     query = query if assignment_id is None else query.where(Sitting.assignment_id == assignment_id)
-    return [Unfinished(one, assignment, groups or ()) for one, assignment, groups in db.execute(query)]
+    return [UnfinishedSitting(one, assignment, groups or ()) for one, assignment, groups in db.execute(query)]
 
 
-def sittings_of(db: Session, assignments: Collection[UUID]) -> Mapping[tuple[UUID, UUID], Sitting]:
+def load_sittings(db: Session, assignments: Collection[UUID]) -> Mapping[tuple[UUID, UUID], Sitting]:
     """Those of these assignments, by assignment and account: what was sent outside of them counts in no test."""
     query = select(Sitting).where(Sitting.assignment_id.in_(assignments))
     return {(one.assignment_id, one.account_id): one for one in db.execute(query).scalars()}
 
 
-def counts(db: Session, assignment_id: UUID) -> tuple[int, int]:
+def count_sittings(db: Session, assignment_id: UUID) -> tuple[int, int]:
     """How many have begun, and how many of these have handed in, or were ended by time."""
     query = select(func.count(), func.count(Sitting.handed_in_at)).where(Sitting.assignment_id == assignment_id)
     begun, ended = db.execute(query).one()
     return begun, ended
 
 
-def end(db: Session, one: Sitting, when: datetime, by: EndedBy) -> None:
+def end_sitting(db: Session, one: Sitting, when: datetime, by: EndedBy) -> None:
     one.handed_in_at, one.ended_by = when, by
     db.flush()
 
 
-def move(db: Session, old: UUID, new: UUID) -> None:
+def move_sittings(db: Session, old: UUID, new: UUID) -> None:
     """Gives an account the sittings of a guest, and what is saved in them; where both have one, it keeps its own."""
     for model in (SavedWork, Sitting):
         own = select(Sitting.assignment_id).where(Sitting.account_id == new)

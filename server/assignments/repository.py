@@ -9,12 +9,12 @@ from uuid import UUID
 from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.assignments.models import AssignedExercise, Assignment, Exemption, WeightedExercise
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import ask, prepared, rows_of, table_of
 
 
-def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
+def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
     """Of this class alone."""
     query = select(Assignment).where(Assignment.id == assignment_id, Assignment.class_id == class_id)
     return db.execute(query).scalar_one_or_none()
@@ -26,7 +26,7 @@ def _of_class(class_id: UUID) -> Select[Assignment]:
     return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
 
 
-def of_class(db: Session, class_id: UUID) -> Sequence[Assignment]:
+def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
     """In the order in which they open."""
     return db.execute(*_of_class(class_id)).scalars().all()
 
@@ -37,11 +37,11 @@ def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
     return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
 
 
-def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Assigned]]:
+def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[WeightedExercise]]:
     """Those of each assignment, in order."""
-    found: dict[UUID, list[Assigned]] = defaultdict(list)
+    found: dict[UUID, list[WeightedExercise]] = defaultdict(list)
     for assignment, exercise, weight in ask(db, *_exercises(assignments)):
-        found[assignment].append(Assigned(exercise, weight))
+        found[assignment].append(WeightedExercise(exercise, weight))
     return found
 
 
@@ -51,7 +51,7 @@ def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
     return query.order_by(Exemption.created_at, Exemption.id)
 
 
-def exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
+def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
     """Those of each assignment that are not revoked, oldest first."""
     found: dict[UUID, list[Exemption]] = defaultdict(list)
     for one in db.execute(*_exemptions(assignments)).scalars():
@@ -67,23 +67,23 @@ def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
     return query.select_from(rows).where(given.c.class_id == class_id)
 
 
-def opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
+def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
     """The exercises of the class's assignments that are open or past; None where it has no assignment at all."""
     rows = ask(db, *_opened(class_id, now)).all()
     return frozenset(name for name, is_open in rows if name and is_open) if rows else None
 
 
-def drop_exercises(db: Session, assignment_id: UUID) -> None:
+def delete_exercises(db: Session, assignment_id: UUID) -> None:
     db.execute(delete(AssignedExercise).where(AssignedExercise.assignment_id == assignment_id))
 
 
-def exemption(db: Session, assignment_id: UUID, exemption_id: UUID) -> Exemption | None:
+def find_exemption(db: Session, assignment_id: UUID, exemption_id: UUID) -> Exemption | None:
     """Of this assignment alone."""
     query = select(Exemption).where(Exemption.id == exemption_id, Exemption.assignment_id == assignment_id)
     return db.execute(query).scalar_one_or_none()
 
 
-def all_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
+def load_all_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
     """Those that were revoked too, oldest first."""
     query = select(Exemption).where(Exemption.assignment_id == assignment_id)
     return db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars().all()
@@ -101,7 +101,7 @@ def _counted_exemptions(assignments: Collection[UUID]) -> Select[UUID, int]:
     return query.group_by(Exemption.assignment_id)
 
 
-def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
+def count_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """How many of each are in force."""
     return {row[0]: row[1] for row in ask(db, *_counted_exemptions(assignments))}
 
@@ -117,7 +117,7 @@ def _given_to(account_id: UUID, opened_by: datetime, exercise: str, *, everythin
         .join(SchoolClass, SchoolClass.id == Assignment.class_id)
         .where(
             Membership.account_id == account_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
             SchoolClass.archived_at.is_(None),
             (Assignment.opens_at <= opened_by) | Assignment.id.in_(earlier),
@@ -128,7 +128,7 @@ def _given_to(account_id: UUID, opened_by: datetime, exercise: str, *, everythin
     return query if everything else query.where(Assignment.id.in_(asking))
 
 
-def given_to(
+def load_student_assignments(
     db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
 ) -> Sequence[tuple[Assignment, list[str], bool]]:
     """The assignments of the classes where this account learns, but of archived classes; with the groups that it is in
@@ -140,7 +140,7 @@ def given_to(
     return [(assignment, groups, differs) for assignment, (groups, differs) in rows_of(Assignment, found)]
 
 
-def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:
+def load_student_exemptions(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:
     """An account's own in a class that are not revoked, each with the title of its assignment."""
     query = (
         select(Assignment.title, Exemption)

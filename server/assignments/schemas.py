@@ -9,8 +9,8 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from server.assignments.models import GROUP_LENGTH, TITLE_LENGTH, Counts, Late, Mode, Shown
-from server.assignments.rules import FULL
+from server.assignments.models import GROUP_LENGTH, TITLE_LENGTH, AttemptSelection, LatePolicy, Mode, Visibility
+from server.assignments.rules import MAX_POINTS
 from server.base.errors import FieldsRefused
 
 MOST_WEIGHT = 1000.0
@@ -32,7 +32,7 @@ class Weighted:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class AssignmentInput:
     """All that a teacher sets of an assignment; `models.Assignment` says what each means."""
 
     title: str
@@ -40,14 +40,14 @@ class Wanted:
     opens_at: datetime
     due_at: datetime | None = None
     closes_at: datetime | None = None
-    late: Late = Late.accept
+    late: LatePolicy = LatePolicy.accept
     late_per_day: float | None = None
-    counts: Counts = Counts.best
+    counts: AttemptSelection = AttemptSelection.best
     weight: float = 1.0
     mode: Mode = Mode.practice
-    hints: Shown = Shown.usual
-    diagnosis: Shown = Shown.usual
-    solution: Shown = Shown.usual
+    hints: Visibility = Visibility.usual
+    diagnosis: Visibility = Visibility.usual
+    solution: Visibility = Visibility.usual
     duration_minutes: int | None = None
 
     def columns(self) -> dict[str, Any]:
@@ -56,7 +56,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class WantedExemption:
+class ExemptionInput:
     """What is to differ for some; None inherits."""
 
     opens_at: datetime | None = None
@@ -76,26 +76,28 @@ class WantedExemption:
 
 
 @dataclass(frozen=True)
-class Whom:
+class ExemptionTarget:
     """For whom an exemption is made: students, or all who have a label."""
 
     students: tuple[UUID, ...] = ()
     label: str = ""
 
 
-def checked(wanted: Wanted, exercises: Mapping[str, str]) -> Wanted:
+def validate_assignment(wanted: AssignmentInput, exercises: Mapping[str, str]) -> AssignmentInput:
     """The same, its title tidied; `exercises` are those that one may give, by their titles.
 
     Raises FieldsRefused with all that is wrong at once.
     """
     tidy = replace(wanted, title=" ".join(wanted.title.split()))
-    if tidy.late is not Late.penalty:
+    if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
     _refuse([*_about_itself(tidy), *_exercises(tidy.exercises, exercises), *_dates(tidy)])
     return tidy
 
 
-def checked_exemption(wanted: WantedExemption, opens_at: datetime, labels: Collection[str], whom: Whom) -> None:
+def validate_exemption(
+    wanted: ExemptionInput, opens_at: datetime, labels: Collection[str], whom: ExemptionTarget
+) -> None:
     """`opens_at` is the assignment's; `labels` are those of the class. Raises FieldsRefused."""
     _refuse([*_whom(whom, labels), *_effects(wanted), *_order(wanted.opens_at or opens_at, wanted)])
 
@@ -105,15 +107,15 @@ def _refuse(problems: list[Problem]) -> None:
         raise FieldsRefused(dict(reversed(problems)))  # of a field, the first is told
 
 
-def _about_itself(wanted: Wanted) -> Iterator[Problem]:
+def _about_itself(wanted: AssignmentInput) -> Iterator[Problem]:
     if not 0 < len(wanted.title) <= TITLE_LENGTH or not wanted.title.isprintable():
         yield "title", f"Donnez au devoir un titre de 1 à {TITLE_LENGTH} caractères."
     if not _positive(wanted.weight):
         yield "weight", "Le coefficient du devoir est un nombre plus grand que 0, jusqu’à 1000."
     per_day = wanted.late_per_day
-    if wanted.late is Late.penalty and (per_day is None or not LEAST_PER_DAY <= per_day <= FULL):
+    if wanted.late is LatePolicy.penalty and (per_day is None or not LEAST_PER_DAY <= per_day <= MAX_POINTS):
         yield "late", "Indiquez combien de points sur 20 coûte chaque jour de retard : plus de 0, et 20 au plus."
-    if wanted.late is Late.penalty and wanted.due_at is None:
+    if wanted.late is LatePolicy.penalty and wanted.due_at is None:
         yield "due_at", "Une pénalité par jour de retard demande une date de remise."
     minutes = wanted.duration_minutes
     if minutes is not None and not 1 <= minutes <= LONGEST_MINUTES:
@@ -141,7 +143,7 @@ def _exercises(chosen: Collection[Weighted], known: Mapping[str, str]) -> Iterat
         seen.add(one.exercise)
 
 
-def _dates(wanted: Wanted) -> Iterator[Problem]:
+def _dates(wanted: AssignmentInput) -> Iterator[Problem]:
     opens, due, closes = wanted.opens_at, wanted.due_at, wanted.closes_at
     yield from _years({"opens_at": opens, "due_at": due, "closes_at": closes})
     if due is not None and due < opens:
@@ -156,14 +158,14 @@ def _years(dates: Mapping[str, datetime | None]) -> Iterator[Problem]:
             yield name, "L’année doit être entre 2000 et 2199."
 
 
-def _whom(whom: Whom, labels: Collection[str]) -> Iterator[Problem]:
+def _whom(whom: ExemptionTarget, labels: Collection[str]) -> Iterator[Problem]:
     if bool(whom.students) == bool(whom.label):
         yield "student", "Choisissez des élèves, ou un groupe."
     elif whom.label and whom.label not in labels:
         yield "group", f"Personne n’est dans le groupe « {whom.label[:GROUP_LENGTH]} »."
 
 
-def _effects(wanted: WantedExemption) -> Iterator[Problem]:
+def _effects(wanted: ExemptionInput) -> Iterator[Problem]:
     if not wanted.effects:
         yield "due_at", "Dites ce qui change : une date, le temps, ou une dispense."
     low, high = FACTORS
@@ -174,7 +176,7 @@ def _effects(wanted: WantedExemption) -> Iterator[Problem]:
     yield from _years({"opens_at": wanted.opens_at, "due_at": wanted.due_at, "closes_at": wanted.closes_at})
 
 
-def _order(opens: datetime, wanted: WantedExemption) -> Iterator[Problem]:
+def _order(opens: datetime, wanted: ExemptionInput) -> Iterator[Problem]:
     if wanted.due_at is not None and wanted.due_at < opens:
         yield "due_at", "La date de remise vient avant l’ouverture."
     if wanted.closes_at is not None and wanted.closes_at < (wanted.due_at or opens):

@@ -14,9 +14,9 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import feedback, papers, repository
-from server.assignments.feedback import OVER, Feedback, Stage, Test, stage_of
+from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
-from server.assignments.rules import Rules, in_force
+from server.assignments.rules import Rules, rules_in_force
 from server.base.errors import NotFound, NotNow
 from server.base.identities import identity_of
 from server.sandbox.values import MENTION
@@ -28,101 +28,105 @@ NO_HELP = (
     "redevient possible à sa fin."
 )
 CANNOT_BEGIN = {
-    Stage.before: "Ce contrôle n’est pas encore ouvert.",
-    Stage.missed: "Ce contrôle est fermé : on ne le commence plus.",
-    Stage.shown: "Les résultats de ce contrôle sont publiés : on ne le commence plus.",
+    SittingStage.before: "Ce contrôle n’est pas encore ouvert.",
+    SittingStage.missed: "Ce contrôle est fermé : on ne le commence plus.",
+    SittingStage.shown: "Les résultats de ce contrôle sont publiés : on ne le commence plus.",
 }
 
 
 @dataclass(frozen=True)
-class Own:
+class StudentTest:
     """A test as it stands to one student."""
 
     assignment: Assignment
     rules: Rules
     sitting: Sitting | None
-    stage: Stage
+    stage: SittingStage
 
     @property
     def ends_at(self) -> datetime | None:
-        return None if self.sitting is None else feedback.end_of(self.rules, self.sitting)
+        return None if self.sitting is None else feedback.sitting_end(self.rules, self.sitting)
 
     @property
     def is_to_collect(self) -> bool:
         """Whether its time is over, and nobody has ended it yet."""
-        ended = self.sitting is not None and self.stage is not Stage.running
+        ended = self.sitting is not None and self.stage is not SittingStage.running
         return ended and self.sitting is not None and self.sitting.handed_in_at is None
 
 
 def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
     """Raises NotFound, also for an assignment that is no test."""
-    found = repository.by_id(db, class_id, identity_of(assignment_id, NO_TEST))
+    found = repository.find_assignment(db, class_id, identity_of(assignment_id, NO_TEST))
     if found is None or found.mode != Mode.test:
         raise NotFound(NO_TEST)
     return found
 
 
-def own(db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime) -> Own:
-    differences = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
-    rules = in_force(assignment, differences, account_id, groups)
-    sitting = papers.sitting(db, assignment.id, account_id)
-    return Own(assignment, rules, sitting, stage_of(assignment, rules, sitting, now))
+def load_student_test(
+    db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
+) -> StudentTest:
+    differences = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    rules = rules_in_force(assignment, differences, account_id, groups)
+    sitting = papers.load_sitting(db, assignment.id, account_id)
+    return StudentTest(assignment, rules, sitting, sitting_stage(assignment, rules, sitting, now))
 
 
-def begin(db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime) -> None:
+def begin_sitting(
+    db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
+) -> None:
     """Begins it; who has begun already goes on. Raises NotNow."""
-    refusal = CANNOT_BEGIN.get(own(db, assignment, account_id, groups, now).stage)
+    refusal = CANNOT_BEGIN.get(load_student_test(db, assignment, account_id, groups, now).stage)
     if refusal:
         raise NotNow(refusal)
-    papers.begin(db, assignment.id, account_id, now)
+    papers.insert_sitting(db, assignment.id, account_id, now)
 
 
-def require_may_send(db: Session, account_id: UUID, exercise: str, now: datetime) -> Feedback:
+def require_may_submit(db: Session, account_id: UUID, exercise: str, now: datetime) -> FeedbackHolds:
     """What is held back of what is sent now. Raises NotNow before a test is begun, and once it has ended, until its
     release."""
-    found = feedback.of(db, account_id, exercise)
+    found = feedback.load_holds(db, account_id, exercise)
     if found.refusal:
         raise NotNow(found.refusal)
-    if found.running and not _kept_running(db, found.running, account_id):
-        raise NotNow(OVER.format(title=found.running[0].title))
+    if found.running_tests and not _kept_running(db, found.running_tests, account_id):
+        raise NotNow(OVER.format(title=found.running_tests[0].title))
     return found
 
 
-def require_no_help(db: Session, account_id: UUID, source: bytes, reused: Collection[str]) -> None:
+def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reused: Collection[str]) -> None:
     """Raises NotNow for a program that imports what a running test asks to write, and whose verdict no test holds: the
     course's own functions would be there to compare with."""
     if MENTION not in source:
         return
     for exercise in reused:
-        if running := feedback.of(db, account_id, exercise).running:
+        if running := feedback.load_holds(db, account_id, exercise).running_tests:
             raise NotNow(NO_HELP.format(title=running[0].title))
 
 
-def save(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
+def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
     """Keeps what a student has written in the tests that they sit. Raises NotNow where they sit none."""
-    found = feedback.of(db, account_id, exercise)
-    kept = _kept_running(db, found.running, account_id)
+    found = feedback.load_holds(db, account_id, exercise)
+    kept = _kept_running(db, found.running_tests, account_id)
     if not kept:
         raise NotNow(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
-    papers.save(db, kept, account_id, exercise, source, now)
+    papers.upsert_saved_work(db, kept, account_id, exercise, source, now)
 
 
-def _kept_running(db: Session, tests: Collection[Test], account_id: UUID) -> list[UUID]:
+def _kept_running(db: Session, tests: Collection[HoldingTest], account_id: UUID) -> list[UUID]:
     """Locks these sittings; those that are not handed in. One that time had ended, and that has more now, goes on."""
     kept = []
     for test in sorted(tests, key=lambda test: test.assignment_id):
-        sitting = papers.locked(db, test.assignment_id, account_id)
+        sitting = papers.lock_sitting(db, test.assignment_id, account_id)
         if sitting is not None and sitting.ended_by != EndedBy.student:
             sitting.handed_in_at = sitting.ended_by = None
             kept.append(test.assignment_id)
     return kept
 
 
-def last_saved(db: Session, account_id: UUID, exercise: str) -> SavedWork | None:
+def load_last_saved_work(db: Session, account_id: UUID, exercise: str) -> SavedWork | None:
     """What stands in the tests that this account sits at present."""
-    running = [test.assignment_id for test in feedback.of(db, account_id, exercise).running]
-    return papers.last_saved(db, running, account_id, exercise) if running else None
+    running = [test.assignment_id for test in feedback.load_holds(db, account_id, exercise).running_tests]
+    return papers.load_last_saved_work(db, running, account_id, exercise) if running else None
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    papers.move(db, guest_id, account_id)
+    papers.move_sittings(db, guest_id, account_id)

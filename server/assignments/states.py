@@ -8,7 +8,7 @@ from enum import StrEnum
 from server.assignments.rules import Rules
 
 
-class Stage(StrEnum):
+class AssignmentStage(StrEnum):
     """`late`: past the due date, and what is sent still counts."""
 
     upcoming = "upcoming"
@@ -17,9 +17,9 @@ class Stage(StrEnum):
     closed = "closed"
 
 
-def stage(rules: Rules, now: datetime) -> Stage:
+def assignment_stage(rules: Rules, now: datetime) -> AssignmentStage:
     if now < rules.opens_at:
-        return Stage.upcoming
-    if rules.last_moment is not None and now > rules.last_moment:
-        return Stage.closed
-    return Stage.late if rules.due_at is not None and now > rules.due_at else Stage.open
+        return AssignmentStage.upcoming
+    if rules.last_counted_at is not None and now > rules.last_counted_at:
+        return AssignmentStage.closed
+    return AssignmentStage.late if rules.due_at is not None and now > rules.due_at else AssignmentStage.open

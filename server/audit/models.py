@@ -14,7 +14,7 @@ from server.database.base import Base, UtcDateTime, utc_now
 ABOUT_LENGTH = 300
 
 
-class What(StrEnum):
+class AuditAction(StrEnum):
     """Kinds of changes, as they are kept; `WORDS` are what the page and the exports say."""
 
     assignment_made = "assignment_made"
@@ -34,33 +34,33 @@ class What(StrEnum):
     name_withdrawn = "name_withdrawn"
 
 
-WORDS: Mapping[What, str] = {
-    What.assignment_made: "devoir créé",
-    What.assignment_changed: "devoir modifié",
-    What.assignment_deleted: "devoir supprimé",
-    What.exemption_made: "aménagement accordé",
-    What.exemption_revoked: "aménagement retiré",
-    What.feedback_released: "résultats d’un contrôle publiés",
-    What.staff_changed: "équipe modifiée",
-    What.student_removed: "élève sorti de la classe",
-    What.student_admitted: "élève admis dans la classe",
-    What.mark_overridden: "note modifiée",
-    What.override_withdrawn: "note modifiée retirée",
-    What.regrade_applied: "recorrection appliquée",
-    What.regrade_undone: "recorrection annulée",
-    What.name_given: "erreur nommée",
-    What.name_withdrawn: "nom d’erreur retiré",
+ACTION_LABELS: Mapping[AuditAction, str] = {
+    AuditAction.assignment_made: "devoir créé",
+    AuditAction.assignment_changed: "devoir modifié",
+    AuditAction.assignment_deleted: "devoir supprimé",
+    AuditAction.exemption_made: "aménagement accordé",
+    AuditAction.exemption_revoked: "aménagement retiré",
+    AuditAction.feedback_released: "résultats d’un contrôle publiés",
+    AuditAction.staff_changed: "équipe modifiée",
+    AuditAction.student_removed: "élève sorti de la classe",
+    AuditAction.student_admitted: "élève admis dans la classe",
+    AuditAction.mark_overridden: "note modifiée",
+    AuditAction.override_withdrawn: "note modifiée retirée",
+    AuditAction.regrade_applied: "recorrection appliquée",
+    AuditAction.regrade_undone: "recorrection annulée",
+    AuditAction.name_given: "erreur nommée",
+    AuditAction.name_withdrawn: "nom d’erreur retiré",
 }
 
 #: Kinds that are about one student, unless they are about all who have a label.
-OF_STUDENTS = frozenset(
+STUDENT_ACTIONS = frozenset(
     {
-        What.exemption_made,
-        What.exemption_revoked,
-        What.student_removed,
-        What.student_admitted,
-        What.mark_overridden,
-        What.override_withdrawn,
+        AuditAction.exemption_made,
+        AuditAction.exemption_revoked,
+        AuditAction.student_removed,
+        AuditAction.student_admitted,
+        AuditAction.mark_overridden,
+        AuditAction.override_withdrawn,
     }
 )
 

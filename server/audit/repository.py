@@ -9,8 +9,8 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Row, Select, and_, func, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
-from server.audit.models import AuditEvent, What
-from server.audit.schemas import Event, Filter, Named
+from server.audit.models import AuditAction, AuditEvent
+from server.audit.schemas import AuditEntry, AuditFilter, PersonName
 from server.classes.models import Membership, SchoolClass
 from server.database import ask, prepared
 from server.identity.models import Account
@@ -21,9 +21,9 @@ class _Asked(TypedDict):
     one_kind: bool
 
 
-def of_class(
-    db: Session, class_id: UUID, wanted: Filter, *, most: int, skipped: int = 0, before: Event | None = None
-) -> Sequence[Event]:
+def load_entries(
+    db: Session, class_id: UUID, wanted: AuditFilter, *, most: int, skipped: int = 0, before: AuditEntry | None = None
+) -> Sequence[AuditEntry]:
     """Newest first, with names; those older than `before`, where one is given."""
     query, values = _log(class_id, wanted.student, wanted.what, skipped, most=most, **_asked(wanted))
     if before is not None:
@@ -35,7 +35,7 @@ def of_class(
 def _log(
     class_id: UUID,
     student: UUID | None,
-    what: What | None,
+    what: AuditAction | None,
     skipped: int,
     *,
     most: int,
@@ -56,32 +56,32 @@ def _log(
     return query.order_by(AuditEvent.at.desc(), AuditEvent.id.desc()).limit(most).offset(skipped)
 
 
-def _event(one: AuditEvent, by: Named | None, student: Named | None) -> Event:
-    return Event(one.id, one.at, by, one.what, student, one.about, one.before, one.after, one.reason)
+def _event(one: AuditEvent, by: PersonName | None, student: PersonName | None) -> AuditEntry:
+    return AuditEntry(one.id, one.at, by, one.what, student, one.about, one.before, one.after, one.reason)
 
 
-def _named(name: UUID | None, own: str | None, given: str | None, family: str | None) -> Named | None:
-    return None if name is None else Named(name, " ".join(filter(None, (given, family))) or own or "")
+def _named(name: UUID | None, own: str | None, given: str | None, family: str | None) -> PersonName | None:
+    return None if name is None else PersonName(name, " ".join(filter(None, (given, family))) or own or "")
 
 
 @prepared
 def _count(
-    class_id: UUID, student: UUID | None, what: What | None, *, one_student: bool, one_kind: bool
+    class_id: UUID, student: UUID | None, what: AuditAction | None, *, one_student: bool, one_kind: bool
 ) -> Select[int]:
     events = _wanted(class_id, student, what, one_student=one_student, one_kind=one_kind)
     return select(func.count()).select_from(AuditEvent).where(events)
 
 
-def count(db: Session, class_id: UUID, wanted: Filter) -> int:
+def count_entries(db: Session, class_id: UUID, wanted: AuditFilter) -> int:
     return ask(db, *_count(class_id, wanted.student, wanted.what, **_asked(wanted))).scalar_one()
 
 
-def _asked(wanted: Filter) -> _Asked:
+def _asked(wanted: AuditFilter) -> _Asked:
     return {"one_student": wanted.student is not None, "one_kind": wanted.what is not None}
 
 
 def _wanted(
-    class_id: UUID, student: UUID | None, what: What | None, *, one_student: bool, one_kind: bool
+    class_id: UUID, student: UUID | None, what: AuditAction | None, *, one_student: bool, one_kind: bool
 ) -> ColumnElement[bool]:
     conditions = [AuditEvent.class_id == class_id]
     if one_student:
@@ -91,12 +91,12 @@ def _wanted(
     return and_(*conditions)
 
 
-def about(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
+def load_events_about(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
     """What was changed about somebody, each with the name of the class."""
     return db.execute(_with_class().where(AuditEvent.student == account_id)).all()
 
 
-def by(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
+def load_events_by(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
     """What somebody has changed, each with the name of the class."""
     return db.execute(_with_class().where(AuditEvent.by == account_id)).all()
 
@@ -106,12 +106,12 @@ def _with_class() -> Any:
     return query.order_by(AuditEvent.at, AuditEvent.id)
 
 
-def move(db: Session, old: UUID, new: UUID) -> None:
+def move_events(db: Session, old: UUID, new: UUID) -> None:
     """What is told of a guest is told of the account that the same person has opened."""
     for column in (AuditEvent.by, AuditEvent.student):
         db.execute(update(AuditEvent).where(column == old).values({column: new}))
 
 
-def forget_reasons(db: Session, account_id: UUID) -> None:
+def erase_reasons(db: Session, account_id: UUID) -> None:
     """The reasons of what was changed about somebody: their name goes with the account, these would still tell."""
     db.execute(update(AuditEvent).where(AuditEvent.student == account_id).values(reason=""))

@@ -8,13 +8,13 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from server.audit.models import OF_STUDENTS, WORDS, What
+from server.audit.models import ACTION_LABELS, STUDENT_ACTIONS, AuditAction
 
 ERASED = "compte effacé"
 
 
 @dataclass(frozen=True)
-class Named:
+class PersonName:
     """Somebody, by the name that the class's list has, else their own."""
 
     id: UUID
@@ -22,22 +22,22 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Filter:
+class AuditFilter:
     """Which events are asked for; None asks for all."""
 
     student: UUID | None = None
-    what: What | None = None
+    what: AuditAction | None = None
 
 
 @dataclass(frozen=True)
-class Event:
+class AuditEntry:
     """One change. `by` and `student` are None for accounts that are no more, `student` for what is about none too."""
 
     id: UUID
     at: datetime
-    by: Named | None
+    by: PersonName | None
     what: str
-    student: Named | None
+    student: PersonName | None
     about: str
     before: Mapping[str, Any]
     after: Mapping[str, Any]
@@ -45,7 +45,7 @@ class Event:
 
     @property
     def words(self) -> str:
-        return WORDS[What(self.what)] if self.what in set(What) else self.what
+        return ACTION_LABELS[AuditAction(self.what)] if self.what in set(AuditAction) else self.what
 
     @property
     def by_name(self) -> str:
@@ -57,4 +57,4 @@ class Event:
         if self.student is not None:
             return self.student.name
         of_label = "label" in {**self.before, **self.after}
-        return ERASED if self.what in OF_STUDENTS and not of_label else ""
+        return ERASED if self.what in STUDENT_ACTIONS and not of_label else ""

@@ -8,19 +8,19 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.audit import repository
-from server.audit.models import ABOUT_LENGTH, AuditEvent, What
-from server.audit.schemas import Event, Filter
+from server.audit.models import ABOUT_LENGTH, AuditAction, AuditEvent
+from server.audit.schemas import AuditEntry, AuditFilter
 from server.database import Database
 
 Values = Mapping[str, Any]
 AT_ONCE = 500
 
 
-def note(
+def record_event(
     db: Session,
     class_id: UUID,
     by: UUID,
-    what: What,
+    what: AuditAction,
     *,
     student: UUID | None = None,
     about: str = "",
@@ -48,12 +48,12 @@ def _plain(values: Values) -> dict[str, Any]:
     return {name: value.isoformat() if isinstance(value, datetime) else value for name, value in values.items()}
 
 
-def events(database: Database, class_id: UUID, wanted: Filter) -> Iterator[Event]:
+def iter_entries(database: Database, class_id: UUID, wanted: AuditFilter) -> Iterator[AuditEntry]:
     """Every event, newest first; a transaction for some hundred, so that a slow reader holds nothing open."""
-    last: Event | None = None
+    last: AuditEntry | None = None
     while True:
         with database.read() as db:
-            some = repository.of_class(db, class_id, wanted, most=AT_ONCE, before=last)
+            some = repository.load_entries(db, class_id, wanted, most=AT_ONCE, before=last)
         yield from some
         if len(some) < AT_ONCE:
             return

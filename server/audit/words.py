@@ -44,11 +44,11 @@ VALUES: Mapping[str, Mapping[str, str]] = {
     "solution": SHOWN,
     "role": {"student": "élève", "assistant": "assistant", "teacher": "enseignant"},
 }
-When = Callable[[datetime], str]
+FormatDate = Callable[[datetime], str]
 
 
 @dataclass(frozen=True)
-class Change:
+class ValueChange:
     """One value, before and after: `NOTHING` for none, empty where it is not said."""
 
     name: str
@@ -60,19 +60,19 @@ class Change:
         return f"{self.name} : {both}"
 
 
-def changes(before: Mapping[str, Any], after: Mapping[str, Any], when: When) -> tuple[Change, ...]:
+def describe_changes(before: Mapping[str, Any], after: Mapping[str, Any], when: FormatDate) -> tuple[ValueChange, ...]:
     """In the order in which they are kept."""
     return tuple(
-        Change(FIELDS.get(name, name), _told(name, before, when), _told(name, after, when))
+        ValueChange(FIELDS.get(name, name), _told(name, before, when), _told(name, after, when))
         for name in {**before, **after}
     )
 
 
-def _told(name: str, values: Mapping[str, Any], when: When) -> str:
-    return value(name, values[name], when) if name in values else ""
+def _told(name: str, values: Mapping[str, Any], when: FormatDate) -> str:
+    return format_value(name, values[name], when) if name in values else ""
 
 
-def value(name: str, one: Any, when: When) -> str:
+def format_value(name: str, one: Any, when: FormatDate) -> str:
     """A plain value, as `audit.service.note` keeps it."""
     if one is None:
         return NOTHING
@@ -81,14 +81,14 @@ def value(name: str, one: Any, when: When) -> str:
     if isinstance(one, int | float):
         return f"{round(one, 2):.12g}".replace(".", ",")
     if isinstance(one, Mapping):
-        return ", ".join(f"{key} ({value('', each, when)})" for key, each in one.items()) or NOTHING
+        return ", ".join(f"{key} ({format_value('', each, when)})" for key, each in one.items()) or NOTHING
     if isinstance(one, list | tuple):
-        return ", ".join(value("", each, when) for each in one) or NOTHING
+        return ", ".join(format_value("", each, when) for each in one) or NOTHING
     known = VALUES.get(name, {}).get(str(one))
     return known or (_date(str(one), when) if name.endswith("_at") else str(one))
 
 
-def _date(text: str, when: When) -> str:
+def _date(text: str, when: FormatDate) -> str:
     try:
         return when(datetime.fromisoformat(text))
     except ValueError:

@@ -11,7 +11,7 @@ from graders.core.code.plain import NEAR
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import ask, one_of, prepared, upserting, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
@@ -37,7 +37,7 @@ def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | 
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
         .where(
             Membership.account_id == Submission.account_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
             SchoolClass.archived_at.is_(None),
             Submission.exercise.startswith(SchoolClass.module + "/"),
@@ -118,7 +118,7 @@ def _name_for(account_id: UUID, grading_id: UUID) -> Select[str, str, str, str]:
         .where(
             Fingerprint.grading_id == grading_id,
             Membership.account_id == account_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             one_of(Membership.status, (Status.active, Status.left)),
         )
         .order_by(BehaviourName.named_at.desc(), BehaviourName.class_id)
@@ -200,7 +200,7 @@ def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
         .where(
             Membership.class_id == class_id,
             Membership.account_id == Submission.account_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
         )
         .exists()

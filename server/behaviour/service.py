@@ -12,7 +12,7 @@ from graders.core.contract.bounds import bounded
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import TEACHER, Diagnosis, Verdict
 from server.audit import service as audit
-from server.audit.models import What
+from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
 from server.behaviour import repository
 from server.behaviour.models import (
@@ -159,7 +159,9 @@ def set_group_name(
     name.named_by, name.named_at = by, utc_now()
     after = _values(name)
     if before != after:
-        audit.note(db, school_class.id, by, What.name_given, about=_about(group), before=before, after=after)
+        audit.record_event(
+            db, school_class.id, by, AuditAction.name_given, about=_about(group), before=before, after=after
+        )
     return name
 
 
@@ -168,7 +170,7 @@ def withdraw_group_name(db: Session, school_class: SchoolClass, group: Behaviour
     name = repository.name(db, school_class.id, group.id)
     if name is None:
         return False
-    audit.note(db, school_class.id, by, What.name_withdrawn, about=_about(group), before=_values(name))
+    audit.record_event(db, school_class.id, by, AuditAction.name_withdrawn, about=_about(group), before=_values(name))
     db.delete(name)
     return True
 

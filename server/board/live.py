@@ -163,7 +163,7 @@ class LiveBoards:
             pulse = repository.load_pulse(db, class_id)
             if last is not None and last.pulse == pulse and began - last.read_at < AS_TIME_GOES:
                 return last
-            school_class = classes.by_id(db, class_id)
+            school_class = classes.find_class(db, class_id)
             shown = None if school_class is None else load_board(db, self._course, school_class, utc_now())
         ended = time.monotonic()
         channel.last = Reading(pulse, shown, ended, ended - began)

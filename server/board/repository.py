@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Row, and_, select
 from sqlalchemy.orm import Session
 
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.gradebook.histories import REVISION_SUMS
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
@@ -58,6 +58,6 @@ def load_sources(
 def _active_students(class_id: UUID) -> tuple[ColumnElement[bool], ...]:
     return (
         Membership.class_id == class_id,
-        Membership.role == Seat.student,
+        Membership.role == ClassRole.student,
         Membership.status == Status.active,
     )

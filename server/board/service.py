@@ -121,7 +121,7 @@ def load_progress(
     exercises = counting_exercises(db, course, school_class, now)
     counted = tuple(name for name in exercises if only is None or name == only)
     scope = Scope(school_class.id, counted, school_class.archived_at)
-    students = tuple(BoardStudent(*learner) for learner in classes.learners(db, school_class.id))
+    students = tuple(BoardStudent(*learner) for learner in classes.load_active_students(db, school_class.id))
     revisions = load_revisions(db, [student.id for student in students])
     attempts = load_attempts(db, revisions, scope.exercises, scope.until)
     return ClassProgress(course, scope, now, students, attempts, revisions)
@@ -168,4 +168,4 @@ def _unexplained_failures(
 def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
     """Whether an account may (still) see the board of a class."""
     account = db.get(Account, account_id)
-    return account is not None and rights.may(db, account, Right.read_work, class_id)
+    return account is not None and rights.has_right(db, account, Right.read_work, class_id)

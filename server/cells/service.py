@@ -22,11 +22,11 @@ async def run(
 
     def take() -> None:
         with database.write() as db:
-            limits.take(db, key, settings.cell_bucket, TOO_FAST)
+            limits.take_token(db, key, settings.cell_bucket, TOO_FAST)
 
     def give_back() -> None:
         with database.write() as db:
-            limits.give_back(db, key)
+            limits.give_back_token(db, key)
 
     await run_in_threadpool(take)
     try:

@@ -16,7 +16,7 @@ def new_code() -> str:
     return "".join(secrets.choice(LETTERS) for _ in range(CODE_LENGTH))
 
 
-def read_code(text: str) -> str | None:
+def parse_code(text: str) -> str | None:
     """The code that was typed, in whatever case, with or without spaces and dashes; None for what can be none."""
     if len(text) > 4 * CODE_LENGTH:
         return None
@@ -24,6 +24,6 @@ def read_code(text: str) -> str | None:
     return code if len(code) == CODE_LENGTH and set(code) <= set(LETTERS) else None
 
 
-def shown_code(code: str) -> str:
+def format_code(code: str) -> str:
     """As it is read aloud: BCDF-GHJK."""
     return f"{code[:HALF]}-{code[HALF:]}"

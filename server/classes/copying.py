@@ -6,20 +6,20 @@ from sqlalchemy.orm import Session
 
 from server.classes import repository
 from server.classes.models import Membership, SchoolClass, Status
-from server.classes.service import create
+from server.classes.service import create_class
 from server.identity.models import Account
 
 
-def copy(
+def copy_class(
     db: Session, original: SchoolClass, by: Account, name: str, *, module: str, with_students: bool = False
 ) -> SchoolClass:
     """The same in this edition of its module: rules, who teaches; a code of its own. Raises Invalid.
 
     Of the students only those who are in the class now, where they are wanted: they know who has taken them along.
     """
-    made = create(db, by, name, module)
+    made = create_class(db, by, name, module)
     made.approval = original.approval
-    for member in repository.members(db, original.id):
+    for member in repository.load_members(db, original.id):
         taken = member.membership.is_staff or with_students
         if taken and member.status is Status.active and member.id != by.id:
             db.add(_seat_in(made, member.membership))

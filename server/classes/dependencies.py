@@ -5,8 +5,8 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.provided import provided
-from server.classes.presence import Presence
-from server.classes.service import Classes
+from server.classes.presence import PresenceRecorder
+from server.classes.service import ClassService
 
-ClassesOf = Annotated[Classes, Depends(provided(Classes))]
-PresenceOf = Annotated[Presence, Depends(provided(Presence))]
+ClassServiceOf = Annotated[ClassService, Depends(provided(ClassService))]
+PresenceOf = Annotated[PresenceRecorder, Depends(provided(PresenceRecorder))]

@@ -21,8 +21,8 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Invalid
 from server.classes import repository
-from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.classes.roster import Line, Rejected, Roster, folded
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
+from server.classes.roster import RejectedLine, Roster, RosterLine, normalise_name
 from server.classes.schemas import Member
 from server.identity import service as identity
 from server.identity.models import Account
@@ -42,15 +42,15 @@ EXISTS = (
 
 
 @dataclass(frozen=True)
-class Plan:
+class ImportPlan:
     """What a list would change. `back`, of those who change: who had left, or waited, and is in the class again."""
 
-    added: tuple[Line, ...] = ()
-    joining: tuple[tuple[Line, Account], ...] = ()
-    updated: tuple[tuple[Line, Member], ...] = ()
-    unchanged: tuple[Line, ...] = ()
+    added: tuple[RosterLine, ...] = ()
+    joining: tuple[tuple[RosterLine, Account], ...] = ()
+    updated: tuple[tuple[RosterLine, Member], ...] = ()
+    unchanged: tuple[RosterLine, ...] = ()
     left: tuple[Member, ...] = ()
-    rejected: tuple[Rejected, ...] = ()
+    rejected: tuple[RejectedLine, ...] = ()
     ignored: tuple[str, ...] = ()
     has_groups: bool = False
 
@@ -67,7 +67,7 @@ class Plan:
 
 
 @dataclass
-class _Matching:
+class _MemberMatcher:
     """The members of a class, to be found by what a line says."""
 
     members: Sequence[Member]
@@ -93,21 +93,21 @@ class _Matching:
             found[_key(member.name)].append(member)
         return found
 
-    def member_of(self, line: Line) -> Member | None:
+    def member_of(self, line: RosterLine) -> Member | None:
         """Raises Invalid where it may be somebody else."""
         member = self._found(line)
         if member is None:
             return None
-        if member.seat is not Seat.student:
+        if member.role is not ClassRole.student:
             raise Invalid(IS_STAFF)
-        if member.status is Status.left and member.membership.went:
+        if member.status is Status.left and member.membership.left_voluntarily:
             raise Invalid(WENT)
         if member.id in self.taken:
             raise Invalid(SAME_MEMBER.format(line=self.taken[member.id]))
         self.taken[member.id] = line.line
         return member
 
-    def _found(self, line: Line) -> Member | None:
+    def _found(self, line: RosterLine) -> Member | None:
         certain = self.by_login.get(line.login) or (
             None if line.login else self.by_email.get(line.email) or self.by_login.get(line.email)
         )
@@ -125,32 +125,32 @@ class _Matching:
             return None  # two addresses under one name: two people
         return same[0]
 
-    def doubt(self, rejected: Rejected) -> None:
+    def doubt(self, rejected: RejectedLine) -> None:
         """Who may be meant by a line that was not read has not left."""
         member = self.by_login.get(rejected.login)
         same = self.by_name.get(_key(rejected.name), []) if rejected.name else []
         self.in_doubt.update(one.id for one in ([member] if member else same))
 
-    def account_of(self, line: Line) -> Account | None:
+    def account_of(self, line: RosterLine) -> Account | None:
         """The account outside of the class that this line is of. Raises Invalid where it may not be taken in."""
         account = self.accounts.get(line.login or line.email)
         if account is not None and not (self.all_pupils or account.id in self.pupils):
             raise Invalid(EXISTS.format(login=account.login))
         return account
 
-    def changes(self, line: Line, member: Member) -> bool:
+    def changes(self, line: RosterLine, member: Member) -> bool:
         return member.status is not Status.active or _written(line, member.membership, self.has_groups) != _kept(
             member.membership
         )
 
 
-def plan(db: Session, school_class: SchoolClass, roster: Roster, by: Account) -> Plan:
+def plan_import(db: Session, school_class: SchoolClass, roster: Roster, by: Account) -> ImportPlan:
     """What this list would change in the class, were it written now by this account."""
-    members = repository.members(db, school_class.id)
+    members = repository.load_members(db, school_class.id)
     wanted = {line.login or line.email for line in roster.lines} - {""}
-    pupils = repository.pupils_of(db, by.id)
-    accounts = repository.accounts_by_login(db, wanted)
-    matching = _Matching(members, accounts, pupils, roster.has_groups, by.is_administrator)
+    pupils = repository.load_student_ids_of_teacher(db, by.id)
+    accounts = repository.load_accounts_by_login(db, wanted)
+    matching = _MemberMatcher(members, accounts, pupils, roster.has_groups, by.is_administrator)
     added, joining, updated, unchanged = [], [], [], []
     rejected = list(roster.rejected)
     for line in roster.lines:
@@ -162,7 +162,7 @@ def plan(db: Session, school_class: SchoolClass, roster: Roster, by: Account) ->
             account = matching.account_of(line)
             (added.append(line) if account is None else joining.append((line, account)))
         except Invalid as problem:
-            rejected.append(Rejected(line.line, problem.detail))
+            rejected.append(RejectedLine(line.line, problem.detail))
     for one in roster.rejected:
         matching.doubt(one)
     kept = matching.taken.keys() | matching.in_doubt
@@ -170,23 +170,23 @@ def plan(db: Session, school_class: SchoolClass, roster: Roster, by: Account) ->
     left = [
         member
         for member in members
-        if accepted and member.seat is Seat.student and member.status is Status.active and member.id not in kept
+        if accepted and member.role is ClassRole.student and member.status is Status.active and member.id not in kept
     ]
     rejected.sort(key=lambda one: one.line)
-    return Plan(
+    return ImportPlan(
         tuple(added), tuple(joining), tuple(updated), tuple(unchanged), tuple(left), tuple(rejected),
         roster.ignored, roster.has_groups,
     )  # fmt: skip
 
 
-def apply(db: Session, school_class: SchoolClass, planned: Plan, now: datetime) -> None:
+def apply_import(db: Session, school_class: SchoolClass, planned: ImportPlan, now: datetime) -> None:
     """Writes it, in the transaction in which it was planned, the class locked before."""
     logins = _new_logins(db, planned.added)
     for line in planned.added:
-        account = identity.make_for_list(db, logins[line.line], line.name)
-        _enter(db, school_class, account, line, now, made_here=True)
+        account = identity.create_for_roster(db, logins[line.line], line.name)
+        _enter(db, school_class, account, line, now, created_by_list=True)
     for line, account in planned.joining:
-        _enter(db, school_class, account, line, now, made_here=False)
+        _enter(db, school_class, account, line, now, created_by_list=False)
     for line, member in planned.updated:
         membership = member.membership
         (
@@ -202,19 +202,19 @@ def apply(db: Session, school_class: SchoolClass, planned: Plan, now: datetime) 
 
 
 def _enter(
-    db: Session, school_class: SchoolClass, account: Account, line: Line, now: datetime, *, made_here: bool
+    db: Session, school_class: SchoolClass, account: Account, line: RosterLine, now: datetime, *, created_by_list: bool
 ) -> None:
     db.add(
         Membership(
             class_id=school_class.id,
             account_id=account.id,
-            role=Seat.student,
+            role=ClassRole.student,
             status=Status.active,
             family_name=line.family_name,
             given_name=line.given_name,
             email=line.email,
             groups=list(line.groups),
-            made_here=made_here,
+            created_by_list=created_by_list,
             joined_at=now,
         )
     )
@@ -227,7 +227,7 @@ def _kept(membership: Membership) -> Written:
     return membership.family_name, membership.given_name, membership.email, list(membership.groups)
 
 
-def _written(line: Line, membership: Membership, has_groups: bool) -> Written:
+def _written(line: RosterLine, membership: Membership, has_groups: bool) -> Written:
     """What the membership holds once the line is written: an empty cell leaves what is known."""
     return (
         line.family_name or membership.family_name,
@@ -239,17 +239,17 @@ def _written(line: Line, membership: Membership, has_groups: bool) -> Written:
 
 def _key(name: str) -> str:
     """The same for « LOVELACE Ada » and « Ada Lovelace »."""
-    return " ".join(sorted(folded(name).split())) or name
+    return " ".join(sorted(normalise_name(name).split())) or name
 
 
-def _new_logins(db: Session, lines: Sequence[Line]) -> Mapping[int, str]:
+def _new_logins(db: Session, lines: Sequence[RosterLine]) -> Mapping[int, str]:
     """The login of each new account: the list's, else the address, else one made of the name that is free."""
     logins = {line.line: line.login or line.email for line in lines if line.login or line.email}
     made = {line.line: _made_login(line) for line in lines if line.line not in logins}
-    used = {*logins.values(), *repository.accounts_by_login(db, set(made.values()))}
+    used = {*logins.values(), *repository.load_accounts_by_login(db, set(made.values()))}
     for place, base in made.items():
         login, number = base, 1
-        while login in used or (number > 1 and repository.accounts_by_login(db, [login])):
+        while login in used or (number > 1 and repository.load_accounts_by_login(db, [login])):
             number += 1
             login = f"{base}{number}"
         used.add(login)
@@ -257,8 +257,8 @@ def _new_logins(db: Session, lines: Sequence[Line]) -> Mapping[int, str]:
     return logins
 
 
-def _made_login(line: Line) -> str:
+def _made_login(line: RosterLine) -> str:
     """prenom.nom, without accents."""
-    parts = (folded(part).replace(" ", "-") for part in (line.given_name, line.family_name))
+    parts = (normalise_name(part).replace(" ", "-") for part in (line.given_name, line.family_name))
     made = ".".join(filter(None, parts))[: LOGIN_LENGTH.stop - 10]
     return made if len(made) >= LOGIN_LENGTH.start else f"eleve.{made}"

@@ -14,7 +14,7 @@ EMAIL_LENGTH = 254
 CODE_LENGTH = 8
 
 
-class Seat(StrEnum):
+class ClassRole(StrEnum):
     """What a member is in a class."""
 
     student = "student"
@@ -47,30 +47,30 @@ class SchoolClass(Base):
 
 
 class Membership(Base):
-    """What an account is in a class.
+    """An account's membership of a class, with its role there.
 
-    The names and the e-mail are those of the school's list, or what a guest has said; empty where the account's own
-    name is enough. `left_at` is None for who has left without ever having been admitted. `made_here`: the account was
-    made by this class's list, so that its teachers may hand over its password. `went`: left of their own accord, and
-    comes back by the code alone. `groups` are labels, in order.
+    The names and the e-mail come from the school's list, or from a guest; empty where the account's own name is enough.
+    `left_at` is None for a member who left without ever having been admitted. `created_by_list`: this class's list
+    created the account, so its teachers may hand out its password. `left_voluntarily`: the member left by
+    themselves, and returns by the join code alone. `groups` are labels, in order.
     """
 
     __tablename__ = "membership"
 
     class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), primary_key=True)
     account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
-    role: Mapped[str] = mapped_column(String(16), default=Seat.student)
+    role: Mapped[str] = mapped_column(String(16), default=ClassRole.student)
     status: Mapped[str] = mapped_column(String(16), default=Status.active)
     family_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
     given_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
     email: Mapped[str] = mapped_column(String(EMAIL_LENGTH), default="")
     groups: Mapped[list[str]] = mapped_column(JSON, default=list)
-    made_here: Mapped[bool] = mapped_column(default=False)
-    went: Mapped[bool] = mapped_column(default=False)
+    created_by_list: Mapped[bool] = mapped_column("made_here", key="created_by_list", default=False)
+    left_voluntarily: Mapped[bool] = mapped_column("went", key="left_voluntarily", default=False)
     joined_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     left_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     last_seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     @property
     def is_staff(self) -> bool:
-        return self.role in {Seat.assistant, Seat.teacher}
+        return self.role in {ClassRole.assistant, ClassRole.teacher}

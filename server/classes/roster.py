@@ -10,12 +10,12 @@ from functools import lru_cache
 
 from server.base.errors import Invalid
 from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
-from server.classes.sheets import Row, read_rows
-from server.identity.schemas import normalised_login, valid_login
+from server.classes.sheets import SheetRow, read_rows
+from server.identity.schemas import is_valid_login, normalise_login
 
 COLUMNS = ("nom", "prenom", "email", "identifiant", "groupe")
 #: What schools' programs call them, folded as `folded` does.
-NAMES: Mapping[str, str] = {
+COLUMN_ALIASES: Mapping[str, str] = {
     **{name: name for name in COLUMNS},
     "nom de famille": "nom", "nom eleve": "nom", "last name": "nom", "surname": "nom",
     "prenom eleve": "prenom", "prenoms": "prenom", "first name": "prenom",
@@ -24,7 +24,7 @@ NAMES: Mapping[str, str] = {
     "login": "identifiant", "id": "identifiant", "username": "identifiant", "nom d utilisateur": "identifiant",
     "groupes": "groupe", "group": "groupe", "groups": "groupe",
 }  # fmt: skip
-GROUP_LENGTH, MOST_GROUPS = 40, 8
+GROUP_LENGTH, MAX_GROUPS = 40, 8
 EMAIL = re.compile(r"[^@\s]+@[^@\s]+\.[^@\s]+")
 
 NO_HEADER = (
@@ -34,7 +34,7 @@ NO_HEADER = (
 
 
 @dataclass(frozen=True)
-class Line:
+class RosterLine:
     """One person of a list. What is empty says nothing: what is known already stays."""
 
     line: int
@@ -50,7 +50,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Rejected:
+class RejectedLine:
     """`name` and `login` are those of the line, as far as they could be read."""
 
     line: int
@@ -63,14 +63,14 @@ class Rejected:
 class Roster:
     """What was read of a list. `has_groups`: it has a column for them, so that an empty cell means none."""
 
-    rows: tuple[Row, ...]
-    lines: tuple[Line, ...]
-    rejected: tuple[Rejected, ...]
+    rows: tuple[SheetRow, ...]
+    lines: tuple[RosterLine, ...]
+    rejected: tuple[RejectedLine, ...]
     ignored: tuple[str, ...]
     has_groups: bool
 
 
-def folded(text: str) -> str:
+def normalise_name(text: str) -> str:
     """Without accents, case and signs: what makes two spellings of a name the same."""
     return _kept(text) if len(text) <= NAME_LENGTH else _folded(text)
 
@@ -89,8 +89,8 @@ def read_roster(content: bytes) -> Roster:
     if not rows:
         raise Invalid("Cette liste est vide.")
     columns = _columns(rows[0])
-    lines: list[Line] = []
-    rejected: list[Rejected] = []
+    lines: list[RosterLine] = []
+    rejected: list[RejectedLine] = []
     seen: dict[str, int] = {}
     for row in rows[1:]:
         line = _line(row, columns)
@@ -98,16 +98,16 @@ def read_roster(content: bytes) -> Roster:
             _check(line, row, columns)
             _once(line, seen)
         except Invalid as problem:
-            rejected.append(Rejected(row.line, problem.detail, line.name, line.login))
+            rejected.append(RejectedLine(row.line, problem.detail, line.name, line.login))
         else:
             lines.append(line)
     ignored = tuple(cell.strip() for cell, column in zip(rows[0].cells, columns, strict=True) if not column and cell)
     return Roster(tuple(rows), tuple(lines), tuple(rejected), ignored, "groupe" in columns)
 
 
-def _columns(header: Row) -> Sequence[str]:
+def _columns(header: SheetRow) -> Sequence[str]:
     """For each of the header's cells the name of the column, or an empty text."""
-    columns = [NAMES.get(folded(cell), "") for cell in header.cells]
+    columns = [COLUMN_ALIASES.get(normalise_name(cell), "") for cell in header.cells]
     known = [column for column in columns if column]
     if not {"nom", "prenom"} & set(known):
         raise Invalid(NO_HEADER)
@@ -117,19 +117,19 @@ def _columns(header: Row) -> Sequence[str]:
     return columns
 
 
-def _line(row: Row, columns: Sequence[str]) -> Line:
+def _line(row: SheetRow, columns: Sequence[str]) -> RosterLine:
     cells = {name: " ".join(cell.split()) for name, cell in zip(columns, row.cells, strict=False) if name}
-    return Line(
+    return RosterLine(
         line=row.line,
         family_name=cells.get("nom", ""),
         given_name=cells.get("prenom", ""),
         email=cells.get("email", "").casefold(),
-        login=normalised_login(cells.get("identifiant", "")),
+        login=normalise_login(cells.get("identifiant", "")),
         groups=_labels(cells.get("groupe", "")),
     )
 
 
-def _check(line: Line, row: Row, columns: Sequence[str]) -> None:
+def _check(line: RosterLine, row: SheetRow, columns: Sequence[str]) -> None:
     """Raises Invalid."""
     if any(cell.strip() for cell in row.cells[len(columns) :]):
         raise Invalid("cette ligne a plus de cases que la première.")
@@ -141,12 +141,12 @@ def _check(line: Line, row: Row, columns: Sequence[str]) -> None:
         len(line.email) > EMAIL_LENGTH or not line.email.isprintable() or not EMAIL.fullmatch(line.email)
     ):
         raise Invalid(f"« {line.email[:60]} » n’est pas une adresse électronique.")
-    if line.login and not valid_login(line.login):
+    if line.login and not is_valid_login(line.login):
         raise Invalid("l’identifiant compte de 2 à 254 caractères, sans espace.")
     check_groups(line.groups)
 
 
-def groups_of(text: str) -> tuple[str, ...]:
+def parse_groups(text: str) -> tuple[str, ...]:
     """Labels, separated by commas, semicolons or bars; each once. Raises Invalid."""
     return check_groups(_labels(text))
 
@@ -157,18 +157,18 @@ def _labels(text: str) -> tuple[str, ...]:
 
 def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:
     """Raises Invalid where they are too many, or too long."""
-    if len(labels) > MOST_GROUPS or any(len(label) > GROUP_LENGTH or not label.isprintable() for label in labels):
-        raise Invalid(f"un élève a {MOST_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
+    if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH or not label.isprintable() for label in labels):
+        raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
     return labels
 
 
-def _once(line: Line, seen: dict[str, int]) -> None:
+def _once(line: RosterLine, seen: dict[str, int]) -> None:
     """One person stands once in a list. Raises Invalid."""
     keys = [f"identifiant « {line.login} »"] if line.login else []
     keys += [f"adresse « {line.email} »"] if line.email else []
     if not keys:
         keys = [f"nom « {line.name} »"]
     for key in keys:
-        earlier = seen.setdefault(folded(key) if key.startswith("nom") else key, line.line)
+        earlier = seen.setdefault(normalise_name(key) if key.startswith("nom") else key, line.line)
         if earlier != line.line:
             raise Invalid(f"même {key} qu’à la ligne {earlier}.")

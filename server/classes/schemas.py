@@ -10,31 +10,31 @@ from typing import NamedTuple
 from uuid import UUID
 
 from server.base.errors import Invalid
-from server.classes.models import NAME_LENGTH, Membership, SchoolClass, Seat, Status
-from server.classes.roster import folded
+from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
+from server.classes.roster import normalise_name
 from server.identity.models import Account
 
 #: For how long a join code may be asked for; the first is what a new class gets.
-CODE_LASTS: Mapping[str, timedelta] = {
+CODE_LIFETIMES: Mapping[str, timedelta] = {
     "mois": timedelta(days=30),
     "semaine": timedelta(days=7),
     "jour": timedelta(days=1),
     "seance": timedelta(hours=3),
 }
-DEFAULT_LASTING = "mois"
+DEFAULT_CODE_LIFETIME = "mois"
 
 
-def listed_name(given: str | None, family: str | None, own: str) -> str:
+def display_name(given: str | None, family: str | None, own: str) -> str:
     """As the school's list has it; else as the account does."""
     return " ".join(filter(None, (given, family))) or own
 
 
-def place_in_list(family: str | None, name: str) -> tuple[str, str]:
+def name_sort_key(family: str | None, name: str) -> tuple[str, str]:
     """As a list of names is sorted: by family name, accents apart. An account's own name ends with it."""
-    return folded(family or name.rsplit(maxsplit=1)[-1]), folded(name)
+    return normalise_name(family or name.rsplit(maxsplit=1)[-1]), normalise_name(name)
 
 
-class Learner(NamedTuple):
+class ActiveStudent(NamedTuple):
     """Who sits in a class as a student now; `seen_at`: when they were last there."""
 
     id: UUID
@@ -44,7 +44,7 @@ class Learner(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Listed:
+class StudentRecord:
     """Who sits in a class as a student now, with all that its list says of them, and their account's login."""
 
     id: UUID
@@ -56,8 +56,8 @@ class Listed:
     groups: tuple[str, ...]
 
     @property
-    def sorted_by(self) -> tuple[str, str]:
-        return place_in_list(self.family_name, self.name)
+    def sort_key(self) -> tuple[str, str]:
+        return name_sort_key(self.family_name, self.name)
 
 
 @dataclass(frozen=True)
@@ -73,15 +73,15 @@ class Member:
 
     @property
     def name(self) -> str:
-        return listed_name(self.membership.given_name, self.membership.family_name, self.account.name)
+        return display_name(self.membership.given_name, self.membership.family_name, self.account.name)
 
     @property
-    def sorted_by(self) -> tuple[str, str]:
-        return place_in_list(self.membership.family_name, self.name)
+    def sort_key(self) -> tuple[str, str]:
+        return name_sort_key(self.membership.family_name, self.name)
 
     @property
-    def seat(self) -> Seat:
-        return Seat(self.membership.role)
+    def role(self) -> ClassRole:
+        return ClassRole(self.membership.role)
 
     @property
     def status(self) -> Status:
@@ -93,7 +93,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Joined:
+class JoinedClass:
     """A class, and what somebody is in it."""
 
     school_class: SchoolClass
@@ -101,21 +101,21 @@ class Joined:
 
 
 @dataclass(frozen=True)
-class OwnName:
+class GuestName:
     """What a guest says of who they are, for the class's list."""
 
     given: str
     family: str
 
 
-def name_of_class(text: str) -> str:
+def validate_class_name(text: str) -> str:
     """Raises Invalid."""
     return _name(text, "Donnez à la classe un nom de 1 à 100 caractères.")
 
 
-def own_name(given: str, family: str) -> OwnName:
+def validate_guest_name(given: str, family: str) -> GuestName:
     """Raises Invalid."""
-    wanted = OwnName(
+    wanted = GuestName(
         _name(given, "Indiquez votre prénom (100 caractères au plus)."),
         _name(family, "Indiquez votre nom (100 caractères au plus)."),
     )
@@ -130,8 +130,8 @@ def _name(text: str, problem: str) -> str:
     return name
 
 
-def code_until(lasting: str, now: datetime) -> datetime:
+def code_expiry(lasting: str, now: datetime) -> datetime:
     """Raises Invalid."""
-    if lasting not in CODE_LASTS:
+    if lasting not in CODE_LIFETIMES:
         raise Invalid("Cette durée n’est pas proposée.")
-    return now + CODE_LASTS[lasting]
+    return now + CODE_LIFETIMES[lasting]

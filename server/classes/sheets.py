@@ -18,7 +18,7 @@ from threading import BoundedSemaphore
 
 from server.base.children import bare_environment
 from server.base.errors import Crowded, Invalid
-from server.classes.spreadsheet import MOST_COLUMNS, MOST_LINES
+from server.classes.spreadsheet import MAX_COLUMNS, MAX_LINES
 
 SEPARATORS = (";", ",", "\t")
 LINE_END = re.compile(r"\r\n|\r|\n")
@@ -29,14 +29,14 @@ AT_ONCE = 2
 OLD = "Ce fichier est d’un ancien format (.xls) : enregistrez-le en .xlsx, en .ods ou en CSV."
 UNREADABLE = "Ce fichier ne se lit pas comme un classeur XLSX ou ODS ; enregistrez-le en CSV, ou collez la liste."
 NOT_TEXT = "Ce fichier n’est pas un texte : ni UTF-8, ni Windows-1252. Enregistrez-le en CSV, en XLSX ou en ODS."
-TOO_LONG = f"Une liste a {MOST_LINES} lignes et {MOST_COLUMNS} colonnes au plus."
+TOO_LONG = f"Une liste a {MAX_LINES} lignes et {MAX_COLUMNS} colonnes au plus."
 BUSY = "D’autres listes sont en cours de lecture. Réessayez dans quelques secondes."
 
 _opening = BoundedSemaphore(AT_ONCE)
 
 
 @dataclass(frozen=True)
-class Row:
+class SheetRow:
     """`line` is where it begins in the file, from 1."""
 
     line: int
@@ -47,21 +47,21 @@ class Row:
         return not any(cell.strip() for cell in self.cells)
 
 
-def read_rows(content: bytes) -> list[Row]:
+def read_rows(content: bytes) -> list[SheetRow]:
     """The rows that are not blank. Raises Invalid, with the line where there is one, or Crowded."""
     if content.startswith(OLD_EXCEL):
         raise Invalid(OLD)
-    rows = _spreadsheet(content) if content.startswith(ZIP) else _text(decoded(content))
+    rows = _spreadsheet(content) if content.startswith(ZIP) else _text(decode_text(content))
     found = []
     for row in rows:
-        if row.line > MOST_LINES or len(row.cells) > MOST_COLUMNS:
+        if row.line > MAX_LINES or len(row.cells) > MAX_COLUMNS:
             raise Invalid(TOO_LONG)
         if not row.is_blank:
             found.append(row)
     return found
 
 
-def as_csv(rows: Iterable[Row]) -> str:
+def to_csv(rows: Iterable[SheetRow]) -> str:
     """A text that `read_rows` reads back as these rows, at the same lines."""
     out = io.StringIO(newline="")
     writer = csv.writer(out, delimiter=SEPARATORS[0], quoting=csv.QUOTE_ALL, lineterminator="\n")
@@ -73,7 +73,7 @@ def as_csv(rows: Iterable[Row]) -> str:
     return out.getvalue()
 
 
-def decoded(content: bytes) -> str:
+def decode_text(content: bytes) -> str:
     """UTF-8, with or without its mark; UTF-16 with its mark (Excel's « texte Unicode »); else Windows-1252."""
     encodings = ["utf-16"] if content.startswith((b"\xff\xfe", b"\xfe\xff")) else ["utf-8-sig", "cp1252"]
     for encoding in encodings:
@@ -86,7 +86,7 @@ def decoded(content: bytes) -> str:
     raise Invalid(NOT_TEXT)
 
 
-def separator_of(text: str) -> str:
+def guess_separator(text: str) -> str:
     """The one that cuts the first line in most pieces; of equals, the first of French Excel's, then of everybody's."""
     return max(SEPARATORS, key=lambda one: _pieces_of_first(text, one))
 
@@ -100,18 +100,18 @@ def _pieces_of_first(text: str, separator: str) -> int:
         return 0
 
 
-def _text(text: str) -> Iterator[Row]:
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator_of(text), strict=True)
+def _text(text: str) -> Iterator[SheetRow]:
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=guess_separator(text), strict=True)
     line = 1
     try:
         for cells in reader:
-            yield Row(line, tuple(cells))
+            yield SheetRow(line, tuple(cells))
             line = reader.line_num + 1
     except csv.Error as error:
         raise Invalid(f"Ligne {line} : les guillemets ne vont pas ensemble, ou une case est trop longue.") from error
 
 
-def _spreadsheet(content: bytes) -> Iterator[Row]:
+def _spreadsheet(content: bytes) -> Iterator[SheetRow]:
     if not _opening.acquire(timeout=OPENING_SECONDS):
         raise Crowded(BUSY, retry_after=5)
     try:
@@ -130,4 +130,4 @@ def _spreadsheet(content: bytes) -> Iterator[Row]:
     if done.returncode != 0:
         raise Invalid(UNREADABLE)
     for line, cells in enumerate(json.loads(done.stdout), 1):
-        yield Row(line, tuple(cells))
+        yield SheetRow(line, tuple(cells))

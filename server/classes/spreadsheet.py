@@ -12,38 +12,38 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-MOST_LINES, MOST_COLUMNS = 2000, 50
-MOST_TEXT = 1024 * 1024  # characters in all: one that is stored once may stand in every cell
+MAX_LINES, MAX_COLUMNS = 2000, 50
+MAX_TEXT = 1024 * 1024  # characters in all: one that is stored once may stand in every cell
 MEMORY = 512 * 1024 * 1024  # of addresses, what Python takes to begin with among them
 SECONDS = 5
 
 
-def bound() -> None:
+def limit_resources() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
 
-def text_of(cell: Any) -> str:
+def cell_text(cell: Any) -> str:
     """A number that is whole is written without decimals: an identifier of digits is one, for a spreadsheet."""
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 2**53:
         return str(int(cell))
     return str(cell)
 
 
-def first_sheet(content: bytes) -> list[list[str]]:
+def read_first_sheet(content: bytes) -> list[list[str]]:
     """One line more and one column more than are allowed, where there are: whoever asked refuses them."""
     from python_calamine import CalamineWorkbook
 
     workbook = CalamineWorkbook.from_filelike(io.BytesIO(content))
     rows: Sequence[Sequence[Any]] = workbook.get_sheet_by_index(0).to_python(skip_empty_area=False)
-    return [[text_of(cell) for cell in row[: MOST_COLUMNS + 1]] for row in rows[: MOST_LINES + 1]]
+    return [[cell_text(cell) for cell in row[: MAX_COLUMNS + 1]] for row in rows[: MAX_LINES + 1]]
 
 
 if __name__ == "__main__":
-    bound()
-    sheet = first_sheet(sys.stdin.buffer.read())
-    if sum(len(cell) for row in sheet for cell in row) > MOST_TEXT:
+    limit_resources()
+    sheet = read_first_sheet(sys.stdin.buffer.read())
+    if sum(len(cell) for row in sheet for cell in row) > MAX_TEXT:
         sys.exit("too much text")
     json.dump(sheet, sys.stdout)

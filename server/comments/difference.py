@@ -9,51 +9,51 @@ from difflib import SequenceMatcher
 
 #: Beyond either, between what two texts begin and end with in common, lines are not matched: `difflib` looks at each
 #: pair of equal lines again for each run that it finds.
-MOST_LINES = 500
-MOST_PAIRS = 6000
+MAX_DIFF_LINES = 500
+MAX_EQUAL_PAIRS = 6000
 
 
 @dataclass(frozen=True)
-class Run:
+class DiffRun:
     """Lines of the text before, and those that stand in their place after (from 0, the end not included)."""
 
-    kept: bool
+    is_equal: bool
     before: range
     after: range
 
 
 @dataclass(frozen=True)
-class Difference:
+class LineDiff:
     """Runs that cover both texts in order. `exact`: each line that stayed was looked for."""
 
-    runs: tuple[Run, ...]
-    exact: bool = True
+    runs: tuple[DiffRun, ...]
+    is_exact: bool = True
 
 
-def lines_of(code: str) -> list[str]:
+def split_lines(code: str) -> list[str]:
     """The lines as they are numbered: an end of line at the end begins no other."""
     lines = code.replace("\r\n", "\n").split("\n")
     return lines[:-1] if len(lines) > 1 and not lines[-1] else lines
 
 
-def compare(before: Sequence[str], after: Sequence[str]) -> Difference:
+def diff_lines(before: Sequence[str], after: Sequence[str]) -> LineDiff:
     """What became of each line. Costs at most one look at each line, and what `MOST_LINES`, `MOST_PAIRS` allow."""
     head = _common(zip(before, after, strict=False))
     shorter = min(len(before), len(after)) - head
     tail = min(shorter, _common(zip(reversed(before), reversed(after), strict=False)))
     left, right = before[head : len(before) - tail], after[head : len(after) - tail]
-    runs = [Run(True, range(head), range(head))]
+    runs = [DiffRun(True, range(head), range(head))]
     exact = _is_small(left, right)
     if exact:
         matcher = SequenceMatcher(None, left, right, autojunk=False)
         runs += [
-            Run(tag == "equal", range(head + i, head + j), range(head + m, head + n))
+            DiffRun(tag == "equal", range(head + i, head + j), range(head + m, head + n))
             for tag, i, j, m, n in matcher.get_opcodes()
         ]
     else:
-        runs.append(Run(False, range(head, len(before) - tail), range(head, len(after) - tail)))
-    runs.append(Run(True, range(len(before) - tail, len(before)), range(len(after) - tail, len(after))))
-    return Difference(tuple(run for run in runs if run.before or run.after), exact)
+        runs.append(DiffRun(False, range(head, len(before) - tail), range(head, len(after) - tail)))
+    runs.append(DiffRun(True, range(len(before) - tail, len(before)), range(len(after) - tail, len(after))))
+    return LineDiff(tuple(run for run in runs if run.before or run.after), exact)
 
 
 def _common(pairs: Iterator[tuple[str, str]]) -> int:
@@ -69,7 +69,7 @@ def _common(pairs: Iterator[tuple[str, str]]) -> int:
 def _is_small(left: Sequence[str], right: Sequence[str]) -> bool:
     if not left or not right:
         return True
-    if max(len(left), len(right)) > MOST_LINES:
+    if max(len(left), len(right)) > MAX_DIFF_LINES:
         return False
     times = Counter(right)
-    return sum(count * times[line] for line, count in Counter(left).items()) <= MOST_PAIRS
+    return sum(count * times[line] for line, count in Counter(left).items()) <= MAX_EQUAL_PAIRS

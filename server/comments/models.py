@@ -14,7 +14,7 @@ CHECK_LENGTH = 200
 TITLE_LENGTH = 300
 
 
-class State(StrEnum):
+class ThreadState(StrEnum):
     """`open`: the student spoke last, and waits; `answered`: who teaches did; `settled`: there is no more to say."""
 
     open = "open"

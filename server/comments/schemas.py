@@ -8,8 +8,8 @@ from datetime import datetime
 from uuid import UUID
 
 from server.base.errors import Invalid
-from server.comments.carrying import Fate, Place
-from server.comments.models import TEXT_LENGTH, Message, Note, Phrase, State, Thread
+from server.comments.carrying import LineFate, LineRange
+from server.comments.models import TEXT_LENGTH, Message, Note, Phrase, Thread, ThreadState
 
 EMPTY = "Écrivez d’abord votre message."
 TOO_LONG = f"Ce message est trop long : {TEXT_LENGTH} caractères au plus."
@@ -17,18 +17,18 @@ UNREADABLE = "Ce message contient des caractères qui ne peuvent pas être gard�
 
 
 @dataclass(frozen=True)
-class Target:
+class ThreadTarget:
     """What a thread is about: some lines, a check by its name, or, without either, the work as a whole."""
 
-    lines: Place | None = None
+    lines: LineRange | None = None
     check: str | None = None
 
 
-WHOLE = Target()
+WHOLE_WORK = ThreadTarget()
 
 
 @dataclass(frozen=True)
-class Said:
+class AuthoredMessage:
     """A message, with the name that its author's account has; `name` is empty where there is no account any more."""
 
     message: Message
@@ -40,7 +40,7 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Talk:
+class Conversation:
     """A thread as it stands beside one submission, its messages oldest first.
 
     `fate` and `place` are of its lines there (`place` is None where it is about none, or they are gone); `number` and
@@ -48,15 +48,15 @@ class Talk:
     """
 
     thread: Thread
-    messages: Sequence[Said]
-    fate: Fate = Fate.carried
-    place: Place | None = None
+    messages: Sequence[AuthoredMessage]
+    fate: LineFate = LineFate.carried
+    lines: LineRange | None = None
     number: int | None = None
     origin: UUID | None = None
 
     @property
-    def state(self) -> State:
-        return State(self.thread.state)
+    def state(self) -> ThreadState:
+        return ThreadState(self.thread.state)
 
     @property
     def is_new(self) -> bool:
@@ -69,7 +69,7 @@ def is_new(thread: Thread) -> bool:
 
 
 @dataclass(frozen=True)
-class News:
+class UnreadThread:
     """What a student has not read yet: a thread, and which of their attempts it is on."""
 
     thread: Thread
@@ -77,7 +77,7 @@ class News:
 
 
 @dataclass(frozen=True)
-class Question:
+class ThreadSummary:
     """A thread of a class's list, with its first message, and whose work it is about."""
 
     thread: Thread
@@ -87,17 +87,17 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Questions:
+class ThreadPage:
     """A page of a class's threads, newest first, and how many there are of each state."""
 
-    lines: Sequence[Question]
-    counts: dict[State, int]
+    threads: Sequence[ThreadSummary]
+    counts: dict[ThreadState, int]
     number: int
     more: bool
 
 
 @dataclass(frozen=True)
-class Word:
+class ReceivedNote:
     """A word to several students, as one of them has it."""
 
     note: Note
@@ -106,7 +106,7 @@ class Word:
 
 
 @dataclass(frozen=True)
-class Told:
+class SentNote:
     """A word as those who teach see it: for how many it is, and how many say that they have read it."""
 
     note: Note
@@ -116,17 +116,17 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Own:
+class AccountComments:
     """All that is kept of one person in this room."""
 
-    talks: Sequence[Talk] = field(default=())
-    said: Sequence[tuple[Message, str]] = field(default=())
+    conversations: Sequence[Conversation] = field(default=())
+    staff_messages: Sequence[tuple[Message, str]] = field(default=())
     phrases: Sequence[Phrase] = field(default=())
-    words: Sequence[Word] = field(default=())
-    told: Sequence[Note] = field(default=())
+    received_notes: Sequence[ReceivedNote] = field(default=())
+    sent_notes: Sequence[Note] = field(default=())
 
 
-def text_of(raw: str) -> str:
+def validate_text(raw: str) -> str:
     """What is kept of what somebody has typed. Raises Invalid."""
     text = raw.replace("\r\n", "\n").replace("\x00", "␀").strip()
     if not text:

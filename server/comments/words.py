@@ -17,17 +17,17 @@ from server.classes.models import SchoolClass
 from server.classes.service import require_open
 from server.comments import words_repository as repository
 from server.comments.models import Note, Phrase
-from server.comments.schemas import text_of
+from server.comments.schemas import validate_text
 from server.comments.service import TOO_FAST
 from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
 
-MOST_PHRASES = 200
-MOST_SUGGESTED = 20
+MAX_PHRASES = 200
+MAX_SUGGESTED = 20
 UNKNOWN_PHRASE = "Cette phrase n’est pas parmi celles que vous gardez."
-UNKNOWN_WORD = "Ce mot n’existe pas."
-TOO_MANY_PHRASES = f"Vous gardez déjà {MOST_PHRASES} phrases : effacez-en d’abord."
+UNKNOWN_NOTE = "Ce mot n’existe pas."
+TOO_MANY_PHRASES = f"Vous gardez déjà {MAX_PHRASES} phrases : effacez-en d’abord."
 NO_READERS = "Aucun élève de la classe n’a cette erreur en ce moment : le mot n’a pas été envoyé."
 ALL_HELD = (
     "Qui a cette erreur ne le sait pas encore : un devoir retient ce diagnostic. Le mot n’a pas été envoyé ; il pourra "
@@ -35,18 +35,18 @@ ALL_HELD = (
 )
 
 
-def suggested(db: Session, by: Account, exercise: str, misconception: str | None) -> Sequence[Phrase]:
+def suggest_phrases(db: Session, by: Account, exercise: str, misconception: str | None) -> Sequence[Phrase]:
     """Phrases to choose from: first those kept for this misconception, then those for this exercise."""
-    return repository.phrases(db, by.id, exercise, misconception, MOST_SUGGESTED)
+    return repository.load_ranked_phrases(db, by.id, exercise, misconception, MAX_SUGGESTED)
 
 
-def keep(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
+def keep_phrase(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
     """Keeps a phrase; one that is kept already stays as it is. Raises Invalid or Conflict."""
-    kept = text_of(text)
-    known = repository.same_phrase(db, by.id, kept)
+    kept = validate_text(text)
+    known = repository.find_phrase_by_text(db, by.id, kept)
     if known is not None:
         return known
-    if repository.count_phrases(db, by.id) >= MOST_PHRASES:
+    if repository.count_phrases(db, by.id) >= MAX_PHRASES:
         raise Conflict(TOO_MANY_PHRASES)
     phrase = Phrase(account_id=by.id, text=kept, exercise=exercise, misconception=misconception)
     db.add(phrase)
@@ -54,18 +54,18 @@ def keep(db: Session, by: Account, text: str, exercise: str | None, misconceptio
     return phrase
 
 
-def with_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) -> str:
+def prepend_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) -> str:
     """What was typed, after the kept phrase that was chosen, which is used once more. Raises NotFound."""
     if phrase_id is None:
         return text
-    phrase = repository.phrase(db, by.id, phrase_id)
+    phrase = repository.find_phrase(db, by.id, phrase_id)
     if phrase is None:
         raise NotFound(UNKNOWN_PHRASE)
-    repository.use(db, phrase.id)
+    repository.count_phrase_use(db, phrase.id)
     return f"{phrase.text}\n\n{text}" if text.strip() else phrase.text
 
 
-def phrase_id(text: str) -> UUID | None:
+def parse_phrase_id(text: str) -> UUID | None:
     """A phrase's name as a form has it: none where none was chosen. Raises NotFound."""
     try:
         return UUID(text) if text else None
@@ -73,12 +73,12 @@ def phrase_id(text: str) -> UUID | None:
         raise NotFound(UNKNOWN_PHRASE) from error
 
 
-def forget(db: Session, by: Account, phrase_id: UUID) -> None:
-    if not repository.forget(db, by.id, phrase_id):
+def delete_phrase(db: Session, by: Account, phrase_id: UUID) -> None:
+    if not repository.delete_phrase(db, by.id, phrase_id):
         raise NotFound(UNKNOWN_PHRASE)
 
 
-def tell(
+def send_note(
     db: Session,
     by: Account,
     school_class: SchoolClass,
@@ -94,9 +94,9 @@ def tell(
     found of it. Raises Invalid, Conflict or TooMany.
     """
     require_open(school_class)
-    said = text_of(text)
-    limits.take(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
-    concerned = repository.concerned(db, school_class.id, exercise, misconception)
+    said = validate_text(text)
+    limits.take_token(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
+    concerned = repository.load_student_ids_with_misconception(db, school_class.id, exercise, misconception)
     readers = concerned if misconception is None else _told(db, concerned, exercise)
     if not readers:
         raise Conflict(ALL_HELD if concerned else NO_READERS)
@@ -109,17 +109,17 @@ def tell(
         account_id=by.id,
         created_at=utc_now(),
     )
-    repository.tell(db, note, readers)
+    repository.insert_note(db, note, readers)
     return note, len(readers)
 
 
 def _told(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
     """Those from whom no diagnosis is held back there: a word to all who share one would tell it."""
-    held = feedback.of_students(db, accounts, exercise)
+    held = feedback.load_holds_by_student(db, accounts, exercise)
     return [one for one in accounts if one not in held or held[one].diagnosis is None]
 
 
-def note_read(db: Session, account: Account, note_id: UUID) -> None:
+def mark_note_read(db: Session, account: Account, note_id: UUID) -> None:
     """Raises NotFound."""
-    if not repository.note_read(db, note_id, account.id, utc_now()):
-        raise NotFound(UNKNOWN_WORD)
+    if not repository.mark_note_read(db, note_id, account.id, utc_now()):
+        raise NotFound(UNKNOWN_NOTE)

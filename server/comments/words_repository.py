@@ -8,17 +8,17 @@ from uuid import UUID
 from sqlalchemy import Select, and_, case, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
-from server.comments.schemas import Told, Word
+from server.comments.schemas import ReceivedNote, SentNote
 from server.database import ask, prepared, rows_of, table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
 
-MOST_WORDS = 20
-MOST_TOLD = 100
+MAX_RECEIVED_NOTES = 20
+MAX_CLASS_NOTES = 100
 
 
 @prepared
@@ -29,23 +29,25 @@ def _phrases(account_id: UUID, exercise: str, misconception: str | None, *, most
     return query.order_by(fits, here, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id).limit(most)
 
 
-def phrases(db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int) -> Sequence[Phrase]:
+def load_ranked_phrases(
+    db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int
+) -> Sequence[Phrase]:
     """One's phrases: first those for this misconception, then those for this exercise, then those most used."""
     return db.execute(*_phrases(account_id, exercise, misconception, most=most)).scalars().all()
 
 
-def all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:
+def load_all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:
     query = select(Phrase).where(Phrase.account_id == account_id)
     return db.execute(query.order_by(Phrase.created_at.desc(), Phrase.id)).scalars().all()
 
 
-def phrase(db: Session, account_id: UUID, phrase_id: UUID) -> Phrase | None:
+def find_phrase(db: Session, account_id: UUID, phrase_id: UUID) -> Phrase | None:
     return db.execute(
         select(Phrase).where(Phrase.id == phrase_id, Phrase.account_id == account_id)
     ).scalar_one_or_none()
 
 
-def same_phrase(db: Session, account_id: UUID, text: str) -> Phrase | None:
+def find_phrase_by_text(db: Session, account_id: UUID, text: str) -> Phrase | None:
     query = select(Phrase).where(Phrase.account_id == account_id, Phrase.text == text)
     return db.execute(query.limit(1)).scalar_one_or_none()
 
@@ -55,7 +57,7 @@ def count_phrases(db: Session, account_id: UUID) -> int:
     return db.execute(query).scalar_one()
 
 
-def use(db: Session, phrase_id: UUID) -> None:
+def count_phrase_use(db: Session, phrase_id: UUID) -> None:
     db.execute(
         update(Phrase)
         .where(Phrase.id == phrase_id)
@@ -64,17 +66,19 @@ def use(db: Session, phrase_id: UUID) -> None:
     )
 
 
-def forget(db: Session, account_id: UUID, phrase_id: UUID) -> bool:
+def delete_phrase(db: Session, account_id: UUID, phrase_id: UUID) -> bool:
     statement = delete(Phrase).where(Phrase.id == phrase_id, Phrase.account_id == account_id).returning(Phrase.id)
     return db.execute(statement).first() is not None
 
 
-def concerned(db: Session, class_id: UUID, exercise: str, misconception: str | None) -> Sequence[UUID]:
+def load_student_ids_with_misconception(
+    db: Session, class_id: UUID, exercise: str, misconception: str | None
+) -> Sequence[UUID]:
     """The active students of a class whose latest attempt at the exercise has this misconception; all without one."""
     if misconception is not None and not misconception.isprintable():  # no database looks for a zero byte
         return ()
     query = select(Membership.account_id).where(
-        Membership.class_id == class_id, Membership.role == Seat.student, Membership.status == Status.active
+        Membership.class_id == class_id, Membership.role == ClassRole.student, Membership.status == Status.active
     )
     if misconception is not None:
         query = query.join(Standing, Standing.account_id == Membership.account_id)
@@ -82,7 +86,7 @@ def concerned(db: Session, class_id: UUID, exercise: str, misconception: str | N
     return db.execute(query).scalars().all()
 
 
-def mistakes_now(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[str, str, int]]:
+def load_current_misconceptions(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[str, str, int]]:
     """The misconceptions that active students of a class have now in an exercise: name, title, how many have it."""
     title = func.max(Grading.verdict["diagnosis"]["title"].as_string())
     count = func.count(Standing.account_id.distinct())
@@ -93,7 +97,7 @@ def mistakes_now(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[s
         .join(Grading, and_(Grading.id == Submission.grading_id, Grading.diagnosis == Standing.last_diagnosis))
         .where(
             Membership.class_id == class_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
             Standing.exercise == exercise,
         )
@@ -103,14 +107,14 @@ def mistakes_now(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[s
     return [(name, shown or name, many) for name, shown, many in db.execute(query) if name is not None]
 
 
-def members(db: Session, class_id: UUID, accounts: Collection[UUID]) -> Sequence[Member]:
+def load_some_members(db: Session, class_id: UUID, accounts: Collection[UUID]) -> Sequence[Member]:
     """Some of the members of a class, in the order of a list of names."""
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
     query = query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
-    return sorted((Member(*row) for row in db.execute(query)), key=lambda one: (*one.sorted_by, str(one.id)))
+    return sorted((Member(*row) for row in db.execute(query)), key=lambda one: (*one.sort_key, str(one.id)))
 
 
-def tell(db: Session, note: Note, readers: Collection[UUID]) -> None:
+def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
     db.add(note)
     db.flush()
     rows = [{"note_id": note.id, "account_id": reader, "seen_at": None} for reader in readers]
@@ -128,26 +132,28 @@ def _words(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -
         .order_by(Note.created_at.desc(), Note.id)
     )
     query = query if everywhere else query.where(Note.exercise == exercise)
-    return (query.where(NoteReader.seen_at.is_(None)) if unread else query).limit(MOST_WORDS)
+    return (query.where(NoteReader.seen_at.is_(None)) if unread else query).limit(MAX_RECEIVED_NOTES)
 
 
-def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False) -> Sequence[Word]:
+def load_received_notes(
+    db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False
+) -> Sequence[ReceivedNote]:
     """What somebody was told with others, newest first: on one exercise, or on all."""
     found = ask(db, *_words(account_id, exercise or "", everywhere=exercise is None, unread=unread))
-    return [Word(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, found)]
+    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, found)]
 
 
-def all_words(db: Session, account_id: UUID) -> Sequence[Word]:
+def load_all_received_notes(db: Session, account_id: UUID) -> Sequence[ReceivedNote]:
     query = (
         select(Note, NoteReader.seen_at)
         .join(NoteReader, NoteReader.note_id == Note.id)
         .where(NoteReader.account_id == account_id)
         .order_by(Note.created_at, Note.id)
     )
-    return [Word(note, "", seen_at) for note, seen_at in db.execute(query)]
+    return [ReceivedNote(note, "", seen_at) for note, seen_at in db.execute(query)]
 
 
-def note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) -> bool:
+def mark_note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) -> bool:
     """That somebody has read a word for them: False where there is none."""
     statement = (
         update(NoteReader)
@@ -159,7 +165,7 @@ def note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) -> bo
     return db.execute(statement).first() is not None
 
 
-def told_in(db: Session, class_id: UUID) -> Sequence[Told]:
+def load_class_notes(db: Session, class_id: UUID) -> Sequence[SentNote]:
     """The latest words to students of a class, with how many have them and have read them."""
     query = (
         select(Note, Account.name, func.count(NoteReader.account_id), func.count(NoteReader.seen_at))
@@ -169,16 +175,16 @@ def told_in(db: Session, class_id: UUID) -> Sequence[Told]:
         .group_by(Note.id, Account.name)
         .order_by(Note.created_at.desc(), Note.id)
     )
-    rows = db.execute(query.limit(MOST_TOLD))
-    return [Told(note, name or "", readers, seen) for note, name, readers, seen in rows]
+    rows = db.execute(query.limit(MAX_CLASS_NOTES))
+    return [SentNote(note, name or "", readers, seen) for note, name, readers, seen in rows]
 
 
-def told_by(db: Session, account_id: UUID) -> Sequence[Note]:
+def load_sent_notes(db: Session, account_id: UUID) -> Sequence[Note]:
     query = select(Note).where(Note.account_id == account_id)
     return db.execute(query.order_by(Note.created_at, Note.id)).scalars().all()
 
 
-def move(db: Session, old: UUID, new: UUID) -> None:
+def move_notes(db: Session, old: UUID, new: UUID) -> None:
     """Gives an account the words for a guest; one that both have stays as the account has it."""
     own = select(NoteReader.note_id).where(NoteReader.account_id == new)
     moved = update(NoteReader).where(NoteReader.account_id == old, NoteReader.note_id.not_in(own))

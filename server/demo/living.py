@@ -51,7 +51,7 @@ class Lesson:
         exercise = self._course.exercises[step.exercise]
         try:
             with self._database.write() as db:
-                account = identity.by_id(db, self._loaded.accounts[step.pupil])
+                account = identity.find_account(db, self._loaded.accounts[step.pupil])
                 if account is None:
                     return
                 if exercise.kind == "code":

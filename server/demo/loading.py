@@ -15,7 +15,7 @@ from server.assignments.models import Assignment
 from server.base.settings import Settings
 from server.classes import repository as classes_stored
 from server.classes import service as classes
-from server.classes.models import Membership, SchoolClass, Seat
+from server.classes.models import ClassRole, Membership, SchoolClass
 from server.course import Course, Module
 from server.database import Database, utc_now
 from server.demo import teaching
@@ -92,9 +92,9 @@ def _people(
     logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
     teacher = _account(db, *TEACHER, Role.teacher, logins)
     assistant = _account(db, *ASSISTANT, Role.teacher, logins)
-    made = classes.create(db, teacher, CLASS_NAME, module.slug)
+    made = classes.create_class(db, teacher, CLASS_NAME, module.slug)
     made.created_at = first - WEEK
-    db.add(Membership(class_id=made.id, account_id=assistant.id, role=Seat.assistant))
+    db.add(Membership(class_id=made.id, account_id=assistant.id, role=ClassRole.assistant))
     accounts = [_student(db, made, pupil, first, logins) for pupil in everyone]
     return made, teacher, accounts, logins
 
@@ -117,7 +117,7 @@ def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, pass
         email=f"{pupil.login}@exemple.fr",
         groups=[pupil.group],
         joined_at=since,
-        made_here=True,
+        created_by_list=True,
     )
     db.add(row)
     return account.id
@@ -167,4 +167,4 @@ def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, j
     db.add(row)
     db.flush()
     gradebook.record_grading(db, row.id, GradingResult(judgement, step.sent_at, step.sent_at + TAKES))
-    classes_stored.note_seen(db, account.id, step.sent_at, step.sent_at)
+    classes_stored.update_last_seen(db, account.id, step.sent_at, step.sent_at)

@@ -14,16 +14,16 @@ from sqlalchemy.orm import Session
 
 from server.assignments import exempting, keeping, papers
 from server.assignments import service as assignments
-from server.assignments.models import Assignment, EndedBy, Late, Mode
-from server.assignments.schemas import Wanted, WantedExemption, Weighted, Whom
+from server.assignments.models import Assignment, EndedBy, LatePolicy, Mode
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
 from server.base.settings import Settings
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
 from server.comments import service as comments
 from server.comments import words, words_repository
-from server.comments.carrying import Place
-from server.comments.schemas import WHOLE, Target
+from server.comments.carrying import LineRange
+from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course import Course, Exercise, Module
 from server.demo.people import GROUPS
 from server.demo.story import LASTING, Step, lesson_starts, programme
@@ -58,16 +58,18 @@ def give(db: Session, room: Classroom, now: datetime) -> Assignment:
     """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
     starts, lessons = lesson_starts(now), programme(room.module)
     for number, (start, exercises) in enumerate(zip(starts, lessons, strict=True)):
-        late, per_day = (Late.accept, None) if number % 2 else (Late.penalty, 2.0)
+        late, per_day = (LatePolicy.accept, None) if number % 2 else (LatePolicy.penalty, 2.0)
         given = exercises[:-IN_TEST] if number == TESTED and len(exercises) > IN_TEST else exercises
         due = start + WEEK
-        last = _made(db, room, Wanted(f"Semaine {number + 1}", _all(given), start, due, due + WEEK, late, per_day))
-    grant = WantedExemption(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
-    _exempt(db, room, last, Whom(label=GROUPS[-1]), grant)
+        last = _made(
+            db, room, AssignmentInput(f"Semaine {number + 1}", _all(given), start, due, due + WEEK, late, per_day)
+        )
+    grant = ExemptionInput(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
+    _exempt(db, room, last, ExemptionTarget(label=GROUPS[-1]), grant)
     opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
     asked = (lessons[0][-1], lessons[-1][-1])
     end = _made(db, room, _test("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55))
-    _exempt(db, room, end, Whom((room.students[-1],)), WantedExemption(time_factor=4 / 3))
+    _exempt(db, room, end, ExemptionTarget((room.students[-1],)), ExemptionInput(time_factor=4 / 3))
     start = starts[TESTED]
     test = _test("Contrôle de mi-parcours", lessons[TESTED][-IN_TEST:], start, start + LASTING, None)
     return _made(db, room, test)
@@ -77,26 +79,28 @@ def _all(exercises: Sequence[Exercise]) -> tuple[Weighted, ...]:
     return tuple(Weighted(one.id) for one in exercises)
 
 
-def _test(title: str, asked: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None) -> Wanted:
-    return Wanted(
+def _test(
+    title: str, asked: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None
+) -> AssignmentInput:
+    return AssignmentInput(
         *(title, _all(asked), opens, None, closes),
-        late=Late.refuse,
+        late=LatePolicy.refuse,
         weight=2.0,
         mode=Mode.test,
         duration_minutes=minutes,
     )
 
 
-def _made(db: Session, room: Classroom, wanted: Wanted) -> Assignment:
-    return keeping.make(db, room.course, room.made, room.teacher.id, wanted)
+def _made(db: Session, room: Classroom, wanted: AssignmentInput) -> Assignment:
+    return keeping.create_assignment(db, room.course, room.made, room.teacher.id, wanted)
 
 
-def _exempt(db: Session, room: Classroom, one: Assignment, whom: Whom, wanted: WantedExemption) -> None:
-    exempting.grant(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
+def _exempt(db: Session, room: Classroom, one: Assignment, whom: ExemptionTarget, wanted: ExemptionInput) -> None:
+    exempting.grant_exemptions(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
 
 
 def _members(db: Session, room: Classroom) -> Sequence[Member]:
-    return classes.members(db, room.made.id)
+    return classes.load_members(db, room.made.id)
 
 
 def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -> None:
@@ -104,11 +108,11 @@ def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -
     end = test.opens_at + LASTING
     came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
     for pupil in came:
-        papers.begin(db, test.id, room.students[pupil], test.opens_at)
-        sitting = papers.sitting(db, test.id, room.students[pupil])
+        papers.insert_sitting(db, test.id, room.students[pupil], test.opens_at)
+        sitting = papers.load_sitting(db, test.id, room.students[pupil])
         assert sitting is not None
-        papers.end(db, sitting, end, EndedBy.time)
-    assignments.release(db, test, room.teacher.id, test.opens_at + 2 * DAY)
+        papers.end_sitting(db, sitting, end, EndedBy.time)
+    assignments.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
 def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings) -> None:
@@ -129,13 +133,13 @@ def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings)
                 excused=False,
                 reason="Le raisonnement a été expliqué à l’oral.",
             )
-            comments.begin(db, room.teacher, attempt, Target(Place(1, 1)), LINE, settings)
-            words.keep(db, room.teacher, PHRASE, step.exercise, None)
-        thread = comments.begin(db, author, attempt, WHOLE, OPEN if place == 1 else ANSWERED, settings)
+            comments.begin_thread(db, room.teacher, attempt, ThreadTarget(LineRange(1, 1)), LINE, settings)
+            words.keep_phrase(db, room.teacher, PHRASE, step.exercise, None)
+        thread = comments.begin_thread(db, author, attempt, WHOLE_WORK, OPEN if place == 1 else ANSWERED, settings)
         if place != 1:
-            comments.reply(db, room.teacher, thread, ANSWER, settings)
+            comments.reply_to_thread(db, room.teacher, thread, ANSWER, settings)
     if latest:
         exercise = latest[-1].exercise
-        known = words_repository.mistakes_now(db, room.made.id, exercise)
+        known = words_repository.load_current_misconceptions(db, room.made.id, exercise)
         misconception = known[0][0] if known else None
-        words.tell(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)
+        words.send_note(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)

@@ -7,7 +7,7 @@ from sqlalchemy import Select, and_, func, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.database import ask, prepared
 from server.gradebook.models import Standing
 
@@ -30,7 +30,7 @@ def _finished(class_id: UUID, assignments: Collection[UUID]) -> Select[UUID, int
         .where(
             AssignedExercise.assignment_id.in_(assignments),
             Standing.first_success_at.is_not(None),
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
         )
         .group_by(AssignedExercise.assignment_id, Standing.account_id)

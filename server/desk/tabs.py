@@ -15,9 +15,9 @@ STAFF: tuple[tuple[Right, str, str], ...] = (
     (Right.read_work, "Questions", "/questions"),
     (Right.read_work, "Prévisions", "/previsions"),
     (Right.see_students, "Élèves", "/eleves"),
-    (Right.read_log, "Journal", "/journal"),
+    (Right.read_audit_log, "Journal", "/journal"),
     (Right.regrade, "Recorrections", "/recalculs"),
-    (Right.set_up, "Réglages", "/reglages"),
+    (Right.configure_class, "Réglages", "/reglages"),
 )
 
 

@@ -13,11 +13,11 @@ from sqlalchemy.orm import Session
 
 from server.assignments import keeping
 from server.classes import repository
-from server.classes.codes import shown_code
-from server.classes.importing import Plan
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.codes import format_code
+from server.classes.importing import ImportPlan
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import Slip, good_code
+from server.classes.service import PasswordSlip, valid_code
 from server.comments import repository as comments
 from server.course import Course, Module
 from server.desk.schemas import (
@@ -40,12 +40,12 @@ from server.desk.tabs import tabs
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import editions
 from server.web.news import news_views
 from server.web.words import moment, moment_text
 
-ROLES = {Seat.student: "élève", Seat.assistant: "assistant", Seat.teacher: "enseignant"}
+ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
 ADDED, JOINS = "compte à créer", "a déjà un compte ici"
 BACK = {Status.left: "revient dans la classe", Status.pending: "est admis", Status.active: "fiche complétée"}
 LEAVES = "n’est pas dans la liste : sort de la classe, son travail est gardé"
@@ -67,17 +67,17 @@ def module_name(course: Course, slug: str) -> str:
 
 
 def classes_page(db: Session, course: Course, account: Account | None) -> ClassesPage:
-    seats = [] if account is None else repository.classes_of(db, account)
-    counts = repository.counts(db, [school_class.id for school_class, _ in seats])
+    seats = [] if account is None else repository.load_visible_classes(db, account)
+    counts = repository.count_students(db, [school_class.id for school_class, _ in seats])
     taught = [school_class.id for school_class, seat in seats if _is_staff(seat)]
-    asking = comments.open_in(db, taught) if taught else {}
+    asking = comments.count_open_questions_by_class(db, taught) if taught else {}
     rows = [(one, seat, _row(course, one, seat, *counts[one.id], asking.get(one.id, 0))) for one, seat in seats]
     return ClassesPage(
-        news=news_views([] if account is None else comments.news(db, account.id), course),
+        news=news_views([] if account is None else comments.load_unread_threads(db, account.id), course),
         taught=tuple(row for one, seat, row in rows if one.archived_at is None and _is_staff(seat)),
         attended=tuple(row for one, seat, row in rows if one.archived_at is None and not _is_staff(seat)),
         archived=tuple(row for one, _, row in rows if one.archived_at is not None),
-        may_create=account is not None and Right.create in rights.on_server(account),
+        may_create=account is not None and Right.create_class in rights.server_rights(account),
         modules=tuple((module.slug, f"{module.label} — {module.title}") for module in course.latest),
     )
 
@@ -94,7 +94,7 @@ def _row(
         href=href_of(school_class),
         name=school_class.name,
         module=module_name(course, school_class.module),
-        role="administrateur" if seat is None else ROLES[Seat(seat.role)],
+        role="administrateur" if seat is None else ROLES[ClassRole(seat.role)],
         pending=seat is not None and seat.status == Status.pending,
         students=students,
         waiting=waiting if _is_staff(seat) else 0,
@@ -102,7 +102,7 @@ def _row(
     )
 
 
-def head(course: Course, place: Place, here: str = "") -> ClassHead:
+def head(course: Course, place: ClassAccess, here: str = "") -> ClassHead:
     """`here` is the path, within the class, of the tab that the page belongs to."""
     school_class = place.school_class
     return ClassHead(
@@ -112,20 +112,20 @@ def head(course: Course, place: Place, here: str = "") -> ClassHead:
         module=module_name(course, school_class.module),
         module_href=f"/{school_class.module}" if school_class.module in course.modules else "",
         archived=school_class.archived_at is not None,
-        may_keep_list=place.may(Right.keep_list) and school_class.archived_at is None,
-        may_set_up=place.may(Right.set_up),
-        may_see_code=place.may(Right.see_code),
-        tabs=tabs(href_of(school_class), place.may, here),
+        may_keep_list=place.has(Right.manage_roster) and school_class.archived_at is None,
+        may_set_up=place.has(Right.configure_class),
+        may_see_code=place.has(Right.see_code),
+        tabs=tabs(href_of(school_class), place.has, here),
     )
 
 
 def code_view(school_class: SchoolClass, base: str) -> CodeView | None:
     """`base` is the address of the service, without a slash at its end."""
-    code, until = good_code(school_class), school_class.join_code_until
+    code, until = valid_code(school_class), school_class.join_code_until
     if code is None or until is None:
         return None
     address = f"{base}/rejoindre/{code}"
-    return CodeView(shown_code(code), address, _qr_of_class(address), moment(until), moment_text(until))
+    return CodeView(format_code(code), address, _qr_of_class(address), moment(until), moment_text(until))
 
 
 @lru_cache(maxsize=128)
@@ -142,18 +142,18 @@ def qr(address: str) -> str:
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 
 
-def people_page(db: Session, course: Course, place: Place, account: Account, base: str, group: str) -> PeoplePage:
+def people_page(db: Session, course: Course, place: ClassAccess, account: Account, base: str, group: str) -> PeoplePage:
     """`group`, where it is not empty, keeps the students of this group alone."""
     school_class = place.school_class
     everyone = repository.everyone(db, school_class.id)
-    students = [one for one in everyone if one.seat is Seat.student]
+    students = [one for one in everyone if one.role is ClassRole.student]
     active = [one for one in students if one.status is Status.active]
     labels = group_counts(one.groups for one in active)
     return PeoplePage(
         head=head(course, place, "/eleves"),
         staff=staff_rows(everyone, place, account),
-        code=code_view(school_class, base) if place.may(Right.see_code) else None,
-        may_hand_passwords=place.may(Right.hand_passwords) and school_class.archived_at is None,
+        code=code_view(school_class, base) if place.has(Right.see_code) else None,
+        may_hand_passwords=place.has(Right.hand_out_passwords) and school_class.archived_at is None,
         students=member_rows(one for one in active if not group or group in one.groups),
         total=len(active),
         waiting=member_rows(one for one in students if one.status is Status.pending),
@@ -170,17 +170,17 @@ def group_counts(groups: Iterable[Iterable[str]]) -> dict[str, int]:
     return dict(sorted(counts.items(), key=lambda one: one[0].casefold()))
 
 
-def staff_rows(everyone: Sequence[Member], place: Place, account: Account) -> tuple[StaffRow, ...]:
+def staff_rows(everyone: Sequence[Member], place: ClassAccess, account: Account) -> tuple[StaffRow, ...]:
     staff = [one for one in everyone if one.membership.is_staff and one.status is Status.active]
-    teachers = sum(one.seat is Seat.teacher for one in staff)
-    knows = place.may(Right.see_students)
+    teachers = sum(one.role is ClassRole.teacher for one in staff)
+    knows = place.has(Right.see_students)
     return tuple(
         StaffRow(
             id=str(one.id),
             name=one.name,
             login=one.account.login or "" if knows else "",
-            role=ROLES[one.seat],
-            removable=place.may(Right.set_up) and (one.seat is not Seat.teacher or teachers > 1),
+            role=ROLES[one.role],
+            removable=place.has(Right.configure_class) and (one.role is not ClassRole.teacher or teachers > 1),
         )
         for one in staff
     )
@@ -209,12 +209,12 @@ def _when(when: datetime | None, written: Callable[[datetime], str]) -> str:
 
 
 def _without_password(member: Member) -> bool:
-    return member.membership.made_here and member.account.password_hash is None
+    return member.membership.created_by_list and member.account.password_hash is None
 
 
-def settings_page(db: Session, course: Course, place: Place, account: Account, base: str) -> SettingsPage:
+def settings_page(db: Session, course: Course, place: ClassAccess, account: Account, base: str) -> SettingsPage:
     school_class = place.school_class
-    staff = staff_rows(repository.staff(db, school_class.id), place, account)
+    staff = staff_rows(repository.load_staff(db, school_class.id), place, account)
     return SettingsPage(
         head=head(course, place, "/reglages"),
         approval=school_class.approval,
@@ -228,7 +228,7 @@ def settings_page(db: Session, course: Course, place: Place, account: Account, b
 
 def _choice(db: Session, course: Course, school_class: SchoolClass, edition: Module) -> EditionChoice:
     there = partial(editions.there, course, module=edition.slug)
-    left = () if edition.slug == school_class.module else keeping.without(db, school_class, there)
+    left = () if edition.slug == school_class.module else keeping.uncopied_exercises(db, school_class, there)
     return EditionChoice(
         slug=edition.slug,
         title=f"{edition.label} — {edition.title}",
@@ -241,7 +241,7 @@ def _title(course: Course, exercise: str) -> str:
     return f"« {served.title} »" if served else exercise
 
 
-def import_page(course: Course, place: Place, plan: Plan, text: str) -> ImportPage:
+def import_page(course: Course, place: ClassAccess, plan: ImportPlan, text: str) -> ImportPage:
     added = [ChangeRow(str(line.line), line.name, line.login or line.email, ADDED) for line in plan.added]
     added += [ChangeRow(str(line.line), line.name, account.login or "", JOINS) for line, account in plan.joining]
     return ImportPage(
@@ -261,7 +261,7 @@ def import_page(course: Course, place: Place, plan: Plan, text: str) -> ImportPa
 
 
 def slips_page(
-    course: Course, place: Place, given: Sequence[Slip], refused: Sequence[str], days: int, base: str
+    course: Course, place: ClassAccess, given: Sequence[PasswordSlip], refused: Sequence[str], days: int, base: str
 ) -> SlipsPage:
     links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in given]
     slips = tuple(SlipView(slip.name, slip.login, link, qr(link)) for slip, link in links)
@@ -269,13 +269,13 @@ def slips_page(
 
 
 def join_page(db: Session, course: Course, school_class: SchoolClass, account: Account | None) -> JoinPage:
-    everyone = repository.members(db, school_class.id)
+    everyone = repository.load_members(db, school_class.id)
     mine = next((one for one in everyone if account is not None and one.id == account.id), None)
     return JoinPage(
         code=school_class.join_code or "",
         name=school_class.name,
         module=module_name(course, school_class.module),
-        teachers=tuple(one.name for one in everyone if one.seat is Seat.teacher and one.status is Status.active),
+        teachers=tuple(one.name for one in everyone if one.role is ClassRole.teacher and one.status is Status.active),
         approval=school_class.approval,
         asks_name=account is None or account.is_guest,
         already=href_of(school_class) if mine is not None and mine.status is not Status.left else "",

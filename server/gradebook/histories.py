@@ -19,7 +19,7 @@ from uuid import UUID
 from sqlalchemy import Integer, func, literal, select
 from sqlalchemy.orm import Session
 
-from server.assignments.counting import Sent
+from server.assignments.counting import ScoredAttempt
 from server.base.caches import Lately
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
@@ -38,7 +38,7 @@ REVISION_SUMS = (
 
 
 @dataclass(frozen=True)
-class GradedAttempt(Sent):
+class GradedAttempt(ScoredAttempt):
     """An attempt with the grading that counts; `id` is that of the submission, `score` in [0, 1]."""
 
     account_id: UUID

@@ -62,7 +62,7 @@ def _last(db: Session, account_id: UUID, exercises: Collection[str], when: datet
 
 def _shown(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
     """The attempts at these exercises of which the verdict is not held back: it must not be learned in this way."""
-    held = {exercise: found.held_from for exercise, found in feedback.of_all(db, account_id).items()}
+    held = {exercise: found.held_since for exercise, found in feedback.load_all_holds(db, account_id).items()}
     free = [exercise for exercise in exercises if held.get(exercise) is None]
     until = [
         and_(Submission.exercise == exercise, Submission.created_at < held_from)

@@ -7,7 +7,7 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
-from server.assignments.feedback import NOTHING_HELD, Feedback, Test
+from server.assignments.feedback import NO_HOLDS, FeedbackHolds, HoldingTest
 from server.database import utc_now
 from server.gradebook import verdicts
 from server.gradebook.models import Grading
@@ -40,12 +40,12 @@ class Attempt:
 
     submission: Submission
     grading: Grading | None
-    feedback: Feedback = NOTHING_HELD
+    feedback: FeedbackHolds = NO_HOLDS
     failed: bool = False
 
     @property
-    def held(self) -> Test | None:
-        return self.feedback.holds(self.submission.created_at)
+    def held(self) -> HoldingTest | None:
+        return self.feedback.test_holding(self.submission.created_at)
 
     @property
     def held_text(self) -> str:
@@ -57,7 +57,7 @@ class Attempt:
         """Without what is held back of it from who looks."""
         if self.grading is None:
             return None
-        return self.feedback.shown(verdicts.read(self.grading.id, self.grading.verdict))
+        return self.feedback.redact(verdicts.read(self.grading.id, self.grading.verdict))
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."

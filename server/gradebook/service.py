@@ -99,7 +99,7 @@ def find_attempt(db: Session, account: Account | None, submission_id: UUID | str
 
 def _seen(db: Session, account_id: UUID, found: StoredAttempt) -> Attempt:
     if not found.may_be_held:
-        feedback.note_nothing(db, found.submission.account_id, found.submission.exercise)
+        feedback.remember_no_holds(db, found.submission.account_id, found.submission.exercise)
     return attempt_seen_by(db, account_id, found.submission, found.grading)
 
 
@@ -107,8 +107,8 @@ def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, gradi
     """To its author, without what is held back from them; to anybody else who may see it, whole."""
     if submission.account_id != account_id:
         return Attempt(submission, grading)
-    known = feedback.of(db, account_id, submission.exercise)
-    if known.holds(submission.created_at) is None:
+    known = feedback.load_holds(db, account_id, submission.exercise)
+    if known.test_holding(submission.created_at) is None:
         return Attempt(submission, grading, known)
     failed = grading is not None and grading.outcome == Outcome.INTERNAL_ERROR
     return Attempt(submission, None, known, failed)
@@ -125,10 +125,10 @@ def list_attempts(db: Session, account: Account | None, exercise_id: str, most: 
     if account is None:
         return Attempts()
     rows = repository.attempts(db, account.id, exercise_id, most=most, skipped=skipped)
-    known = feedback.of(db, account.id, exercise_id)
+    known = feedback.load_holds(db, account.id, exercise_id)
     lines = (
         AttemptLine(name, total - place, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR)
-        if known.holds(sent_at)
+        if known.test_holding(sent_at)
         else AttemptLine(name, total - place, sent_at, outcome, score)
         for place, (total, name, sent_at, outcome, score) in enumerate(rows, skipped)
     )
@@ -143,17 +143,17 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     earlier functions, which may be others by now.
     """
     source = code.encode(errors="surrogatepass")
-    known = feedback.of(db, account.id, exercise_id)
+    known = feedback.load_holds(db, account.id, exercise_id)
     if known.refusal or MENTION in source:
         return None
     file = repository.File(account.id, exercise_id, digest(code), source)
-    return repository.sent_before(db, file, version, known.held_from)
+    return repository.sent_before(db, file, version, known.held_since)
 
 
 def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     """That of its author's attempt just before this one at the exercise."""
     found = repository.before(db, attempt.submission)
-    return None if found is None else attempt.feedback.shown(verdicts.read(*found))
+    return None if found is None else attempt.feedback.redact(verdicts.read(*found))
 
 
 def attempt_number(db: Session, submission: Submission) -> int:
@@ -192,10 +192,10 @@ def load_visible_standings(db: Session, account_id: UUID, exercise_id: str | Non
 def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
     """From when on attempts are held back, by exercise, in those where some are."""
     if exercise_id is None:
-        known = feedback.of_all(db, account_id)
+        known = feedback.load_all_holds(db, account_id)
     else:
-        known = {exercise_id: feedback.of(db, account_id, exercise_id)}
-    return {name: one.held_from for name, one in known.items() if one.held_from is not None}
+        known = {exercise_id: feedback.load_holds(db, account_id, exercise_id)}
+    return {name: one.held_since for name, one in known.items() if one.held_since is not None}
 
 
 def count_attempts_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
@@ -215,6 +215,6 @@ def count_distinct_failures(
     (starter)."""
     if account is None:
         return 0
-    held_from = feedback.of(db, account.id, exercise_id).held_from
+    held_from = feedback.load_holds(db, account.id, exercise_id).held_since
     uncounted = "" if besides is None else digest(besides)
     return repository.failed_digests(db, account.id, exercise_id, uncounted, held_from)

@@ -8,9 +8,9 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import feedback
-from server.assignments.feedback import Closed
+from server.assignments.feedback import FeedbackHold
 from server.base.errors import NotFound
-from server.classes.service import UNKNOWN
+from server.classes.service import UNKNOWN_CLASS
 from server.gradebook import repository
 from server.gradebook.models import ClassOpening, SolutionOpening
 from server.gradebook.schemas import Progress
@@ -47,8 +47,8 @@ class SolutionAccess:
     to_all: bool
     to_class: bool
     teaches: bool
-    hints_held: Closed | None = None
-    solution_held: Closed | None = None
+    hints_held: FeedbackHold | None = None
+    solution_held: FeedbackHold | None = None
 
     def because(self, progress: Progress) -> AccessReason | None:
         """Why the account may read the solution, or None where it may not."""
@@ -75,8 +75,8 @@ def load_solution_access(db: Session, account: Account | None, exercise_id: str)
     if account is None:
         return SolutionAccess(repository.opening(db, exercise_id) is not None, False, False)
     module = rights.module_of(exercise_id)
-    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, module, rights.teaching)
-    known = feedback.of(db, account.id, exercise_id)
+    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, module, rights.teaches_clause)
+    known = feedback.load_holds(db, account.id, exercise_id)
     return SolutionAccess(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
 
 
@@ -86,7 +86,7 @@ def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Se
         return []
     to_all = (
         [SolutionAudience(None, "", repository.opening(db, exercise_id) is not None)]
-        if Right.open_to_all in rights.on_server(account)
+        if Right.open_solutions_to_all in rights.server_rights(account)
         else []
     )
     classes = rights.classes_to_open(db, account, exercise_id)
@@ -97,11 +97,11 @@ def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Se
 def set_solution_open(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, wanted: bool) -> None:
     """Opens the solution to a class, or to everyone, or closes it. Raises Forbidden or NotFound."""
     if class_id is None:
-        rights.require_on_server(account, Right.open_to_all)
+        rights.require_server_right(account, Right.open_solutions_to_all)
     else:
-        place = rights.require(db, account, Right.open_solutions, class_id)
+        place = rights.require_right(db, account, Right.open_solutions, class_id)
         if place.school_class.module != rights.module_of(exercise_id):
-            raise NotFound(UNKNOWN)
+            raise NotFound(UNKNOWN_CLASS)
     opened = _opened(db, exercise_id, class_id)
     if wanted and opened is None:
         db.add(_opening(exercise_id, class_id, account.id))

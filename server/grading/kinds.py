@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from server.behaviour.fingerprints import FINGERPRINT
 from server.queue.port import BACKGROUND, INTERACTIVE
-from server.regrades.service import REGRADE
+from server.regrades.service import REGRADE_JOB
 from server.submissions.service import GRADE
 
-LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE: BACKGROUND, FINGERPRINT: BACKGROUND}
+LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE_JOB: BACKGROUND, FINGERPRINT: BACKGROUND}

@@ -26,7 +26,7 @@ from server.queue.port import Able, Signals, Tasks, WorkSource
 from server.queue.service import TableQueue
 from server.queue.stopping import Stopping
 from server.queue.worker import Worker
-from server.regrades.service import REGRADE
+from server.regrades.service import REGRADE_JOB
 from server.sandbox import Sandbox, SandboxFault
 from server.submissions.service import GRADE, needs_of
 
@@ -106,7 +106,7 @@ def _run(
         queue = TableQueue(signals)
         tasks: Tasks = {
             GRADE: GradingTask(course, grade),
-            REGRADE: RegradeTask(course, queue, grade),
+            REGRADE_JOB: RegradeTask(course, queue, grade),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)

@@ -14,7 +14,7 @@ from server.gradebook.schemas import GradingResult
 from server.grading.task import Grade, SentFile, sent_file
 from server.queue.port import GiveUp, Lease, Queue
 from server.regrades import repository, service
-from server.regrades.service import REGRADE
+from server.regrades.service import REGRADE_JOB
 
 log = logging.getLogger(__name__)
 
@@ -44,11 +44,11 @@ class RegradeTask:
         return GradingResult(self._grade(work.file), work.file.started_at)
 
     def record(self, db: Session, work: Regrading, result: GradingResult) -> None:
-        service.record(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
+        service.record_grading(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
 def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
-    found = repository.next_item(db, UUID(lease.key))
+    found = repository.load_next_item(db, UUID(lease.key))
     if found is None:
         return None
     item, submission, _ = found
@@ -57,7 +57,7 @@ def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
 
 def give_ups(course: Course, queue: Queue) -> Mapping[str, GiveUp]:
     """For whoever takes jobs back without ever grading."""
-    return {REGRADE: _giving_up(course, queue)}
+    return {REGRADE_JOB: _giving_up(course, queue)}
 
 
 def _giving_up(course: Course, queue: Queue) -> GiveUp:
@@ -71,6 +71,6 @@ def _giving_up(course: Course, queue: Queue) -> GiveUp:
         log.error("regrade %s: submission %s of %s given up", work.regrade_id, file.submission_id, file.exercise)
         verdict = internal_error_verdict(file.exercise, course.version_of(file.exercise), file.seed)
         graded = GradingResult(Judgement(verdict), lease.started_at)
-        service.record(db, queue, work.regrade_id, work.item_id, graded, work.needs)
+        service.record_grading(db, queue, work.regrade_id, work.item_id, graded, work.needs)
 
     return give_up

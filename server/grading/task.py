@@ -87,7 +87,7 @@ def _record(db: Session, submission_id: UUID, graded: GradingResult) -> None:
     """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
     account_id = gradebook.record_grading(db, submission_id, graded)
     if account_id is not None and not graded.verdict.outcome.counts:
-        limits.give_back(db, limits.of_submissions(account_id))
+        limits.give_back_token(db, limits.submission_key(account_id))
 
 
 def _giving_up(course: Course) -> GiveUp:

@@ -18,49 +18,49 @@ from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.identity import service, tokens
 from server.identity.models import Account
-from server.identity.service import Accounts, Opened
+from server.identity.service import AccountService, OpenedSession
 
 _bearer = HTTPBearer(auto_error=False, description="Un jeton créé sur la page « Mon compte ».")
 
-AccountsOf = Annotated[Accounts, Depends(provided(Accounts))]
+AccountServiceOf = Annotated[AccountService, Depends(provided(AccountService))]
 
 
-def remember(request: Request, opened: Opened) -> None:
+def set_session_cookie(request: Request, opened: OpenedSession) -> None:
     """Has the cookie of a new session set on this request's answer (by `server.base.middleware.SessionCookie`)."""
     request.state.session_token = opened.token
 
 
-def forget(request: Request) -> None:
+def clear_session_cookie(request: Request) -> None:
     request.state.session_token = ""
 
 
-def account_of(request: Request, database: Database) -> Account | None:
+def load_session_account(request: Request, database: Database) -> Account | None:
     """The account of the browser's session, if there is one; nothing is created."""
     if not session_token(request):
         return None
     with database.read() as db:
-        return account_through(db, request)
+        return load_account_through(db, request)
 
 
-def account_through(db: Session, request: Request) -> Account | None:
+def load_account_through(db: Session, request: Request) -> Account | None:
     """The same in a transaction that only reads: another one takes as long as to ask who it is."""
     token = session_token(request)
     return service.account_of_session(db, token) if token else None
 
 
 def _current(request: Request, database: DatabaseOf) -> Account | None:
-    return account_of(request, database)
+    return load_session_account(request, database)
 
 
 OptionalAccount = Annotated[Account | None, Depends(_current)]
 
 
-def account_or_guest(request: Request, account: OptionalAccount, accounts: AccountsOf) -> Account:
+def account_or_guest(request: Request, account: OptionalAccount, accounts: AccountServiceOf) -> Account:
     """The account of the browser's session; a visitor without one becomes a guest."""
     if account is not None:
         return account
-    opened = accounts.welcome(client_address(request))
-    remember(request, opened)
+    opened = accounts.create_guest(client_address(request))
+    set_session_cookie(request, opened)
     return opened.account
 
 
@@ -83,12 +83,12 @@ async def _shown(credentials: Annotated[HTTPAuthorizationCredentials | None, Sec
 
 
 #: What is shown as a token, for who asks `account_of_token` in a thread where it has more to do: another is dear.
-ShownToken = Annotated[str, Depends(_shown)]
+BearerToken = Annotated[str, Depends(_shown)]
 
 
-def account_of_token(token: ShownToken, database: DatabaseOf) -> Account:
+def account_of_token(token: BearerToken, database: DatabaseOf) -> Account:
     """Raises Unauthorised."""
-    account = tokens.owner(database, token)
+    account = tokens.find_token_owner(database, token)
     if account is None:
         REFUSED_LOGINS.add("token")
         raise Unauthorised("Ce jeton n’est pas valable, n’est plus valable ou a été révoqué.")
@@ -98,7 +98,7 @@ def account_of_token(token: ShownToken, database: DatabaseOf) -> Account:
 ApiAccount = Annotated[Account, Depends(account_of_token)]
 
 
-class TokenFirst(APIRoute):
+class TokenFirstRoute(APIRoute):
     """Of routes with a ShownToken, which may find what was sent at fault before they ask whose token it is: whoever
     shows none that is good is told this alone."""
 

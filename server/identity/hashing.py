@@ -17,7 +17,7 @@ T = TypeVar("T")
 BUSY = "Beaucoup de monde se connecte en ce moment. Réessayez dans quelques secondes."
 
 
-class Hashing:
+class PasswordHasher:
     """For one event loop. Raises Crowded where too many wait; an address's flood does not keep the others out."""
 
     def __init__(self, at_once: int | None = None, waiting: int = MOST_WAITING) -> None:

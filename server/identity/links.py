@@ -12,7 +12,7 @@ from server.base.settings import Settings
 from server.database import utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, Invitation, Role
-from server.identity.schemas import normalised_login
+from server.identity.schemas import normalise_login
 
 USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
 ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
@@ -37,7 +37,7 @@ def invite(db: Session, role: Role, lasting: timedelta) -> str:
 
 def check_invitation(db: Session, token: str) -> Invitation:
     """Raises NotFound."""
-    invitation = repository.open_invitation(db, secrets.digest(token), utc_now())
+    invitation = repository.find_open_invitation(db, secrets.digest(token), utc_now())
     if invitation is None:
         raise NotFound(USED)
     return invitation
@@ -51,42 +51,44 @@ def use_invitation(db: Session, token: str) -> Role:
     return role
 
 
-def to_new_password(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
+def create_reset_link(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
     """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound, Conflict."""
-    account = by_login(db, login)
+    account = find_account_by_login(db, login)
     if account.disabled_at is not None:
         raise Conflict(f"Le compte « {account.login} » est suspendu : rétablissez-le d’abord.")
-    return account, link_of(db, account, timedelta(hours=settings.password_link_hours))
+    return account, create_password_link(db, account, timedelta(hours=settings.password_link_hours))
 
 
-def by_login(db: Session, login: str) -> Account:
+def find_account_by_login(db: Session, login: str) -> Account:
     """Raises NotFound."""
-    wanted = normalised_login(login)
-    account = repository.by_login(db, wanted) if wanted.isprintable() else None  # no database looks for a zero byte
+    wanted = normalise_login(login)
+    account = (
+        repository.find_account_by_login(db, wanted) if wanted.isprintable() else None
+    )  # no database looks for a zero byte
     if account is None:
         raise NotFound(f"Aucun compte n’a l’identifiant « {login} ».")
     return account
 
 
-def link_of(db: Session, account: Account, lasting: timedelta) -> str:
+def create_password_link(db: Session, account: Account, lasting: timedelta) -> str:
     """The token by which this account chooses a password; an earlier one stops working."""
     token = secrets.new_token()
-    repository.keep_password_link(db, account.id, secrets.digest(token), utc_now() + lasting)
+    repository.upsert_password_link(db, account.id, secrets.digest(token), utc_now() + lasting)
     return token
 
 
-def owner(db: Session, token: str) -> Account:
+def find_link_owner(db: Session, token: str) -> Account:
     """Who may choose a new password with this link. Raises NotFound."""
-    account = repository.by_password_link(db, secrets.digest(token), utc_now())
+    account = repository.find_account_by_link(db, secrets.digest(token), utc_now())
     if account is None:
         raise NotFound(ENDED)
     return account
 
 
-def use(db: Session, token: str) -> Account:
+def use_password_link(db: Session, token: str) -> Account:
     """The same, once: of two uses at the same time one only gets the account. Raises Conflict."""
     account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
-    account = None if account_id is None else repository.by_id(db, account_id)
+    account = None if account_id is None else repository.find_account(db, account_id)
     if account is None or account.disabled_at is not None:
         raise Conflict(ENDED)
     return account

@@ -40,7 +40,7 @@ TOO_COMMON = (
 )
 
 
-def problem(password: str, *, login: str, name: str) -> str:
+def password_problem(password: str, *, login: str, name: str) -> str:
     """Why this person's password is refused, or an empty text. `login` is as it is stored."""
     if len(password) < LENGTH.start:
         return TOO_SHORT

@@ -14,11 +14,11 @@ from server.identity.models import Account, ApiToken, BrowserSession, Invitation
 _enabled = Account.disabled_at.is_(None)
 
 
-def by_id(db: Session, account_id: UUID) -> Account | None:
+def find_account(db: Session, account_id: UUID) -> Account | None:
     return db.get(Account, account_id)
 
 
-def by_login(db: Session, login: str) -> Account | None:
+def find_account_by_login(db: Session, login: str) -> Account | None:
     return db.execute(select(Account).where(Account.login == login)).scalar_one_or_none()
 
 
@@ -33,7 +33,7 @@ def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     return query.where(*good, _accounts.c.disabled_at.is_(None))
 
 
-def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
+def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     """Whose session it is. What is given back is not the session's."""
     row = ask(db, *_by_session(token_digest, now)).one_or_none()
     return None if row is None else next(rows_of(Account, [row]))[0]
@@ -46,7 +46,7 @@ def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     return query.where(*good, _accounts.c.disabled_at.is_(None))
 
 
-def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
+def find_account_by_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
     """Whose token it is, and when it last served. What is given back is not the session's."""
     row = ask(db, *_by_api_token(token_digest, now)).one_or_none()
     if row is None:
@@ -55,11 +55,11 @@ def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account
     return account, last_used_at
 
 
-def note_use(db: Session, token_digest: str, now: datetime) -> None:
+def update_last_use(db: Session, token_digest: str, now: datetime) -> None:
     db.execute(update(ApiToken).where(ApiToken.token_digest == token_digest).values(last_used_at=now))
 
 
-def lock(db: Session, account_id: UUID) -> None:
+def lock_account(db: Session, account_id: UUID) -> None:
     """Until the commit, nobody else does what locks this account first."""
     db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
 
@@ -73,7 +73,7 @@ def count_administrators(db: Session) -> int:
     return db.execute(query).scalar_one()
 
 
-def named(db: Session, *, role: Role | None, sought: str, most: int) -> Sequence[Account]:
+def search_accounts(db: Session, *, role: Role | None, sought: str, most: int) -> Sequence[Account]:
     """Some of the accounts with a login, by their logins: of a role, and of which login or name holds a text."""
     query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(most)
     if role is not None:
@@ -95,7 +95,7 @@ def delete_sessions_of(db: Session, account_id: UUID, but: str = "") -> None:
     )
 
 
-def sessions_of(db: Session, account_id: UUID) -> Sequence[BrowserSession]:
+def load_sessions(db: Session, account_id: UUID) -> Sequence[BrowserSession]:
     query = select(BrowserSession).where(BrowserSession.account_id == account_id)
     return db.execute(query.order_by(BrowserSession.created_at)).scalars().all()
 
@@ -106,7 +106,7 @@ def set_password(db: Session, account_id: UUID, password_hash: str) -> None:
     db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
 
 
-def rename(db: Session, account_id: UUID, name: str) -> None:
+def rename_account(db: Session, account_id: UUID, name: str) -> None:
     db.execute(update(Account).where(Account.id == account_id).values(name=name))
 
 
@@ -114,12 +114,12 @@ def delete_account(db: Session, account_id: UUID) -> None:
     db.execute(delete(Account).where(Account.id == account_id))
 
 
-def tokens_of(db: Session, account_id: UUID, now: datetime) -> Sequence[ApiToken]:
+def load_valid_tokens(db: Session, account_id: UUID, now: datetime) -> Sequence[ApiToken]:
     query = select(ApiToken).where(ApiToken.account_id == account_id, ApiToken.expires_at > now)
     return db.execute(query.order_by(ApiToken.created_at)).scalars().all()
 
 
-def all_tokens_of(db: Session, account_id: UUID) -> Sequence[ApiToken]:
+def load_all_tokens(db: Session, account_id: UUID) -> Sequence[ApiToken]:
     """Those that have ended too, until they are forgotten."""
     query = select(ApiToken).where(ApiToken.account_id == account_id)
     return db.execute(query.order_by(ApiToken.created_at)).scalars().all()
@@ -138,14 +138,14 @@ def delete_tokens_of(db: Session, account_id: UUID) -> None:
     db.execute(delete(ApiToken).where(ApiToken.account_id == account_id))
 
 
-def forget_ended(db: Session, now: datetime) -> None:
+def delete_expired(db: Session, now: datetime) -> None:
     """Removes what is past its end, whoever's it was."""
     for table in (BrowserSession, ApiToken, PasswordLink):
         db.execute(delete(table).where(table.expires_at < now))
     db.execute(delete(Invitation).where(Invitation.expires_at < now, Invitation.used_at.is_(None)))
 
 
-def keep_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
+def upsert_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
     """In place of the account's earlier one."""
     row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
     statement = upserting(db, PasswordLink).values(account_id=account_id, **row)
@@ -156,7 +156,7 @@ def delete_password_link(db: Session, account_id: UUID) -> None:
     db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
 
 
-def by_password_link(db: Session, token_digest: str, now: datetime) -> Account | None:
+def find_account_by_link(db: Session, token_digest: str, now: datetime) -> Account | None:
     query = (
         select(Account)
         .join(PasswordLink, PasswordLink.account_id == Account.id)
@@ -186,7 +186,7 @@ def delete_unused_invitations(db: Session, role: Role) -> None:
     db.execute(delete(Invitation).where(Invitation.role == role, Invitation.used_at.is_(None)))
 
 
-def open_invitation(db: Session, token_digest: str, now: datetime) -> Invitation | None:
+def find_open_invitation(db: Session, token_digest: str, now: datetime) -> Invitation | None:
     query = select(Invitation).where(Invitation.token_digest == token_digest, _still_open(now))
     return db.execute(query).scalar_one_or_none()
 

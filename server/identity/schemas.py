@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from server.base.errors import FieldsRefused
-from server.identity.passwords import problem
+from server.identity.passwords import password_problem
 
 LOGIN_LENGTH = range(2, 255)
 NAME_LENGTH = 100
@@ -23,22 +23,22 @@ class NewAccount:
     password: str
 
 
-def normalised_login(text: str) -> str:
+def normalise_login(text: str) -> str:
     return text.strip().casefold()
 
 
-def new_account(name: str, login: str, password: str) -> NewAccount:
+def validate_new_account(name: str, login: str, password: str) -> NewAccount:
     """Reads the form, or raises RefusedForm with every problem at once."""
-    wanted = NewAccount(" ".join(name.split()), normalised_login(login), password)
+    wanted = NewAccount(" ".join(name.split()), normalise_login(login), password)
     problems = {field: problem for field, problem in _checks(wanted) if problem}
     if problems:
         raise RefusedForm(problems)
     return wanted
 
 
-def unlocked_account(name: str, login: str) -> NewAccount:
+def new_account_without_password(name: str, login: str) -> NewAccount:
     """The same for an account of which the owner chooses a password later."""
-    wanted = NewAccount(" ".join(name.split()), normalised_login(login), "")
+    wanted = NewAccount(" ".join(name.split()), normalise_login(login), "")
     problems = {field: problem for field, problem in _checks(wanted) if problem and field != "password"}
     if problems:
         raise RefusedForm(problems)
@@ -48,14 +48,14 @@ def unlocked_account(name: str, login: str) -> NewAccount:
 def _checks(wanted: NewAccount) -> list[tuple[str, str]]:
     return [
         ("name", "" if _printable(wanted.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),
-        ("login", "" if valid_login(wanted.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
-        ("password", problem(wanted.password, login=wanted.login, name=wanted.name)),
+        ("login", "" if is_valid_login(wanted.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
+        ("password", password_problem(wanted.password, login=wanted.login, name=wanted.name)),
     ]
 
 
-def new_password(password: str, *, login: str, name: str) -> str:
+def validate_new_password(password: str, *, login: str, name: str) -> str:
     """The password that this person may have from now on, or raises RefusedForm."""
-    why = problem(password, login=login, name=name)
+    why = password_problem(password, login=login, name=name)
     if why:
         raise RefusedForm({"new_password": why})
     return password
@@ -65,11 +65,11 @@ def _printable(text: str, longest: int) -> bool:
     return 0 < len(text) <= longest and text.isprintable()
 
 
-def valid_login(login: str) -> bool:
+def is_valid_login(login: str) -> bool:
     return len(login) in LOGIN_LENGTH and login.isprintable() and " " not in login
 
 
-def token_label(text: str) -> str:
+def validate_token_label(text: str) -> str:
     """The name that a person gives to an API token."""
     label = " ".join(text.split())
     if not _printable(label, LABEL_LENGTH):

@@ -18,19 +18,19 @@ from server.base.settings import Settings
 from server.base.tally import REFUSED_LOGINS
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
-from server.identity.hashing import Hashing
+from server.identity.hashing import PasswordHasher
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.schemas import (
     NewAccount,
     RefusedForm,
-    new_password,
-    normalised_login,
-    unlocked_account,
-    valid_login,
+    is_valid_login,
+    new_account_without_password,
+    normalise_login,
+    validate_new_password,
 )
 from server.limits import service as limits
 
-ALLOWANCES_KEPT = timedelta(days=7)
+BUCKET_RETENTION = timedelta(days=7)
 GUEST_NAME = "Invité"
 #: A form must say that a login is not free, and thereby that it exists: the bucket of sign-ups makes asking slow.
 TAKEN = "Cet identifiant n’est pas disponible : choisissez-en un autre, ou connectez-vous si c’est le vôtre."
@@ -45,7 +45,7 @@ TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez 
 
 
 @dataclass(frozen=True)
-class Opened:
+class OpenedSession:
     """A browser session that has just been opened; `token` goes in the cookie and nowhere else."""
 
     account: Account
@@ -57,18 +57,18 @@ Adopt = Callable[[Session, UUID, UUID], None]
 
 
 @dataclass(frozen=True)
-class Accounts:
+class AccountService:
     """Comes and goes of people. `adopt` says what follows a guest into an account."""
 
     database: Database
     settings: Settings
     adopt: Adopt
-    hashing: Hashing = field(default_factory=Hashing)
+    hashing: PasswordHasher = field(default_factory=PasswordHasher)
 
-    def welcome(self, address: str) -> Opened:
+    def create_guest(self, address: str) -> OpenedSession:
         """A new guest: a real account, bound to nothing but the session that is opened for it. Raises TooMany."""
         with self.database.write() as db:
-            limits.take(db, f"guest:{address}", self.settings.guest_bucket, TOO_MANY_GUESTS)
+            limits.take_token(db, f"guest:{address}", self.settings.guest_bucket, TOO_MANY_GUESTS)
             account = Account(role=Role.guest, name=GUEST_NAME)
             db.add(account)
             db.flush()
@@ -76,7 +76,7 @@ class Accounts:
 
     async def sign_up(
         self, wanted: NewAccount, *, visitor: Account | None, address: str, invitation: str | None = None
-    ) -> Opened:
+    ) -> OpenedSession:
         """Makes a named account: a guest `visitor` becomes it, with its work. `invitation` gives its role.
 
         What costs nothing is looked at before the password is hashed. Raises RefusedForm, NotFound, Conflict, TooMany
@@ -88,13 +88,13 @@ class Accounts:
 
     def _may_sign_up(self, wanted: NewAccount, address: str, invitation: str | None) -> None:
         with self.database.write() as db:
-            limits.take(db, f"sign-up:{address}", self.settings.sign_up_bucket, TOO_MANY_ACCOUNTS)
+            limits.take_token(db, f"sign-up:{address}", self.settings.sign_up_bucket, TOO_MANY_ACCOUNTS)
         with self.database.read() as db:
             if invitation is not None:
                 links.check_invitation(db, invitation)
             _require_free(db, wanted.login)
 
-    def _enter(self, wanted: NewAccount, hashed: str, visitor: Account | None, invitation: str | None) -> Opened:
+    def _enter(self, wanted: NewAccount, hashed: str, visitor: Account | None, invitation: str | None) -> OpenedSession:
         try:
             with self.database.write() as db:
                 role = Role.student if invitation is None else links.use_invitation(db, invitation)
@@ -108,10 +108,10 @@ class Accounts:
         except IntegrityError as error:  # taken by somebody else in this very moment
             raise RefusedForm({"login": TAKEN}) from error
 
-    async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
+    async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> OpenedSession:
         """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm, TooMany or Crowded."""
         try:
-            account = await run_in_threadpool(self._account_to_try, normalised_login(login), address)
+            account = await run_in_threadpool(self._account_to_try, normalise_login(login), address)
         except TooMany:
             REFUSED_LOGINS.add("too_many")
             raise
@@ -126,16 +126,16 @@ class Accounts:
         """The account whose password is going to be tried; each try is counted. Raises TooMany."""
         with self.database.write() as db:
             key = f"login:{secrets.digest(f'{login} {address}')}"
-            limits.take(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
-            limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
+            limits.take_token(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
+            limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            return repository.by_login(db, login) if valid_login(login) else None
+            return repository.find_account_by_login(db, login) if is_valid_login(login) else None
 
-    def _come_back(self, account: Account, visitor: Account | None, address: str) -> Opened:
+    def _come_back(self, account: Account, visitor: Account | None, address: str) -> OpenedSession:
         """It was no guess: the address may try as often as before. A school's has a thousand pupils behind it."""
         with self.database.write() as db:
-            limits.give_back(db, f"login-from:{address}")
-            now = repository.by_id(db, account.id)
+            limits.give_back_token(db, f"login-from:{address}")
+            now = repository.find_account(db, account.id)
             if now is None or now.disabled_at is not None:
                 REFUSED_LOGINS.add("disabled")
                 raise RefusedForm({"password": DISABLED})
@@ -147,7 +147,7 @@ class Accounts:
             self.adopt(db, visitor.id, account_id)
             repository.delete_account(db, visitor.id)
 
-    async def prove(self, account: Account, password: str, *, address: str) -> None:
+    async def require_password(self, account: Account, password: str, *, address: str) -> None:
         """That who asks knows the password, before what cannot be undone. A guest has none, and is not asked.
 
         Raises RefusedForm, TooMany or Crowded.
@@ -162,8 +162,8 @@ class Accounts:
         """Closes every other session than the one of the token `session`. Raises as `prove` does, and NotFound."""
         if account.login is None:
             raise NotFound(NO_PASSWORD)
-        wanted = await run_in_threadpool(new_password, new, login=account.login, name=account.name)
-        await self.prove(account, old, address=address)
+        wanted = await run_in_threadpool(validate_new_password, new, login=account.login, name=account.name)
+        await self.require_password(account, old, address=address)
         hashed = await self.hashing.hash(wanted, address=address)
         await run_in_threadpool(self._change, account.id, hashed, secrets.digest(session))
 
@@ -172,51 +172,53 @@ class Accounts:
             repository.set_password(db, account_id, hashed)
             repository.delete_sessions_of(db, account_id, but=kept)
 
-    async def choose_password(self, token: str, password: str, *, visitor: Account | None, address: str) -> Opened:
+    async def choose_password(
+        self, token: str, password: str, *, visitor: Account | None, address: str
+    ) -> OpenedSession:
         """By a one-time link: all that was open with the old password ends, API tokens too.
 
         Raises NotFound, Conflict, RefusedForm, TooMany or Crowded.
         """
         account = await run_in_threadpool(self._owner_of_link, token, address)
-        wanted = new_password(password, login=account.login or "", name=account.name)
+        wanted = validate_new_password(password, login=account.login or "", name=account.name)
         hashed = await self.hashing.hash(wanted, address=address)
         return await run_in_threadpool(self._choose, token, hashed, visitor)
 
     def _owner_of_link(self, token: str, address: str) -> Account:
         with self.database.write() as db:
-            limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
+            limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            return links.owner(db, token)
+            return links.find_link_owner(db, token)
 
-    def _choose(self, token: str, hashed: str, visitor: Account | None) -> Opened:
+    def _choose(self, token: str, hashed: str, visitor: Account | None) -> OpenedSession:
         with self.database.write() as db:
-            account = links.use(db, token)
+            account = links.use_password_link(db, token)
             repository.set_password(db, account.id, hashed)
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
             self._bring_along(db, visitor, account.id)
             return self._open_session(db, account)
 
-    def _open_session(self, db: Session, account: Account) -> Opened:
+    def _open_session(self, db: Session, account: Account) -> OpenedSession:
         token = secrets.new_token()
         expires = utc_now() + timedelta(days=self.settings.session_days)
         db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
-        return Opened(account, token)
+        return OpenedSession(account, token)
 
 
 def _require_free(db: Session, login: str) -> None:
-    if repository.by_login(db, login) is not None:
+    if repository.find_account_by_login(db, login) is not None:
         raise RefusedForm({"login": TAKEN})
 
 
 def _account_to_name(db: Session, visitor: Account | None) -> Account:
-    guest = repository.by_id(db, visitor.id) if visitor is not None and visitor.is_guest else None
+    guest = repository.find_account(db, visitor.id) if visitor is not None and visitor.is_guest else None
     account = guest or Account(name=GUEST_NAME)
     db.add(account)
     return account
 
 
-def make_for_list(db: Session, login: str, name: str) -> Account:
+def create_for_roster(db: Session, login: str, name: str) -> Account:
     """An account of whom a school's list names. It has no password until its owner chooses one (`links.link_of`)."""
     account = Account(role=Role.student, name=name, login=login)
     db.add(account)
@@ -224,11 +226,11 @@ def make_for_list(db: Session, login: str, name: str) -> Account:
     return account
 
 
-def create(db: Session, login: str, name: str, role: Role) -> Account:
+def create_account(db: Session, login: str, name: str, role: Role) -> Account:
     """An account that an administrator makes, without a password yet. Raises RefusedForm."""
-    wanted = unlocked_account(name, login)
+    wanted = new_account_without_password(name, login)
     _require_free(db, wanted.login)
-    account = make_for_list(db, wanted.login, wanted.name)
+    account = create_for_roster(db, wanted.login, wanted.name)
     account.role = role
     return account
 
@@ -249,7 +251,7 @@ def enable(account: Account) -> None:
 
 def revoke_session(db: Session, account: Account, name: str) -> bool:
     """Closes the sessions of which the digest begins by this; whether there was one."""
-    found = [one for one in repository.sessions_of(db, account.id) if one.token_digest.startswith(name)]
+    found = [one for one in repository.load_sessions(db, account.id) if one.token_digest.startswith(name)]
     for one in found:
         repository.delete_session(db, one.token_digest)
     return bool(found)
@@ -263,22 +265,22 @@ def change_role(db: Session, account: Account, role: Role) -> None:
     account.role = role
 
 
-def rename(db: Session, account: Account, name: str) -> None:
+def rename_guest(db: Session, account: Account, name: str) -> None:
     """What a guest is called from now on; an account with a login keeps the name that its owner has chosen."""
     if account.is_guest:
-        repository.rename(db, account.id, name)
+        repository.rename_account(db, account.id, name)
 
 
 def close_session(db: Session, token: str) -> None:
     repository.delete_session(db, secrets.digest(token))
 
 
-def forget_stale(db: Session) -> None:
+def delete_expired(db: Session) -> None:
     """Removes sessions, API tokens and links that have ended, and token buckets that have been full for long."""
     now = utc_now()
-    repository.forget_ended(db, now)
-    limits.forget(db, before=now - ALLOWANCES_KEPT)
+    repository.delete_expired(db, now)
+    limits.delete_stale_buckets(db, before=now - BUCKET_RETENTION)
 
 
 def account_of_session(db: Session, token: str) -> Account | None:
-    return repository.by_session(db, secrets.digest(token), utc_now())
+    return repository.find_account_by_session(db, secrets.digest(token), utc_now())

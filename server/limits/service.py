@@ -15,11 +15,11 @@ from server.limits.models import Allowance
 _allowances = table_of(Allowance)
 _of_key = _allowances.c.key == bindparam("bucket")
 #: On the way of every submission: made once.
-HELD = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
-SPEND = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
+LOCK_BUCKET = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
+SET_TOKENS = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
 
 
-def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
+def take_token(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
     """Takes one token of `key`, or raises TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
     now = utc_now()
     held, updated_at = _locked(db, key, bucket, now)
@@ -27,20 +27,20 @@ def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise TooMany(refusal.format(seconds=wait), retry_after=wait)
-    change(db, SPEND, {"bucket": key, "left": tokens - 1, "now": now})
+    change(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
 
 
-def give_back(db: Session, key: str) -> None:
+def give_back_token(db: Session, key: str) -> None:
     """Gives back a token that was taken for nothing; `refilled` keeps the bucket within its bounds."""
     db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
 
 
-def forget(db: Session, before: datetime) -> None:
+def delete_stale_buckets(db: Session, before: datetime) -> None:
     """Removes the buckets that nobody has touched since; they have been full again for long."""
     db.execute(delete(Allowance).where(Allowance.updated_at < before))
 
 
-def of_submissions(account_id: UUID) -> str:
+def submission_key(account_id: UUID) -> str:
     """The key of the bucket from which an account's submissions are taken."""
     return f"submit:{account_id}"
 
@@ -53,9 +53,9 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
 
 
 def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Row[float, datetime]:
-    known = ask(db, HELD, {"bucket": key}).one_or_none()
+    known = ask(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
     if known is not None:
         return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
-    return ask(db, HELD, {"bucket": key}).one()
+    return ask(db, LOCK_BUCKET, {"bucket": key}).one()

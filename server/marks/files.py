@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Any
 
 from server.assignments.models import Assignment, Mode
-from server.classes.schemas import Listed
+from server.classes.schemas import StudentRecord
 from server.marks.cells import Cell, Sheet, ascii_slug, escape_formula, plain_csv
 from server.marks.means import format_number, round_points
 from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState, MarkSummary, is_withheld
@@ -50,7 +50,7 @@ def unique_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _person(member: Listed) -> tuple[str, str, str, str]:
+def _person(member: StudentRecord) -> tuple[str, str, str, str]:
     """Family name, given name, login, groups; who has no family name in the list is named whole."""
     listed = member.family_name
     family, given = (listed, member.given_name) if listed else (member.name, "")
@@ -167,7 +167,7 @@ def moodle_file(book: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
     return MoodleFile((COLUMNS[identifier], *(named[place] for place in told)), tuple(rows), tuple(left_out))
 
 
-def _identity(member: Listed, identifier: MoodleIdentifier) -> str:
+def _identity(member: StudentRecord, identifier: MoodleIdentifier) -> str:
     if identifier is MoodleIdentifier.email:
         return member.email.strip().casefold()
     return member.login

@@ -12,11 +12,11 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.class_assignments import ClassAssignments, load_class_assignments
-from server.assignments.models import Assigned, Assignment, Counts, Late, Mode
-from server.assignments.rules import in_force
+from server.assignments.models import Assignment, AttemptSelection, LatePolicy, Mode, WeightedExercise
+from server.assignments.rules import rules_in_force
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
-from server.classes.schemas import Listed
+from server.classes.schemas import StudentRecord
 from server.course import Course
 from server.gradebook.histories import Revisions, load_attempts, load_revisions
 from server.marks import repository
@@ -34,7 +34,7 @@ class GradebookInputs:
     course: Course
     school_class: SchoolClass
     now: datetime
-    students: Sequence[Listed]
+    students: Sequence[StudentRecord]
     assigned: ClassAssignments
     overrides: Mapping[StudentExercise, ActiveOverride]
     revisions: Revisions
@@ -121,7 +121,7 @@ def _module_as_assignment(course: Course, school_class: SchoolClass) -> ClassAss
     module = course.modules.get(school_class.module)
     names = [] if module is None else [exercise.id for exercise in module.exercises]
     whole_module = _undated_assignment(school_class)
-    return ClassAssignments([whole_module], {whole_module.id: [Assigned(name, 1.0) for name in names]}, {}, {})
+    return ClassAssignments([whole_module], {whole_module.id: [WeightedExercise(name, 1.0) for name in names]}, {}, {})
 
 
 def _undated_assignment(school_class: SchoolClass) -> Assignment:
@@ -131,8 +131,8 @@ def _undated_assignment(school_class: SchoolClass) -> Assignment:
         title=ALL_TITLE,
         mode=Mode.practice,
         opens_at=ALWAYS,
-        late=Late.accept,
-        counts=Counts.best,
+        late=LatePolicy.accept,
+        counts=AttemptSelection.best,
         weight=1.0,
     )
 
@@ -141,5 +141,5 @@ def load_unassigned_mark(db: Session, school_class: SchoolClass, student: UUID, 
     """Load a student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
     attempts = load_attempts(db, load_revisions(db, [student]), [exercise], school_class.archived_at)
     override = repository.load_overrides(db, school_class.id, [student], [exercise]).get((student, exercise))
-    rules = in_force(_undated_assignment(school_class), (), student, ())
-    return mark_exercise(exercise, 1.0, attempts.get((student, exercise), ()), rules, Counts.best, override)
+    rules = rules_in_force(_undated_assignment(school_class), (), student, ())
+    return mark_exercise(exercise, 1.0, attempts.get((student, exercise), ()), rules, AttemptSelection.best, override)

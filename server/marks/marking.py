@@ -8,15 +8,15 @@ from datetime import datetime
 from uuid import UUID
 
 from server.assignments.class_assignments import ClassAssignments
-from server.assignments.counting import in_sitting, result
-from server.assignments.feedback import Stage, stage_of
-from server.assignments.models import Assigned, Assignment, Counts, Mode, Sitting
-from server.assignments.rules import Rules, in_force
-from server.classes.schemas import Listed
+from server.assignments.counting import attempts_in_sitting, mark_attempts
+from server.assignments.feedback import SittingStage, sitting_stage
+from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
+from server.assignments.rules import Rules, rules_in_force
+from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, AttemptsByPair
 from server.marks.schemas import ActiveOverride, AssignmentMark, ExerciseMark, MarkState, StudentExercise
 
-ENDED_STAGES = frozenset((Stage.over, Stage.missed, Stage.shown))
+ENDED_STAGES = frozenset((SittingStage.over, SittingStage.missed, SittingStage.shown))
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +24,18 @@ class AssignmentMarker:
     """Marks one assignment of a class. `rules` are those in force, by student."""
 
     assignment: Assignment
-    exercises: Sequence[Assigned]
+    exercises: Sequence[WeightedExercise]
     sittings: Mapping[UUID, Sitting]
     rules: Mapping[UUID, Rules]
 
     @classmethod
     def for_assignment(
-        cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[Listed]
+        cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[StudentRecord]
     ) -> AssignmentMarker:
         exemptions = assigned.exemptions.get(assignment.id, ())
-        common = in_force(assignment, (), assignment.class_id, ())
+        common = rules_in_force(assignment, (), assignment.class_id, ())
         rules = {
-            student.id: in_force(assignment, exemptions, student.id, student.groups) if exemptions else common
+            student.id: rules_in_force(assignment, exemptions, student.id, student.groups) if exemptions else common
             for student in students
         }
         exercises = assigned.exercises.get(assignment.id, ())
@@ -58,25 +58,30 @@ class AssignmentMarker:
     ) -> AssignmentMark:
         """Return the mark of one student."""
         rules, sitting = self.rules[student], self.sittings.get(student)
-        is_test, counts = self.assignment.mode == Mode.test, Counts(self.assignment.counts)
+        is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
         marks = []
         for exercise, weight in self.exercises:
             pair = student, exercise
             sent: Attempts = attempts.get(pair, ())
             if is_test:
-                sent = in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
+                sent = attempts_in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
             marks.append(mark_exercise(exercise, weight, sent, rules, counts, overrides.get(pair)))
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
-        ended = is_test and stage_of(self.assignment, rules, sitting, now) in ENDED_STAGES
+        ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
         state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
         return AssignmentMark(rules, state, tuple(marks), ended)
 
 
 def mark_exercise(
-    exercise: str, weight: float, attempts: Attempts, rules: Rules, counts: Counts, override: ActiveOverride | None
+    exercise: str,
+    weight: float,
+    attempts: Attempts,
+    rules: Rules,
+    counts: AttemptSelection,
+    override: ActiveOverride | None,
 ) -> ExerciseMark:
     """Return the mark of one student at one exercise, from the attempts and the override in force."""
-    found = result(rules, counts, attempts)
+    found = mark_attempts(rules, counts, attempts)
     counted = None if found.counted is None else next(one for one in attempts if one.id == found.counted.attempt)
     return ExerciseMark(
         exercise=exercise,
@@ -109,7 +114,7 @@ def mark_state(
         return MarkState.done if begun else MarkState.absent
     if now < rules.opens_at and not has_begun_test:
         return MarkState.upcoming
-    end = rules.last_moment or rules.due_at
+    end = rules.last_counted_at or rules.due_at
     if end is None:
         return MarkState.done if begun else MarkState.open
     if now <= end:

@@ -9,11 +9,11 @@ from enum import StrEnum
 from functools import cached_property
 from uuid import UUID
 
-from server.assignments.counting import Mark
-from server.assignments.models import Assigned, Assignment, Mode
+from server.assignments.counting import AttemptMark
+from server.assignments.models import Assignment, Mode, WeightedExercise
 from server.assignments.rules import Rules
 from server.classes.models import SchoolClass
-from server.classes.schemas import Listed
+from server.classes.schemas import StudentRecord
 from server.marks.means import mean, median, weighted_mean
 
 StudentExercise = tuple[UUID, str]
@@ -56,7 +56,7 @@ class ExerciseMark:
 
     exercise: str
     weight: float
-    counted: Mark | None
+    counted: AttemptMark | None
     grading: str | None
     sent_at: datetime | None
     attempts: int
@@ -122,7 +122,7 @@ class AssignmentMark:
     @property
     def endless(self) -> bool:
         """Without any date after which work is late or refused, nor any other end (`ended`: of a test)."""
-        return not self.ended and self.rules.last_moment is None and self.rules.due_at is None
+        return not self.ended and self.rules.last_counted_at is None and self.rules.due_at is None
 
     @property
     def in_average(self) -> float | None:
@@ -146,7 +146,7 @@ class AssignmentMark:
 class StudentMarks:
     """A student's marks, in the order of the book's assignments."""
 
-    member: Listed
+    member: StudentRecord
     marks: tuple[AssignmentMark, ...]
     weights: tuple[float, ...]
 
@@ -179,7 +179,7 @@ class Gradebook:
     assignments: tuple[Assignment, ...]
     rows: tuple[StudentMarks, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
-    exercises: Mapping[UUID, tuple[Assigned, ...]] = field(default_factory=dict)
+    exercises: Mapping[UUID, tuple[WeightedExercise, ...]] = field(default_factory=dict)
 
     def title_of(self, exercise: str) -> str:
         """An exercise may have left the course."""

@@ -11,10 +11,10 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository as assignments
 from server.audit import service as audit
-from server.audit.models import What
+from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
 from server.classes import repository as classes
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.database import utc_now
@@ -113,11 +113,11 @@ def set_override(
     )
     db.add(made)
     old = _values(before) if before is not None else _automatic(marks)
-    audit.note(
+    audit.record_event(
         db,
         school_class.id,
         by.id,
-        What.mark_overridden,
+        AuditAction.mark_overridden,
         student=student,
         about=exercise_title(course, exercise),
         before=old,
@@ -136,11 +136,11 @@ def withdraw_override(
         return
     marks = load_exercise_marks(db, course, school_class, student, exercise)
     before.withdrawn_at = utc_now()
-    audit.note(
+    audit.record_event(
         db,
         school_class.id,
         by.id,
-        What.override_withdrawn,
+        AuditAction.override_withdrawn,
         student=student,
         about=exercise_title(course, exercise),
         before=_values(before),
@@ -153,9 +153,9 @@ def withdraw_override(
 def _ready(db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str) -> Override | None:
     """The override in force; nobody else sets or withdraws one in this class until the commit."""
     require_open(school_class)
-    classes.lock(db, school_class.id)
-    membership = classes.membership(db, school_class.id, student)
-    if membership is None or membership.role != Seat.student or membership.status != Status.active:
+    classes.lock_class(db, school_class.id)
+    membership = classes.find_membership(db, school_class.id, student)
+    if membership is None or membership.role != ClassRole.student or membership.status != Status.active:
         raise NotFound(NOT_A_MEMBER)
     if not _is_of(db, course, school_class, exercise):
         raise NotFound(NO_SUCH_EXERCISE)
@@ -167,7 +167,7 @@ def _is_of(db: Session, course: Course, school_class: SchoolClass, exercise: str
     known = course.exercises.get(exercise)
     if known is not None and known.id.partition("/")[0] == school_class.module:
         return True
-    given = assignments.exercises(db, [one.id for one in assignments.of_class(db, school_class.id)])
+    given = assignments.load_exercises(db, [one.id for one in assignments.load_class_assignments(db, school_class.id)])
     return any(one.exercise == exercise for rows in given.values() for one in rows)
 
 

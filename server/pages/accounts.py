@@ -8,10 +8,10 @@ from server.base.request import client_address, session_token
 from server.base.routing import Room
 from server.database.dependencies import Db
 from server.identity import links, service
-from server.identity.dependencies import AccountsOf, OptionalAccount, forget, remember
+from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
-from server.identity.schemas import RefusedForm, new_account
-from server.identity.service import Accounts, Opened
+from server.identity.schemas import RefusedForm, validate_new_account
+from server.identity.service import AccountService, OpenedSession
 from server.web.forms import Field, form, go, local
 
 router = Room(include_in_schema=False)
@@ -26,7 +26,7 @@ def sign_up_form(request: Request, account: OptionalAccount, suite: str = "/") -
 async def sign_up(
     request: Request,
     account: OptionalAccount,
-    accounts: AccountsOf,
+    accounts: AccountServiceOf,
     name: Field = "",
     login: Field = "",
     password: Field = "",
@@ -36,18 +36,18 @@ async def sign_up(
         opened = await _opened(request, accounts, account, (name, login, password))
     except RefusedForm as refused:
         return form(request, "inscription.html", account, refused, name=name, login=login, after=local(suite))
-    remember(request, opened)
+    set_session_cookie(request, opened)
     return go(local(suite))
 
 
 async def _opened(
     request: Request,
-    accounts: Accounts,
+    accounts: AccountService,
     visitor: Account | None,
     fields: tuple[str, str, str],
     invitation: str | None = None,
-) -> Opened:
-    wanted = await run_in_threadpool(new_account, *fields)
+) -> OpenedSession:
+    wanted = await run_in_threadpool(validate_new_account, *fields)
     return await accounts.sign_up(wanted, visitor=visitor, address=client_address(request), invitation=invitation)
 
 
@@ -61,7 +61,7 @@ def welcome_form(request: Request, account: OptionalAccount, db: Db, token: str)
 async def welcome(
     request: Request,
     account: OptionalAccount,
-    accounts: AccountsOf,
+    accounts: AccountServiceOf,
     token: str,
     name: Field = "",
     login: Field = "",
@@ -71,7 +71,7 @@ async def welcome(
         opened = await _opened(request, accounts, account, (name, login, password), token)
     except RefusedForm as refused:
         return form(request, "bienvenue.html", account, refused, name=name, login=login)
-    remember(request, opened)
+    set_session_cookie(request, opened)
     return go("/")
 
 
@@ -84,7 +84,7 @@ def log_in_form(request: Request, account: OptionalAccount, suite: str = "/") ->
 async def log_in(
     request: Request,
     account: OptionalAccount,
-    accounts: AccountsOf,
+    accounts: AccountServiceOf,
     login: Field = "",
     password: Field = "",
     suite: Field = "/",
@@ -93,20 +93,20 @@ async def log_in(
         opened = await accounts.log_in(login, password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
         return form(request, "connexion.html", account, refused, login=login, after=local(suite))
-    remember(request, opened)
+    set_session_cookie(request, opened)
     return go(local(suite))
 
 
 @router.get("/nouveau-mot-de-passe/{token}")
 def new_password_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
-    return form(request, "nouveau_mot_de_passe.html", account, login=links.owner(db, token).login)
+    return form(request, "nouveau_mot_de_passe.html", account, login=links.find_link_owner(db, token).login)
 
 
 @router.post("/nouveau-mot-de-passe/{token}")
 async def new_password(
     request: Request,
     account: OptionalAccount,
-    accounts: AccountsOf,
+    accounts: AccountServiceOf,
     token: str,
     login: Field = "",
     new_password: Field = "",
@@ -115,12 +115,12 @@ async def new_password(
         opened = await accounts.choose_password(token, new_password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
         return form(request, "nouveau_mot_de_passe.html", account, refused, login=login)
-    remember(request, opened)
+    set_session_cookie(request, opened)
     return go("/")
 
 
 @router.post("/deconnexion")
 def log_out(request: Request, db: Db) -> Response:
     service.close_session(db, session_token(request))
-    forget(request)
+    clear_session_cookie(request)
     return go("/")

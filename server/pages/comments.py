@@ -11,8 +11,8 @@ from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
 from server.base.routing import Room
 from server.comments import service, words, words_repository
-from server.comments.carrying import Place
-from server.comments.schemas import WHOLE, Target
+from server.comments.carrying import LineRange
+from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
@@ -53,12 +53,14 @@ def comment(
 ) -> Response:
     """What is refused stands in its form again, with its reason."""
     attempt = gradebook.find_attempt(reader.db, account, submission_id)
-    lines: Place | None = None
+    lines: LineRange | None = None
     try:
         lines = _lines(ligne, derniere)
-        target = Target(lines=lines) if lines else Target(check=verification) if verification else WHOLE
+        target = (
+            ThreadTarget(lines=lines) if lines else ThreadTarget(check=verification) if verification else WHOLE_WORK
+        )
         text = _said(reader.db, account, attempt.submission.account_id, texte, phrase)
-        thread = service.begin(reader.db, account, attempt, target, text, settings)
+        thread = service.begin_thread(reader.db, account, attempt, target, text, settings)
     except REFUSALS as refused:
         reader.db.rollback()
         aim = Aim(lines, verification, Draft(texte, refused.detail))
@@ -68,13 +70,13 @@ def comment(
     return go(f"/soumissions/{submission_id}#fil-{thread.id}")
 
 
-def _lines(first: str, last: str) -> Place | None:
+def _lines(first: str, last: str) -> LineRange | None:
     """Raises Invalid."""
     if not first.strip():
         return None
     try:
         start = int(first)
-        return Place(start, int(last) if last.strip() else start)
+        return LineRange(start, int(last) if last.strip() else start)
     except ValueError as error:
         raise Invalid(LINE) from error
 
@@ -83,14 +85,14 @@ def _said(db: Db, account: Account, author: UUID, text: str, phrase: str) -> str
     """Phrases are for who reads the work of others. Raises NotFound."""
     if account.id == author:
         return text
-    return words.with_phrase(db, account, words.phrase_id(phrase), text)
+    return words.prepend_phrase(db, account, words.parse_phrase_id(phrase), text)
 
 
 def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) -> None:
     """Keeps what a teacher has typed, for this exercise and the mistake that was found in the attempt."""
     if wanted and text.strip() and account.id != attempt.submission.account_id:
         diagnosis = attempt.grading.diagnosis if attempt.grading else None
-        words.keep(db, account, text, attempt.submission.exercise, diagnosis)
+        words.keep_phrase(db, account, text, attempt.submission.exercise, diagnosis)
 
 
 @router.post("/{module:module}/exercices/{slug}/questions")
@@ -107,7 +109,7 @@ def ask(
     """A student's question on an exercise as a whole."""
     exercise = find_exercise(reader.course, module, slug)
     try:
-        thread = service.begin_whole(reader.db, account, account.id, exercise.id, texte, settings)
+        thread = service.begin_exercise_thread(reader.db, account, account.id, exercise.id, texte, settings)
     except REFUSALS as refused:
         reader.db.rollback()
         seed = None if exercise.answers is None else deals.seed_of(reader.db, account, exercise.id)
@@ -127,7 +129,7 @@ def read(request: Request, thread_id: str, reader: Reading, database: DatabaseOf
 def _thread(
     request: Request, reader: Reader, database: DatabaseOf, thread_id: str, draft: Draft, status: int = 200
 ) -> HTMLResponse:
-    view = talk.thread_page(reader, service.find(reader.db, reader.account, thread_id), draft)
+    view = talk.thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
     answer = page(request, "thread.html", reader.account, status=status, page=view)
     note_seen(request, database, view.unread)
     return answer
@@ -145,10 +147,10 @@ def reply(
     phrase: Field = "",
     retour: Field = "",
 ) -> Response:
-    thread = service.find(reader.db, account, thread_id)
+    thread = service.find_thread(reader.db, account, thread_id)
     try:
         text = _said(reader.db, account, thread.account_id, texte, phrase)
-        service.reply(reader.db, account, thread, text, settings)
+        service.reply_to_thread(reader.db, account, thread, text, settings)
     except REFUSALS as refused:
         reader.db.rollback()
         return _thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
@@ -160,7 +162,7 @@ def settle(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", reto
     """Says that there is no more to say, or opens the thread again."""
     if regle not in SettledOrNot:
         raise NotFound("Cette action n’existe pas.")
-    service.settle(service.find(db, account, thread_id), SettledOrNot[regle])
+    service.set_settled(service.find_thread(db, account, thread_id), SettledOrNot[regle])
     return _back(thread_id, retour)
 
 
@@ -173,7 +175,7 @@ def _back(thread_id: str, wanted: str) -> Response:
 @router.post("/mots/{note_id}/lu")
 def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
     """That a student has read a word for them."""
-    words.note_read(db, account, note_id)
+    words.mark_note_read(db, account, note_id)
     return go(local(retour))
 
 
@@ -182,11 +184,11 @@ def phrases(request: Request, reader: Reading, course: CourseOf) -> Response:
     """The phrases that one keeps."""
     if reader.account is None:
         return go("/connexion?suite=/compte/phrases")
-    kept = talk.phrase_rows(words_repository.all_phrases(reader.db, reader.account.id), course)
+    kept = talk.phrase_rows(words_repository.load_all_phrases(reader.db, reader.account.id), course)
     return page(request, "phrases.html", reader.account, phrases=kept)
 
 
 @router.post("/compte/phrases/{phrase_id}/effacer")
 def forget_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
-    words.forget(db, account, phrase_id)
+    words.delete_phrase(db, account, phrase_id)
     return go("/compte/phrases")

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Literal
 
 from server.assignments import feedback, sittings
-from server.assignments.feedback import NOTHING_HELD, Closed, Feedback, Stage
+from server.assignments.feedback import NO_HOLDS, FeedbackHold, FeedbackHolds, SittingStage
 from server.assignments.models import SavedWork
 from server.course import Exercise
 from server.database import utc_now
@@ -26,15 +26,15 @@ FOR_A_TIME: dict[What, str] = {
     "diagnosis": "Le devoir « {title} » ne nomme pas les erreurs",
     "solution": "Le devoir « {title} » garde le corrigé fermé",
 }
-SHOWN_STAGES: dict[Stage, Literal["may_begin", "running", "over"]] = {
-    Stage.may_begin: "may_begin",
-    Stage.running: "running",
-    Stage.over: "over",
-    Stage.missed: "over",
+SHOWN_STAGES: dict[SittingStage, Literal["may_begin", "running", "over"]] = {
+    SittingStage.may_begin: "may_begin",
+    SittingStage.running: "running",
+    SittingStage.over: "over",
+    SittingStage.missed: "over",
 }
 
 
-def held_view(closed: Closed | None, what: What) -> HeldView | None:
+def held_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
     """None where nothing is held back, or where nothing is to be said of it."""
     if closed is None:
         return None
@@ -47,15 +47,15 @@ def held_view(closed: Closed | None, what: What) -> HeldView | None:
     return HeldView(f"{text} jusqu’au", moment(closed.until), moment_text(closed.until))
 
 
-def feedback_of(reader: Reader, exercise: Exercise) -> Feedback:
-    return NOTHING_HELD if reader.account is None else feedback.of(reader.db, reader.account.id, exercise.id)
+def feedback_of(reader: Reader, exercise: Exercise) -> FeedbackHolds:
+    return NO_HOLDS if reader.account is None else feedback.load_holds(reader.db, reader.account.id, exercise.id)
 
 
 def saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) -> SavedWork | None:
     """What is saved in the test that one sits, where nothing was sent since."""
-    if reader.account is None or not feedback_of(reader, exercise).running:
+    if reader.account is None or not feedback_of(reader, exercise).running_tests:
         return None
-    saved = sittings.last_saved(reader.db, reader.account.id, exercise.id)
+    saved = sittings.load_last_saved_work(reader.db, reader.account.id, exercise.id)
     newer = saved is not None and (latest is None or saved.saved_at > latest.submission.created_at)
     return saved if newer else None
 
@@ -65,15 +65,17 @@ def banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestB
     tests = feedback_of(reader, exercise).tests
     if not tests:
         return None
-    test = min(tests, key=lambda one: list(SHOWN_STAGES).index(one.stage) if one.stage is not Stage.running else -1)
+    test = min(
+        tests, key=lambda one: list(SHOWN_STAGES).index(one.stage) if one.stage is not SittingStage.running else -1
+    )
     return TestBanner(
         title=test.title,
-        href=test.href,
+        href=test.path,
         stage=SHOWN_STAGES[test.stage],
         now=moment(utc_now()),
         ends=_or_empty(test.ends_at, text=False),
         ends_text=_or_empty(test.ends_at, text=True),
-        save=f"{exercise_href(exercise)}/brouillon" if test.stage is Stage.running else "",
+        save=f"{exercise_href(exercise)}/brouillon" if test.stage is SittingStage.running else "",
         saved=_or_empty(saved.saved_at if saved else None, text=False),
         saved_text=_or_empty(saved.saved_at if saved else None, text=True),
         restored=saved is not None,

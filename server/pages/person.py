@@ -15,10 +15,10 @@ from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.identity import tokens
-from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, forget
+from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, clear_session_cookie
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
-from server.identity.service import ALLOWANCES_KEPT
+from server.identity.service import BUCKET_RETENTION
 from server.pages import retention
 from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
@@ -36,7 +36,7 @@ def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsO
         "donnees.html",
         account,
         settings=settings,
-        kept_days=ALLOWANCES_KEPT.days,
+        kept_days=BUCKET_RETENTION.days,
         kept=tuple(retention.rows(settings)),
     )
 
@@ -66,7 +66,7 @@ def _account_page(
         account,
         refused,
         person=account,
-        tokens=tokens.of(db, account),
+        tokens=tokens.load_tokens(db, account),
         secret=secret,
         changed=changed,
         settings=settings,
@@ -77,7 +77,7 @@ def _account_page(
 @router.post("/compte/jetons")
 def create_token(request: Request, person: SignedIn, db: Db, settings: SettingsOf, label: Field = "") -> Response:
     try:
-        _, secret = tokens.create(db, person, label, settings)
+        _, secret = tokens.create_token(db, person, label, settings)
     except RefusedForm as refused:
         return _account_page(request, person, db, settings, refused=refused)
     return _account_page(request, person, db, settings, secret=secret)
@@ -85,7 +85,7 @@ def create_token(request: Request, person: SignedIn, db: Db, settings: SettingsO
 
 @router.post("/compte/jetons/{token_id}/revoquer")
 def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
-    tokens.revoke(db, person, token_id)
+    tokens.revoke_token(db, person, token_id)
     return go("/compte")
 
 
@@ -93,7 +93,7 @@ def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
 async def change_password(
     request: Request,
     person: SignedIn,
-    accounts: AccountsOf,
+    accounts: AccountServiceOf,
     database: DatabaseOf,
     settings: SettingsOf,
     password: Field = "",
@@ -126,14 +126,14 @@ def erase_form(request: Request, account: OptionalAccount) -> Response:
 
 @router.post("/compte/supprimer")
 async def erase(
-    request: Request, person: SignedIn, accounts: AccountsOf, personal: PersonalOf, password: Field = ""
+    request: Request, person: SignedIn, accounts: AccountServiceOf, personal: PersonalOf, password: Field = ""
 ) -> Response:
     try:
-        await accounts.prove(person, password, address=client_address(request))
+        await accounts.require_password(person, password, address=client_address(request))
     except RefusedForm as refused:
         return form(request, "supprimer.html", person, refused, login=person.login)
     await run_in_threadpool(personal.erase, person.id)
-    forget(request)
+    clear_session_cookie(request)
     return go("/compte/efface")
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from server.base.settings import Settings, variable
 from server.base.sizes import size
 from server.figures.store import KEPT_BYTES
-from server.identity.service import ALLOWANCES_KEPT
+from server.identity.service import BUCKET_RETENTION
 from server.personal.service import GUEST_GRACE
 
 HOURLY = "le service, toutes les heures"
@@ -175,7 +175,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda _: Row(
         "Compteurs de demandes, par compte ou par adresse",
-        f"{_days(ALLOWANCES_KEPT.days)} après la dernière, et une heure au plus",
+        f"{_days(BUCKET_RETENTION.days)} après la dernière, et une heure au plus",
         HOURLY,
         (),
         ("allowance",),

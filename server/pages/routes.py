@@ -18,9 +18,9 @@ from server.base.provided import needed
 from server.base.request import SAFE_METHODS, client_address
 from server.base.routing import Room
 from server.comments import service as comments
-from server.comments.carrying import Place
+from server.comments.carrying import LineRange
 from server.comments.models import CHECK_LENGTH
-from server.comments.schemas import Talk
+from server.comments.schemas import Conversation
 from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database import Database
@@ -30,7 +30,7 @@ from server.gradebook.dependencies import SolutionToggle
 from server.gradebook.schemas import Attempt
 from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
-from server.identity.service import Accounts
+from server.identity.service import AccountService
 from server.pages import answers, kits, service, talk
 from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
@@ -52,7 +52,7 @@ from server.web.words import moment
 
 MOVES_ON = 303
 MOST_PAGES = 10**9
-_database, _accounts = needed(Database), needed(Accounts)
+_database, _accounts = needed(Database), needed(AccountService)
 
 router = Room(include_in_schema=False)
 
@@ -119,11 +119,11 @@ def exercise_page(
     return answer
 
 
-def note_seen(request: Request, database: Database, talks: Sequence[Talk]) -> None:
+def note_seen(request: Request, database: Database, talks: Sequence[Conversation]) -> None:
     """In a transaction of its own: a page only reads. (Where a form is shown again, its own is still open.)"""
     if talks and request.method in SAFE_METHODS:
         with database.write() as db:
-            comments.note_seen(db, talks)
+            comments.mark_seen(db, talks)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
@@ -236,7 +236,7 @@ def attempt(
 ) -> HTMLResponse:
     """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""
     attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
-    lines = None if ligne is None else Place(ligne, max(ligne, derniere or ligne))
+    lines = None if ligne is None else LineRange(ligne, max(ligne, derniere or ligne))
     return attempt_page(request, reader, _database(request.app), attempt, Aim(lines, verification), again=deja)
 
 

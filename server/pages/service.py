@@ -9,7 +9,7 @@ from typing import Any
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
-from server.assignments.feedback import Closed
+from server.assignments.feedback import FeedbackHold
 from server.assignments.models import SavedWork
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
@@ -201,7 +201,7 @@ def results(
     attempts: Attempts,
     work: WorkView | None,
     seed: int | None,
-    diagnosis_held: Closed | None = None,
+    diagnosis_held: FeedbackHold | None = None,
 ) -> Results:
     """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first).
 

@@ -9,9 +9,9 @@ from uuid import UUID
 from markupsafe import Markup
 
 from server.comments import service, words_repository
-from server.comments.carrying import Fate, Place
+from server.comments.carrying import LineFate, LineRange
 from server.comments.models import Phrase, Thread
-from server.comments.schemas import News, Talk
+from server.comments.schemas import Conversation, UnreadThread
 from server.course import Course, Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
@@ -84,14 +84,14 @@ class TalkPart:
     chosen: Chosen
     checks: tuple[tuple[str, str], ...]
     student: StudentLink | None
-    unread: tuple[Talk, ...]
+    unread: tuple[Conversation, ...]
 
 
 @dataclass(frozen=True)
 class Aim:
     """What the address asks to write of."""
 
-    lines: Place | None = None
+    lines: LineRange | None = None
     check: str = ""
     draft: Draft = NO_DRAFT
 
@@ -107,7 +107,7 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     """`asks`: it is one's own, and somebody would read a question."""
     submission, account = attempt.submission, reader.account
     assert account is not None  # who may read an attempt is somebody
-    talks = service.beside(reader.db, attempt)
+    talks = service.load_attempt_conversations(reader.db, attempt)
     own = account.id == submission.account_id
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
@@ -135,15 +135,15 @@ def _diagnosis(attempt: Attempt | None) -> str | None:
     return attempt.grading.diagnosis if attempt is not None and attempt.grading is not None else None
 
 
-def _stands_on_a_line(talk: Talk, shown: int) -> bool:
-    return talk.place is not None and talk.fate is not Fate.gone and talk.place.last <= shown
+def _stands_on_a_line(talk: Conversation, shown: int) -> bool:
+    return talk.lines is not None and talk.fate is not LineFate.removed and talk.lines.last <= shown
 
 
-def code_view(code: str, talks: Sequence[Talk], account: Account | None) -> CodeView:
-    below: dict[int, list[Talk]] = {}
+def code_view(code: str, talks: Sequence[Conversation], account: Account | None) -> CodeView:
+    below: dict[int, list[Conversation]] = {}
     for talk in talks:
-        if talk.place is not None:
-            below.setdefault(talk.place.last, []).append(talk)
+        if talk.lines is not None:
+            below.setdefault(talk.lines.last, []).append(talk)
     html = coloured(visible(code))
     lines = tuple(
         LineView(number, Markup(line), thread_views(below.get(number, ()), account))
@@ -170,14 +170,14 @@ def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
     return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
 
 
-def _heading(place: Place) -> str:
+def _heading(place: LineRange) -> str:
     return (
         f"Sur la ligne {place.first}" if place.first == place.last else f"Sur les lignes {place.first} à {place.last}"
     )
 
 
 def _student(reader: Reader, account: Account, author: UUID, exercise: Exercise) -> StudentLink | None:
-    member = rights.seen_through(reader.db, account, author, exercise.id)
+    member = rights.find_member_for_reader(reader.db, account, author, exercise.id)
     if member is None:
         return None
     href = f"/classes/{member.membership.class_id}/eleves/{author}/{exercise.module}/{exercise.slug}"
@@ -195,7 +195,7 @@ class ExerciseTalk:
     writer: WriterView | None = None
     action: str = ""
     draft: Draft = NO_DRAFT
-    unread: tuple[Talk, ...] = ()
+    unread: tuple[Conversation, ...] = ()
 
 
 def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draft = NO_DRAFT) -> ExerciseTalk:
@@ -204,10 +204,15 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
     if account is None:
         return ExerciseTalk()
     href = exercise_href(exercise)
-    talks = service.on_page(reader.db, account.id, exercise.id)
+    talks = service.load_page_conversations(reader.db, account.id, exercise.id)
     whole = [talk for talk in talks if talk.thread.submission_id is None]
-    found = [News(talk.thread, talk.messages[-1].text) for talk in talks if talk.thread.submission_id is not None]
-    told = [word_view(word, reader.course) for word in words_repository.words(reader.db, account.id, exercise.id)]
+    found = [
+        UnreadThread(talk.thread, talk.messages[-1].text) for talk in talks if talk.thread.submission_id is not None
+    ]
+    told = [
+        word_view(word, reader.course)
+        for word in words_repository.load_received_notes(reader.db, account.id, exercise.id)
+    ]
     return ExerciseTalk(
         news=news_views(found, reader.course),
         words=tuple(word for word in told if not word.read),
@@ -235,7 +240,7 @@ class ThreadPage:
     texts: Texts | None
     writer: WriterView | None
     draft: Draft
-    unread: tuple[Talk, ...]
+    unread: tuple[Conversation, ...]
 
 
 AROUND = 4
@@ -244,7 +249,7 @@ AROUND = 4
 def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     account = reader.account
     assert account is not None  # who may read a thread is somebody
-    found = service.one(reader.db, thread)
+    found = service.load_conversation(reader.db, thread)
     exercise = find_exercise(reader.course, *thread.exercise.split("/"))
     own = account.id == thread.account_id
     attempt = None if thread.submission_id is None else gradebook.find_attempt(reader.db, account, thread.submission_id)
@@ -260,7 +265,7 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         href=whole if attempt is None else f"/soumissions/{attempt.submission.id}#fil-{thread.id}",
         href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
         student=student,
-        code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.place),
+        code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.lines),
         check=_check_view(exercise, attempt, thread.check_id),
         texts=None if exercise.answers is None else exercise,
         writer=writer(
@@ -282,7 +287,7 @@ def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | Non
     return next((check for check in view.checks if check.id == check_id), None)
 
 
-def _around(code: str, place: Place | None) -> tuple[LineView, ...]:
+def _around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
     if place is None:
         return ()
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND

@@ -12,13 +12,13 @@ from sqlalchemy.orm import Session
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback, papers
 from server.assignments import repository as assignments
-from server.assignments.exempting import effects
-from server.assignments.feedback import Feedback
+from server.assignments.exempting import exemption_effects
+from server.assignments.feedback import FeedbackHolds
 from server.audit import repository as audit
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.classes import repository as classes
 from server.comments import service as comments
-from server.comments.schemas import Talk
+from server.comments.schemas import Conversation
 from server.course import Course
 from server.database import Database
 from server.gradebook import repository as gradings
@@ -65,7 +65,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
     """
     yield "LISEZ-MOI.txt", READ_ME.encode()
     with database.read() as db:
-        account = identity.by_id(db, account_id)
+        account = identity.find_account(db, account_id)
         if account is None:
             return
         yield "compte.json", _json(_account(db, account))
@@ -90,8 +90,8 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
         submission = submissions.by_id(db, name)
         if submission is None:
             return
-        known = feedback.of(db, submission.account_id, submission.exercise)
-        held = known.holds(submission.created_at) is not None
+        known = feedback.load_holds(db, submission.account_id, submission.exercise)
+        held = known.test_holding(submission.created_at) is not None
         history = [] if held else [_grading(submission, one, known) for one in gradings.list_gradings(db, name)]
     sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
     folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
@@ -103,18 +103,18 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
     yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
 
 
-def _grading(submission: Submission, grading: Grading, known: Feedback) -> dict[str, Any]:
+def _grading(submission: Submission, grading: Grading, known: FeedbackHolds) -> dict[str, Any]:
     return {
         "counts": grading.id == submission.grading_id,
         "started_at": _time(grading.started_at),
         "finished_at": _time(grading.finished_at),
-        "verdict": known.shown(Verdict.from_json(grading.verdict)).to_json(),
+        "verdict": known.redact(Verdict.from_json(grading.verdict)).to_json(),
     }
 
 
 def _account(db: Session, account: Account) -> dict[str, Any]:
-    sessions = identity.sessions_of(db, account.id)
-    tokens = identity.all_tokens_of(db, account.id)
+    sessions = identity.load_sessions(db, account.id)
+    tokens = identity.load_all_tokens(db, account.id)
     return {
         "id": str(account.id),
         "name": account.name,
@@ -136,7 +136,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
 
 def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
     sums = gradebook.load_visible_standings(db, account_id)
-    unnamed = {name for name, known in feedback.of_all(db, account_id).items() if known.diagnosis is not None}
+    unnamed = {name for name, known in feedback.load_all_holds(db, account_id).items() if known.diagnosis is not None}
     return {
         "standings": [
             {
@@ -185,11 +185,11 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
                 "handed_in_at": _time(one.handed_in_at),
                 "ended_by": one.ended_by,
             }
-            for one, title in papers.all_sittings(db, account_id)
+            for one, title in papers.load_account_sittings(db, account_id)
         ],
         "saved": [
             {"exercise": one.exercise, "saved_at": _time(one.saved_at), "text": one.source.decode(errors="replace")}
-            for one in papers.all_saved(db, account_id)
+            for one in papers.load_all_saved_work(db, account_id)
         ],
     }
 
@@ -209,20 +209,21 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
             "left_at": _time(one.membership.left_at),
             "last_seen_at": _time(one.membership.last_seen_at),
             "exemptions": [
-                {"assignment": title, **{name: _plain(value) for name, value in effects(exemption).items()}}
-                for title, exemption in assignments.exemptions_of(db, account_id, one.school_class.id)
+                {"assignment": title, **{name: _plain(value) for name, value in exemption_effects(exemption).items()}}
+                for title, exemption in assignments.load_student_exemptions(db, account_id, one.school_class.id)
             ],
         }
-        for one in classes.all_of_account(db, account_id)
+        for one in classes.load_all_joined_classes(db, account_id)
     ]
 
 
 def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
-    own = comments.own(db, account_id)
+    own = comments.load_account_comments(db, account_id)
     return {
-        "threads": [_thread(talk) for talk in own.talks],
+        "threads": [_thread(talk) for talk in own.conversations],
         "written_on_work_of_others": [
-            {"exercise": exercise, "text": one.text, "at": _time(one.created_at)} for one, exercise in own.said
+            {"exercise": exercise, "text": one.text, "at": _time(one.created_at)}
+            for one, exercise in own.staff_messages
         ],
         "phrases": [
             {"text": one.text, "exercise": one.exercise, "misconception": one.misconception, "uses": one.uses}
@@ -236,22 +237,22 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
                 "at": _time(one.note.created_at),
                 "seen_at": _time(one.seen_at),
             }
-            for one in own.words
+            for one in own.received_notes
         ],
         "words_of_yours": [
             {"exercise": one.exercise, "text": one.text, "link": one.link, "at": _time(one.created_at)}
-            for one in own.told
+            for one in own.sent_notes
         ],
     }
 
 
-def _thread(talk: Talk) -> dict[str, Any]:
+def _thread(talk: Conversation) -> dict[str, Any]:
     """Who has answered is not named: their name is their own."""
     thread = talk.thread
     return {
         "exercise": thread.exercise,
         "submission": None if thread.submission_id is None else str(thread.submission_id),
-        "lines": None if talk.place is None else [talk.place.first, talk.place.last],
+        "lines": None if talk.lines is None else [talk.lines.first, talk.lines.last],
         "check": thread.check_id,
         "state": thread.state,
         "seen_at": _time(thread.seen_at),
@@ -267,8 +268,15 @@ def _thread(talk: Talk) -> dict[str, Any]:
 
 
 #: Their reason is for the staff alone: who may read it is asked of the school.
-PRIVATE = frozenset({What.exemption_made, What.exemption_revoked})
-OF_MARKS = frozenset({What.mark_overridden, What.override_withdrawn, What.regrade_applied, What.regrade_undone})
+PRIVATE = frozenset({AuditAction.exemption_made, AuditAction.exemption_revoked})
+OF_MARKS = frozenset(
+    {
+        AuditAction.mark_overridden,
+        AuditAction.override_withdrawn,
+        AuditAction.regrade_applied,
+        AuditAction.regrade_undone,
+    }
+)
 
 
 def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
@@ -277,10 +285,10 @@ def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
     since = min(held.values(), default=None)
     about = [
         {**_event(one, name), "reason": _reason(one)}
-        for one, name in audit.about(db, account_id)
+        for one, name in audit.load_events_about(db, account_id)
         if since is None or one.at < since or one.what not in OF_MARKS
     ]
-    by = [{**_event(one, name), "reason": one.reason} for one, name in audit.by(db, account_id)]
+    by = [{**_event(one, name), "reason": one.reason} for one, name in audit.load_events_by(db, account_id)]
     return {
         "overrides": [
             _override(one, name)

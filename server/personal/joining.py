@@ -23,4 +23,4 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     exempting.adopt(db, guest_id, account_id)
     marks.adopt_overrides(db, guest_id, account_id)
     polls.move(db, guest_id, account_id)
-    audit.move(db, guest_id, account_id)
+    audit.move_events(db, guest_id, account_id)

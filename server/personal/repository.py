@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, and_, delete, exists, func, or_, select
 from sqlalchemy.orm import Session
 
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.gradebook.models import ClassOpening, SolutionOpening
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.polls.models import PollAnswer
@@ -92,7 +92,7 @@ def gone_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
     A class ends for a student when they leave it, or when it is archived.
     """
     mine = Membership.account_id == Account.id
-    made_by_a_list = exists().where(mine, Membership.made_here)
+    made_by_a_list = exists().where(mine, Membership.created_by_list)
     goes_on = or_(
         and_(
             Membership.status != Status.left,
@@ -131,6 +131,6 @@ def _staff() -> ColumnElement[bool]:
     """Who helps or teaches somewhere is kept, whatever their account is."""
     return exists().where(
         Membership.account_id == Account.id,
-        Membership.role.in_((Seat.assistant, Seat.teacher)),
+        Membership.role.in_((ClassRole.assistant, ClassRole.teacher)),
         Membership.status == Status.active,
     )

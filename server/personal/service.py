@@ -31,7 +31,7 @@ class Personal:
     def export(self, account: Account) -> Iterator[bytes]:
         """The pieces of a ZIP of all that is kept of this person. Raises TooMany, before the first of them."""
         with self._database.write() as db:
-            limits.take(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
+            limits.take_token(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
         return zipped(files_of(self._database, self._course, account.id), utc_now())
 
     def erase(self, account_id: UUID) -> None:
@@ -45,7 +45,7 @@ class Personal:
             with self._database.write() as db:
                 erased = repository.delete_submissions(db, account_id, ERASED_AT_ONCE)
         with self._database.write() as db:
-            audit.forget_reasons(db, account_id)
+            audit.erase_reasons(db, account_id)
             identity.delete_account(db, account_id)
 
     def forget_guests(self, now: datetime) -> int:

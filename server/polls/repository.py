@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import Select, func, select, update
 from sqlalchemy.orm import Session
 
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.database import ask, prepared, table_of, upserting, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import Said
@@ -49,7 +49,7 @@ def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
     query = select(*columns, func.count()).join(Membership, Membership.account_id == PollAnswer.account_id)
     query = query.where(
         Membership.class_id == class_id,
-        Membership.role == Seat.student,
+        Membership.role == ClassRole.student,
         Membership.status == Status.active,
         PollAnswer.poll.in_(polls),
     )
@@ -63,7 +63,7 @@ def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
 
 @prepared
 def _students(class_id: UUID) -> Select[int]:
-    active = (Membership.role == Seat.student, Membership.status == Status.active)
+    active = (Membership.role == ClassRole.student, Membership.status == Status.active)
     return select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
 
 

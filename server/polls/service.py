@@ -107,7 +107,7 @@ def _marked(db: Session, account: Account | None, module: Module, poll: Poll, id
     if found is None:
         raise NotFound(NO_QUESTION)
     exercise, question = found
-    if account is not None and feedback.of(db, account.id, exercise.id).tests:
+    if account is not None and feedback.load_holds(db, account.id, exercise.id).tests:
         raise Conflict("Cette question est d’un contrôle : sa réponse vous sera dite quand il sera rendu.")
     assert isinstance(exercise.answers, ChoiceGrader)
     letters = sorted(question.letters(ORDER).by_name[one] for one in ids)

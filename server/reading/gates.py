@@ -25,6 +25,6 @@ def gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
         return Gate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
     if access.to_all or access.to_class:
         return None
-    if rights.learns(reader.db, reader.account, lesson.module):
+    if rights.is_student(reader.db, reader.account, lesson.module):
         return Gate("kept")
     return None if past_warning else Gate("warned", onward=f"{lesson_href(lesson)}?ouvrir=oui")

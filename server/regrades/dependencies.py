@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.provided import provided
-from server.regrades.service import Regrades
+from server.regrades.service import RegradeService
 
-RegradesOf = Annotated[Regrades, Depends(provided(Regrades))]
+RegradeServiceOf = Annotated[RegradeService, Depends(provided(RegradeService))]

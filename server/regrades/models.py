@@ -11,14 +11,14 @@ from sqlalchemy.orm import Mapped, mapped_column
 from server.database.base import Base, UtcDateTime, utc_now
 
 
-class Policy(StrEnum):
+class RegradePolicy(StrEnum):
     """Which of an attempt's two gradings is to count: the better one, or the new one."""
 
     keep_best = "keep_best"
     renew = "replace"
 
 
-class Scope(StrEnum):
+class RegradeScope(StrEnum):
     """Whose attempts: those of the whole class, those that may count in an assignment, those of one student."""
 
     school_class = "class"
@@ -39,7 +39,7 @@ class Regrade(Base):
     class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), index=True)
     exercise: Mapped[str] = mapped_column(String(200))
     policy: Mapped[str] = mapped_column(String(16))
-    scope: Mapped[str] = mapped_column(String(16), default=Scope.school_class)
+    scope: Mapped[str] = mapped_column(String(16), default=RegradeScope.school_class)
     assignment_id: Mapped[UUID | None] = mapped_column(ForeignKey("assignment.id", ondelete="SET NULL"), index=True)
     student_id: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
@@ -65,12 +65,12 @@ class RegradeItem(Base):
     id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
     regrade_id: Mapped[UUID] = mapped_column(ForeignKey("regrade.id", ondelete="CASCADE"))
     position: Mapped[int]
-    counting: Mapped[bool]
+    counted: Mapped[bool] = mapped_column("counting", key="counted")
     submission_id: Mapped[UUID] = mapped_column(ForeignKey("submission.id", ondelete="CASCADE"), index=True)
     before_id: Mapped[UUID] = mapped_column(ForeignKey("grading.id", ondelete="CASCADE"), index=True)
     after_id: Mapped[UUID | None] = mapped_column(ForeignKey("grading.id", ondelete="CASCADE"), index=True)
-    why: Mapped[list[dict[str, Any]]] = mapped_column(JSON, default=list)
-    moved: Mapped[bool] = mapped_column(default=False)
+    differences: Mapped[list[dict[str, Any]]] = mapped_column("why", JSON, key="differences", default=list)
+    is_applied: Mapped[bool] = mapped_column("moved", key="is_applied", default=False)
 
     __table_args__ = (Index("ix_regrade_item_regrade_id", "regrade_id"),)
 

@@ -7,21 +7,21 @@ from datetime import datetime
 from enum import StrEnum
 from uuid import UUID
 
-from server.regrades.models import Policy, Regrade
-from server.regrades.why import Reason
+from server.regrades.models import Regrade, RegradePolicy
+from server.regrades.why import VerdictDifference
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RegradeInput:
     """What a teacher asks to have graded anew: of the whole class, or of an assignment, or of a student."""
 
     exercise: str
-    policy: Policy
+    policy: RegradePolicy
     assignment: UUID | None = None
     student: UUID | None = None
 
 
-class State(StrEnum):
+class RegradeState(StrEnum):
     """How far a regrade is."""
 
     running = "running"
@@ -32,42 +32,42 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True)
-class Advance:
+class RegradeProgress:
     """How many attempts are graded anew, of how many. `done` in the sense of who watches: nothing more will come."""
 
-    state: State
+    state: RegradeState
     graded: int
     total: int
 
     @property
     def done(self) -> bool:
-        return self.state is not State.running
+        return self.state is not RegradeState.running
 
 
 @dataclass(frozen=True)
-class Copy:
+class RegradedAttempt:
     """An attempt of a regrade. A score, in [0, 1], is None for an error of ours; `after_id` too while it waits."""
 
     item_id: UUID
     submission_id: UUID
     account_id: UUID
     sent_at: datetime
-    counting: bool
+    counted: bool
     current_id: UUID | None
     before_id: UUID
     before: float | None
     after_id: UUID | None
     after: float | None
     version: str | None
-    why: tuple[Reason, ...]
-    moved: bool
+    differences: tuple[VerdictDifference, ...]
+    is_applied: bool
 
     @property
     def failed(self) -> bool:
         return self.after_id is not None and self.after is None
 
 
-class Fate(StrEnum):
+class MarkOutcome(StrEnum):
     """What a regrade does to a student's mark. `kept`: the new version gives less, and the policy keeps the better."""
 
     gains = "gains"
@@ -77,7 +77,7 @@ class Fate(StrEnum):
 
 
 @dataclass(frozen=True)
-class Change:
+class MarkChange:
     """A student's points out of 20, before and once the regrade is applied; None where nothing counts.
 
     `anew` is what the new gradings alone would make. `submission_id` is the attempt that `why` is about, None without
@@ -87,37 +87,37 @@ class Change:
     student: UUID
     before: float | None
     after: float | None
-    anew: float | None
-    fate: Fate
+    new_only: float | None
+    outcome: MarkOutcome
     submission_id: UUID | None
-    why: tuple[Reason, ...]
-    copies: int
+    differences: tuple[VerdictDifference, ...]
+    attempts: int
     failed: int
     waiting: int
-    since: int = 0
+    sent_since: int = 0
 
 
 @dataclass(frozen=True)
-class Preview:
+class RegradePreview:
     """A regrade as it stands, with what it does to each student whom it concerns."""
 
     regrade: Regrade
-    advance: Advance
-    changes: tuple[Change, ...]
+    progress: RegradeProgress
+    changes: tuple[MarkChange, ...]
 
 
 @dataclass(frozen=True)
-class Told:
+class AppliedRegrade:
     """What the author of an attempt is told of the regrade that has its new grading count; scores as in `Copy`."""
 
     applied_at: datetime
     before: float | None
     after: float | None
-    why: tuple[Reason, ...]
+    differences: tuple[VerdictDifference, ...]
 
 
 @dataclass(frozen=True)
-class Outdated:
+class OutdatedExercise:
     """How many attempts at an exercise no grading of its present version has, and of how many students."""
 
     exercise: str

@@ -9,12 +9,12 @@ from typing import Any, Literal
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 
-Kind = Literal["points", "scale", "new", "gone", "outcome", "diagnosis", "example", "failed", "mended"]
+DifferenceKind = Literal["points", "scale", "new", "gone", "outcome", "diagnosis", "example", "failed", "mended"]
 DUST = 1e-9
 
 
 @dataclass(frozen=True)
-class Reason:
+class VerdictDifference:
     """One difference.
 
     `points`, `scale`, `new`, `gone` are of a check, `name` its title: it has other points; as many, out of others
@@ -24,7 +24,7 @@ class Reason:
     old one. Points are not rounded.
     """
 
-    kind: Kind
+    kind: DifferenceKind
     name: str = ""
     before: float | None = None
     after: float | None = None
@@ -36,52 +36,52 @@ class Reason:
         return {name: value for name, value in asdict(self).items() if value not in (None, "")}
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Reason:
+    def from_json(cls, value: Mapping[str, Any]) -> VerdictDifference:
         return cls(**value)
 
 
-FAILED = Reason("failed")
+FAILED = VerdictDifference("failed")
 
 
-def reasons(before: Verdict, after: Verdict) -> tuple[Reason, ...]:
+def compare_verdicts(before: Verdict, after: Verdict) -> tuple[VerdictDifference, ...]:
     """In the order of the checks of the new verdict; empty where it tells the same."""
     if not after.outcome.counts:
         return (FAILED,)
     if not before.outcome.counts:
-        return (Reason("mended"),)
+        return (VerdictDifference("mended"),)
     of_checks = tuple(_of_checks(before.checks, after.checks))
     return (*_of_outcome(before, after), *of_checks, *_of_diagnosis(before, after))
 
 
-def _of_outcome(before: Verdict, after: Verdict) -> Iterator[Reason]:
+def _of_outcome(before: Verdict, after: Verdict) -> Iterator[VerdictDifference]:
     """Full marks or not is told by the checks."""
     told = {Outcome.OK, Outcome.WRONG_ANSWER}
     if before.outcome is not after.outcome and not {before.outcome, after.outcome} <= told:
-        yield Reason("outcome", was=before.outcome.value, now=after.outcome.value)
+        yield VerdictDifference("outcome", was=before.outcome.value, now=after.outcome.value)
 
 
-def _of_checks(before: Sequence[CheckResult], after: Sequence[CheckResult]) -> Iterator[Reason]:
+def _of_checks(before: Sequence[CheckResult], after: Sequence[CheckResult]) -> Iterator[VerdictDifference]:
     earlier = {check.id: check for check in before}
     for check in after:
         old = earlier.pop(check.id, None)
         if old is None:
-            yield Reason("new", check.title, after=check.points, most=check.max_points)
+            yield VerdictDifference("new", check.title, after=check.points, most=check.max_points)
         else:
             yield from _of_check(old, check)
     for check in earlier.values():
-        yield Reason("gone", check.title, before=check.points, most=check.max_points)
+        yield VerdictDifference("gone", check.title, before=check.points, most=check.max_points)
 
 
-def _of_check(old: CheckResult, new: CheckResult) -> Iterator[Reason]:
+def _of_check(old: CheckResult, new: CheckResult) -> Iterator[VerdictDifference]:
     if abs(old.points - new.points) > DUST:
-        yield Reason("points", new.title, old.points, new.points, new.max_points)
+        yield VerdictDifference("points", new.title, old.points, new.points, new.max_points)
     elif abs(old.max_points - new.max_points) > DUST:
-        yield Reason("scale", new.title, old.max_points, new.max_points, new.max_points)
+        yield VerdictDifference("scale", new.title, old.max_points, new.max_points, new.max_points)
     elif old.counterexample != new.counterexample:
-        yield Reason("example", new.title)
+        yield VerdictDifference("example", new.title)
 
 
-def _of_diagnosis(before: Verdict, after: Verdict) -> Iterator[Reason]:
+def _of_diagnosis(before: Verdict, after: Verdict) -> Iterator[VerdictDifference]:
     was, now = (verdict.diagnosis.title if verdict.diagnosis else "" for verdict in (before, after))
     if was != now:
-        yield Reason("diagnosis", was=was, now=now)
+        yield VerdictDifference("diagnosis", was=was, now=now)

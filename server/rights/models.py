@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from enum import StrEnum
 
-from server.classes.models import Seat
+from server.classes.models import ClassRole
 
-STUDENT, ASSISTANT, TEACHER = Seat.student, Seat.assistant, Seat.teacher
+STUDENT, ASSISTANT, TEACHER = ClassRole.student, ClassRole.assistant, ClassRole.teacher
 
 
 class Right(StrEnum):
@@ -18,25 +18,25 @@ class Right(StrEnum):
     read_work = "lire les essais des élèves de la classe"
     comment = "commenter les essais des élèves de la classe"
     see_code = "voir le code de la classe"
-    keep_list = "tenir la liste de la classe"
-    hand_passwords = "remettre les mots de passe de la classe"
+    manage_roster = "tenir la liste de la classe"
+    hand_out_passwords = "remettre les mots de passe de la classe"
     open_solutions = "ouvrir les corrigés à la classe"
     compare_codes = "comparer les copies de la classe"
     read_marks = "lire les notes de la classe"
     change_marks = "changer les notes de la classe"
-    read_log = "lire le journal de la classe"
+    read_audit_log = "lire le journal de la classe"
     release_feedback = "publier les résultats des contrôles de la classe"
     see_assignments = "voir les devoirs de la classe"
-    keep_assignments = "donner les devoirs de la classe"
-    set_up = "régler la classe"
+    manage_assignments = "donner les devoirs de la classe"
+    configure_class = "régler la classe"
     regrade = "recorriger les essais de la classe"
     name_behaviours = "nommer une erreur pour la classe"
-    create = "créer une classe"
-    open_to_all = "ouvrir les corrigés à tous"
+    create_class = "créer une classe"
+    open_solutions_to_all = "ouvrir les corrigés à tous"
 
 
 #: Of the active members of a class; an administrator has each of them in every class, but those of a seat.
-OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
+ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.see_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.sit_tests: frozenset({STUDENT}),
@@ -44,23 +44,23 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.read_work: frozenset({ASSISTANT, TEACHER}),
     Right.comment: frozenset({ASSISTANT, TEACHER}),
     Right.see_code: frozenset({ASSISTANT, TEACHER}),
-    Right.keep_list: frozenset({TEACHER}),
-    Right.hand_passwords: frozenset({TEACHER}),
+    Right.manage_roster: frozenset({TEACHER}),
+    Right.hand_out_passwords: frozenset({TEACHER}),
     Right.open_solutions: frozenset({TEACHER}),
     Right.compare_codes: frozenset({TEACHER}),
     Right.read_marks: frozenset({ASSISTANT, TEACHER}),
     Right.change_marks: frozenset({TEACHER}),
-    Right.read_log: frozenset({TEACHER}),
+    Right.read_audit_log: frozenset({TEACHER}),
     Right.release_feedback: frozenset({TEACHER}),
     Right.see_assignments: frozenset({STUDENT, ASSISTANT, TEACHER}),
-    Right.keep_assignments: frozenset({TEACHER}),
-    Right.set_up: frozenset({TEACHER}),
+    Right.manage_assignments: frozenset({TEACHER}),
+    Right.configure_class: frozenset({TEACHER}),
     Right.regrade: frozenset({TEACHER}),
     Right.name_behaviours: frozenset({TEACHER}),
 }
 
 #: What only somebody who is a member may do, and by what they are there.
-OF_A_SEAT = frozenset({Right.leave_class, Right.sit_tests})
+MEMBER_ONLY_RIGHTS = frozenset({Right.leave_class, Right.sit_tests})
 
 #: Who only asks to join knows that the class is there, and may think better of it.
-OF_PENDING = frozenset({Right.see_class, Right.leave_class})
+PENDING_RIGHTS = frozenset({Right.see_class, Right.leave_class})

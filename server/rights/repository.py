@@ -7,16 +7,18 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, or_, select
 from sqlalchemy.orm import Session, aliased
 
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
 from server.database import ask, one_of, prepared
 from server.identity.models import Account
 
-STAFF = (Seat.assistant, Seat.teacher)
+STAFF = (ClassRole.assistant, ClassRole.teacher)
 
 
 @prepared
-def _reads_work(reader: UUID, author: UUID, module: str, sent_at: datetime, *, seats: tuple[Seat, ...]) -> Select[UUID]:
+def _reads_work(
+    reader: UUID, author: UUID, module: str, sent_at: datetime, *, seats: tuple[ClassRole, ...]
+) -> Select[UUID]:
     staff, student = aliased(Membership), aliased(Membership)
     query = (
         select(SchoolClass.id)
@@ -29,7 +31,7 @@ def _reads_work(reader: UUID, author: UUID, module: str, sent_at: datetime, *, s
             one_of(staff.role, seats),
             staff.status == Status.active,
             student.account_id == author,
-            student.role == Seat.student,
+            student.role == ClassRole.student,
             or_(
                 student.status == Status.active,
                 and_(
@@ -42,8 +44,8 @@ def _reads_work(reader: UUID, author: UUID, module: str, sent_at: datetime, *, s
     return query.limit(1)
 
 
-def reads_work(
-    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[Seat] = STAFF
+def may_read_work(
+    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[ClassRole] = STAFF
 ) -> bool:
     """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
     return ask(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
@@ -58,7 +60,7 @@ def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> 
         .where(
             SchoolClass.module == module,
             Membership.account_id == author,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status != Status.pending,
         )
         .order_by(Membership.status, SchoolClass.archived_at.is_not(None), Membership.joined_at.desc())
@@ -67,7 +69,7 @@ def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> 
     return query if anybody else query.where(Membership.class_id.in_(_seats(reader, module, STAFF)))
 
 
-def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
+def find_member_for_reader(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
     """How a class of this module in which the reader helps or teaches (any, without one) lists its student."""
     row = db.execute(*_seen_through(reader or author, author, module, anybody=reader is None)).first()
     return None if row is None else Member(*row)
@@ -83,7 +85,7 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
         .where(
             _is_open(module),
             Membership.account_id == author,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
             one_of(staff.role, STAFF),
             staff.status == Status.active,
@@ -97,29 +99,31 @@ def has_readers(db: Session, author: UUID, module: str) -> bool:
     return ask(db, *_has_readers(author, module)).first() is not None
 
 
-def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
+def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
     """Whether one teaches or helps in a class of this module, to be asked with something else."""
     return _seats(account_id, module, STAFF).exists()
 
 
-def learns(db: Session, account_id: UUID, module: str) -> bool:
+def is_student(db: Session, account_id: UUID, module: str) -> bool:
     """Is this account a student of a class of this module that is not archived?"""
-    seats = _seats(account_id, module, (Seat.student,)).where(SchoolClass.archived_at.is_(None))
+    seats = _seats(account_id, module, (ClassRole.student,)).where(SchoolClass.archived_at.is_(None))
     return db.execute(select(seats.exists())).scalar_one()
 
 
 @prepared
 def _of_teacher(account_id: UUID, module: str) -> Select[SchoolClass]:
-    query = select(SchoolClass).where(_is_open(module), SchoolClass.id.in_(_seats(account_id, module, (Seat.teacher,))))
+    query = select(SchoolClass).where(
+        _is_open(module), SchoolClass.id.in_(_seats(account_id, module, (ClassRole.teacher,)))
+    )
     return query.order_by(SchoolClass.name, SchoolClass.id)
 
 
-def classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
+def load_classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
     """The classes of this module in which one teaches, by their names, but those archived."""
     return db.execute(*_of_teacher(account_id, module)).scalars().all()
 
 
-def classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:
+def load_classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:
     query = select(SchoolClass).where(_is_open(module))
     return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
 
@@ -128,7 +132,7 @@ def _is_open(module: str) -> ColumnElement[bool]:
     return and_(SchoolClass.module == module, SchoolClass.archived_at.is_(None))
 
 
-def _seats(account_id: UUID, module: str, seats: Sequence[Seat]) -> Select[UUID]:
+def _seats(account_id: UUID, module: str, seats: Sequence[ClassRole]) -> Select[UUID]:
     return (
         select(Membership.class_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)

@@ -17,82 +17,84 @@ from sqlalchemy.orm import Session
 from server.base.errors import Forbidden, NotFound
 from server.base.identities import identity_of
 from server.classes import repository as classes
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import UNKNOWN
+from server.classes.service import UNKNOWN_CLASS
 from server.identity.models import Account
 from server.rights import repository
-from server.rights.models import OF_A_SEAT, OF_MEMBERS, OF_PENDING, Right
+from server.rights.models import MEMBER_ONLY_RIGHTS, PENDING_RIGHTS, ROLES_BY_RIGHT, Right
 
 MISSING = "Il vous manque le droit de {right}."
 ONLY = {
-    Right.create: " Les enseignants l’ont : l’administrateur de ce serveur peut vous le donner.",
-    Right.open_to_all: " L’administrateur de ce serveur l’a ; un enseignant ouvre les corrigés à ses classes.",
+    Right.create_class: " Les enseignants l’ont : l’administrateur de ce serveur peut vous le donner.",
+    Right.open_solutions_to_all: (
+        " L’administrateur de ce serveur l’a ; un enseignant ouvre les corrigés à ses classes."
+    ),
 }
 OF_CLASS = " Dans la classe « {name} », {who}."
 WHO = {
-    frozenset({Seat.student}): "les élèves l’ont",
-    frozenset({Seat.teacher}): "les enseignants l’ont",
-    frozenset({Seat.assistant, Seat.teacher}): "les enseignants et les assistants l’ont",
-    frozenset(Seat): "ses membres l’ont, une fois admis",
+    frozenset({ClassRole.student}): "les élèves l’ont",
+    frozenset({ClassRole.teacher}): "les enseignants l’ont",
+    frozenset({ClassRole.assistant, ClassRole.teacher}): "les enseignants et les assistants l’ont",
+    frozenset(ClassRole): "ses membres l’ont, une fois admis",
 }
 
 
 @dataclass(frozen=True)
-class Place:
+class ClassAccess:
     """A class, as it stands to the account that asks: what it may do there."""
 
     school_class: SchoolClass
     membership: Membership | None
     rights: frozenset[Right]
 
-    def may(self, right: Right) -> bool:
+    def has(self, right: Right) -> bool:
         return right in self.rights
 
 
-def place_of(db: Session, account: Account, class_id: UUID | str) -> Place:
+def load_class_access(db: Session, account: Account, class_id: UUID | str) -> ClassAccess:
     """Raises NotFound for a class that does not concern this account, or is none."""
-    identity = identity_of(class_id, UNKNOWN)
-    seen = classes.seen_by(db, identity, account.id)
+    identity = identity_of(class_id, UNKNOWN_CLASS)
+    seen = classes.load_class_and_membership(db, identity, account.id)
     if seen is None:
-        raise NotFound(UNKNOWN)
+        raise NotFound(UNKNOWN_CLASS)
     school_class, membership = seen
     if membership is not None and membership.status == Status.left:
         membership = None
     if membership is None and not account.is_administrator:
-        raise NotFound(UNKNOWN)
-    return place(account, school_class, membership)
+        raise NotFound(UNKNOWN_CLASS)
+    return class_access(account, school_class, membership)
 
 
-def place(account: Account, school_class: SchoolClass, membership: Membership | None) -> Place:
+def class_access(account: Account, school_class: SchoolClass, membership: Membership | None) -> ClassAccess:
     """The same of what is known already: only an administrator has no membership."""
-    return Place(school_class, membership, _rights(account, membership))
+    return ClassAccess(school_class, membership, _rights(account, membership))
 
 
-def require(db: Session, account: Account, right: Right, class_id: UUID | str) -> Place:
+def require_right(db: Session, account: Account, right: Right, class_id: UUID | str) -> ClassAccess:
     """Raises NotFound, or Forbidden, which names the right."""
-    place = place_of(db, account, class_id)
-    if not place.may(right):
+    place = load_class_access(db, account, class_id)
+    if not place.has(right):
         raise Forbidden(_missing(right, place.school_class))
     return place
 
 
-def may(db: Session, account: Account, right: Right, class_id: UUID | str) -> bool:
+def has_right(db: Session, account: Account, right: Right, class_id: UUID | str) -> bool:
     try:
-        return place_of(db, account, class_id).may(right)
+        return load_class_access(db, account, class_id).has(right)
     except NotFound:
         return False
 
 
-def require_on_server(account: Account, right: Right) -> None:
+def require_server_right(account: Account, right: Right) -> None:
     """For what is of no class. Raises Forbidden."""
-    if right not in on_server(account):
+    if right not in server_rights(account):
         raise Forbidden(_missing(right))
 
 
-def on_server(account: Account) -> frozenset[Right]:
-    teacher = frozenset({Right.create}) if account.is_teacher else frozenset()
-    return teacher | (frozenset({Right.open_to_all}) if account.is_administrator else frozenset())
+def server_rights(account: Account) -> frozenset[Right]:
+    teacher = frozenset({Right.create_class}) if account.is_teacher else frozenset()
+    return teacher | (frozenset({Right.open_solutions_to_all}) if account.is_administrator else frozenset())
 
 
 def may_read_work(db: Session, account: Account | None, author: UUID, exercise: str, sent_at: datetime) -> bool:
@@ -102,13 +104,13 @@ def may_read_work(db: Session, account: Account | None, author: UUID, exercise: 
         return False
     if account.id == author or account.is_administrator:
         return True
-    return repository.reads_work(db, account.id, author, module_of(exercise), sent_at)
+    return repository.may_read_work(db, account.id, author, module_of(exercise), sent_at)
 
 
-def seen_through(db: Session, account: Account, author: UUID, exercise: str) -> Member | None:
+def find_member_for_reader(db: Session, account: Account, author: UUID, exercise: str) -> Member | None:
     """The author of some work as a class lists them, through which this account may read it; None where none does."""
     reader = None if account.is_administrator else account.id
-    return repository.seen_through(db, reader, author, module_of(exercise))
+    return repository.find_member_for_reader(db, reader, author, module_of(exercise))
 
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:
@@ -116,14 +118,14 @@ def has_readers(db: Session, author: UUID, module: str) -> bool:
     return repository.has_readers(db, author, module)
 
 
-def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
+def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
     """A condition: that one teaches or helps in a class of this module, which opens hints and solutions."""
-    return repository.teaching(account_id, module)
+    return repository.teaches_clause(account_id, module)
 
 
-def learns(db: Session, account: Account | None, module: str) -> bool:
+def is_student(db: Session, account: Account | None, module: str) -> bool:
     """Is this account a student of a class of this module, whose teachers may then hold something back?"""
-    return account is not None and repository.learns(db, account.id, module)
+    return account is not None and repository.is_student(db, account.id, module)
 
 
 def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
@@ -131,8 +133,8 @@ def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequ
     if account is None:
         return []
     if account.is_administrator:
-        return repository.classes_of_module(db, module_of(exercise))
-    return repository.classes_of_teacher(db, account.id, module_of(exercise))
+        return repository.load_classes_of_module(db, module_of(exercise))
+    return repository.load_classes_of_teacher(db, account.id, module_of(exercise))
 
 
 def module_of(exercise: str) -> str:
@@ -141,20 +143,20 @@ def module_of(exercise: str) -> str:
 
 def _rights(account: Account, membership: Membership | None) -> frozenset[Right]:
     if account.is_administrator:
-        seated = _of_seat(membership) & OF_A_SEAT if membership is not None else frozenset()
-        return (frozenset(OF_MEMBERS) - OF_A_SEAT) | seated
+        seated = _of_seat(membership) & MEMBER_ONLY_RIGHTS if membership is not None else frozenset()
+        return (frozenset(ROLES_BY_RIGHT) - MEMBER_ONLY_RIGHTS) | seated
     assert membership is not None
     return _of_seat(membership)
 
 
 def _of_seat(membership: Membership) -> frozenset[Right]:
     if membership.status == Status.pending:
-        return OF_PENDING
-    return frozenset(right for right, seats in OF_MEMBERS.items() if membership.role in seats)
+        return PENDING_RIGHTS
+    return frozenset(right for right, seats in ROLES_BY_RIGHT.items() if membership.role in seats)
 
 
 def _missing(right: Right, school_class: SchoolClass | None = None) -> str:
     sentence = MISSING.format(right=right.value)
     if school_class is None:
         return sentence + ONLY[right]
-    return sentence + OF_CLASS.format(name=school_class.name, who=WHO[OF_MEMBERS[right]])
+    return sentence + OF_CLASS.format(name=school_class.name, who=WHO[ROLES_BY_RIGHT[right]])

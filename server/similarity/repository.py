@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row, func, select
 from sqlalchemy.orm import Session
 
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -24,7 +24,7 @@ def best_codes(
         .join(Membership, Membership.account_id == Submission.account_id)
         .where(
             Membership.class_id == class_id,
-            Membership.role == Seat.student,
+            Membership.role == ClassRole.student,
             Membership.status == Status.active,
             Submission.exercise == exercise,
             Submission.created_at >= since,

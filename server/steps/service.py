@@ -62,9 +62,9 @@ class Steps:
         calls.read(new.call)
 
         def asked(db: Session) -> Asked:
-            if held := feedback.of(db, account.id, exercise.id).tests:
+            if held := feedback.load_holds(db, account.id, exercise.id).tests:
                 raise NotNow(IN_TEST.format(title=held[0].title))
-            sittings.require_no_help(db, account.id, source, self._reused(exercise.id))
+            sittings.require_no_tested_imports(db, account.id, source, self._reused(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
             return AskedCall(
                 exercise=exercise.id, source=source, library=self._library(exercise.id, own), call=new.call
@@ -86,7 +86,7 @@ class Steps:
             if verdict is None or check is None or exercise is None or not can_replay(exercise, check):
                 raise Invalid(NO_REPLAY)
             assert check.counterexample is not None
-            sittings.require_no_help(db, account.id, sent.source, self._reused(exercise.id))
+            sittings.require_no_tested_imports(db, account.id, sent.source, self._reused(exercise.id))
             own = importable_files.load_importable_files(db, self.course, sent)
             return AskedReplay(
                 exercise=exercise.id,
@@ -121,12 +121,12 @@ class Steps:
             with self.database.read() as db:
                 question = Question(steps=ask(db))
             with self.database.write() as db:
-                limits.take(db, key, self.settings.step_bucket, TOO_FAST)
+                limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return question.model_dump_json().encode()
 
         def give_back() -> None:
             with self.database.write() as db:
-                limits.give_back(db, key)
+                limits.give_back_token(db, key)
 
         question = await run_in_threadpool(prepared)
         try:

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, papers, repository
 from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
-from server.assignments.rules import Rules, in_force
+from server.assignments.rules import Rules, rules_in_force
 from server.classes import repository as classes
 from server.course import Course
 from server.database import Database, utc_now
@@ -36,22 +36,22 @@ class Collecting:
         sitting, rules = self._locked(db, assignment, account_id)
         if sitting is None or sitting.ended_by == EndedBy.student:
             return
-        if feedback.is_running(rules, sitting, now):
+        if feedback.is_sitting_running(rules, sitting, now):
             self._end(db, assignment, sitting, max(now, utc_now()), EndedBy.student)  # after what went before it
         else:
             self._end_by_time(db, assignment, sitting, rules, now)
-        feedback.forget(db)
+        feedback.forget_holds(db)
 
     def collect(self, database: Database, now: datetime) -> int:
         """Ends every sitting whose time is over; how many. What fails is left for the next time."""
         with database.read() as db:
-            waiting = papers.unfinished(db)
-            differences = repository.exemptions(db, {one.assignment.id for one in waiting}) if waiting else {}
+            waiting = papers.load_unfinished_sittings(db)
+            differences = repository.load_exemptions(db, {one.assignment.id for one in waiting}) if waiting else {}
         ended = 0
         for one in waiting:
             told = differences.get(one.assignment.id, ())
-            rules = in_force(one.assignment, told, one.sitting.account_id, one.groups)
-            if feedback.is_running(rules, one.sitting, now):
+            rules = rules_in_force(one.assignment, told, one.sitting.account_id, one.groups)
+            if feedback.is_sitting_running(rules, one.sitting, now):
                 continue
             try:
                 with database.write() as db:
@@ -63,26 +63,26 @@ class Collecting:
     def collect_one(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
         """Ends a sitting if its time is over and nobody has ended it yet."""
         sitting, rules = self._locked(db, assignment, account_id)
-        if sitting is None or sitting.handed_in_at is not None or feedback.is_running(rules, sitting, now):
+        if sitting is None or sitting.handed_in_at is not None or feedback.is_sitting_running(rules, sitting, now):
             return False
         self._end_by_time(db, assignment, sitting, rules, now)
         return True
 
     def _locked(self, db: Session, assignment: Assignment, account_id: UUID) -> tuple[Sitting | None, Rules]:
-        sitting = papers.locked(db, assignment.id, account_id)
-        membership = classes.membership(db, assignment.class_id, account_id)
-        told = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
-        return sitting, in_force(assignment, told, account_id, membership.groups if membership else ())
+        sitting = papers.lock_sitting(db, assignment.id, account_id)
+        membership = classes.find_membership(db, assignment.class_id, account_id)
+        told = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+        return sitting, rules_in_force(assignment, told, account_id, membership.groups if membership else ())
 
     def _end_by_time(self, db: Session, assignment: Assignment, sitting: Sitting, rules: Rules, now: datetime) -> None:
         self._end(db, assignment, sitting, rules.end_of_sitting(sitting.began_at) or now, EndedBy.time)
 
     def _end(self, db: Session, assignment: Assignment, sitting: Sitting, when: datetime, by: EndedBy) -> None:
-        account = identity.by_id(db, sitting.account_id)
+        account = identity.find_account(db, sitting.account_id)
         assert account is not None  # a sitting goes with its account
-        for saved in papers.saved_in(db, assignment.id, account.id):
+        for saved in papers.load_saved_work(db, assignment.id, account.id):
             self._send(db, account, saved, when)
-        papers.end(db, sitting, when, by)
+        papers.end_sitting(db, sitting, when, by)
 
     def _send(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
         """What is saved, unless it was sent, or something else was sent after it was saved."""

@@ -120,8 +120,8 @@ class Submissions:
     def save(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
         """Keeps what is written in a test, to be sent at its end; when. Raises NotNow or TooMany."""
         now = utc_now()
-        sittings.save(db, account.id, exercise_id, source, now)
-        limits.take(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
+        sittings.save_work(db, account.id, exercise_id, source, now)
+        limits.take_token(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
         return now
 
     def source_of(self, code: str) -> bytes:
@@ -147,14 +147,14 @@ class Submissions:
         *,
         answers: bool,
     ) -> Submission:
-        now, bucket, name = utc_now(), limits.of_submissions(account.id), _name(account, key)
+        now, bucket, name = utc_now(), limits.submission_key(account.id), _name(account, key)
         if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
             return before
-        if not sittings.require_may_send(db, account.id, exercise_id, now).tests:
-            sittings.require_no_help(db, account.id, source, [one.id for one in self._reused(exercise_id)])
-        limits.take(db, bucket, self._settings.submission_bucket, TOO_FAST)
+        if not sittings.require_may_submit(db, account.id, exercise_id, now).tests:
+            sittings.require_no_tested_imports(db, account.id, source, [one.id for one in self._reused(exercise_id)])
+        limits.take_token(db, bucket, self._settings.submission_bucket, TOO_FAST)
         if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
-            limits.give_back(db, bucket)  # another process was first: it held the bucket until it had committed
+            limits.give_back_token(db, bucket)  # another process was first: it held the bucket until it had committed
             return before
         most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
         try:

@@ -10,9 +10,9 @@ from typing import Literal
 from sqlalchemy.orm import Session
 
 from server.assignments import feedback, mine, papers
-from server.assignments.mine import Mine
+from server.assignments.mine import StudentAssignment
 from server.assignments.models import Mode, Sitting
-from server.assignments.states import Stage
+from server.assignments.states import AssignmentStage
 from server.database import utc_now
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
@@ -49,29 +49,29 @@ def soon(
     if account is None:
         return ()
     now = utc_now()
-    running = [one for one in mine.running(db, account.id, now) if _is_of(one, module)]
-    found = mine.due_within([one for one in running if one.assignment.mode != Mode.test], now, SOON)
+    running = [one for one in mine.load_open_assignments(db, account.id, now) if _is_of(one, module)]
+    found = mine.due_soon([one for one in running if one.assignment.mode != Mode.test], now, SOON)
     views = [*_tests(db, account, running, now), *(_view(one, progress) for one in found)]
     return tuple(view for view in views if view.left)[:MOST]
 
 
-def _tests(db: Session, account: Account, running: Iterable[Mine], now: datetime) -> Iterator[DueView]:
+def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime) -> Iterator[DueView]:
     """Those that one sits first. Who has handed in has nothing left to do there, nor who is excused."""
     tests = [one for one in running if one.assignment.mode == Mode.test]
-    sat = {one.assignment_id: one for one, _ in papers.all_sittings(db, account.id)} if tests else {}
-    for wanted in (feedback.Stage.running, feedback.Stage.may_begin):
+    sat = {one.assignment_id: one for one, _ in papers.load_account_sittings(db, account.id)} if tests else {}
+    for wanted in (feedback.SittingStage.running, feedback.SittingStage.may_begin):
         for one in tests:
             sitting = sat.get(one.assignment.id)
-            stage = feedback.stage_of(one.assignment, one.rules, sitting, now)
+            stage = feedback.sitting_stage(one.assignment, one.rules, sitting, now)
             if stage is wanted and (sitting is not None or not one.rules.excused):
                 yield _test(one, sitting)
 
 
-def _test(one: Mine, sitting: Sitting | None) -> DueView:
-    end = one.rules.closes_at if sitting is None else feedback.end_of(one.rules, sitting)
+def _test(one: StudentAssignment, sitting: Sitting | None) -> DueView:
+    end = one.rules.closes_at if sitting is None else feedback.sitting_end(one.rules, sitting)
     return DueView(
         title=one.assignment.title,
-        href=feedback.href_of(one.assignment.class_id, one.assignment.id),
+        href=feedback.sitting_path(one.assignment.class_id, one.assignment.id),
         when="" if end is None else moment(end),
         when_text="" if end is None else moment_words(end),
         late=False,
@@ -80,7 +80,7 @@ def _test(one: Mine, sitting: Sitting | None) -> DueView:
     )
 
 
-def _is_of(one: Mine, module: str | None) -> bool:
+def _is_of(one: StudentAssignment, module: str | None) -> bool:
     return module is None or any(row.exercise.startswith(f"{module}/") for row in one.exercises)
 
 
@@ -91,13 +91,13 @@ def of_exercise(db: Session, account: Account | None, exercise: str) -> tuple[Du
     """
     if account is None:
         return ()
-    found = mine.running(db, account.id, utc_now(), exercise)
+    found = mine.load_open_assignments(db, account.id, utc_now(), exercise)
     asking = [one for one in found if not one.rules.excused and one.assignment.mode != Mode.test]
     return tuple(_view(one, {}) for one in asking)[:MOST]
 
 
-def _view(one: Mine, progress: Mapping[str, Progress]) -> DueView:
-    late = one.stage is Stage.late
+def _view(one: StudentAssignment, progress: Mapping[str, Progress]) -> DueView:
+    late = one.stage is AssignmentStage.late
     when: datetime | None = one.rules.closes_at if late else one.rules.due_at
     return DueView(
         title=one.assignment.title,

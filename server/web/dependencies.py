@@ -9,17 +9,22 @@ from starlette.convertors import Convertor, register_url_convertor
 
 from server.base.provided import needed
 from server.base.request import SAFE_METHODS
-from server.classes.presence import Presence
+from server.classes.presence import PresenceRecorder
 from server.course import Course
 from server.course.editions import MODULE
 from server.database import Database
 from server.database.dependencies import Db
-from server.identity.dependencies import account_of, account_through
+from server.identity.dependencies import load_account_through, load_session_account
 from server.identity.models import Account
 from server.submissions.service import Submissions
 from server.web.views import Reader
 
-_database, _course, _submissions, _presence = needed(Database), needed(Course), needed(Submissions), needed(Presence)
+_database, _course, _submissions, _presence = (
+    needed(Database),
+    needed(Course),
+    needed(Submissions),
+    needed(PresenceRecorder),
+)
 
 
 class ModuleConvertor(Convertor[str]):
@@ -40,9 +45,9 @@ register_url_convertor("module", ModuleConvertor())
 async def _reader(request: Request, db: Db) -> Reader:
     def who() -> Account | None:
         if request.method not in SAFE_METHODS:
-            return account_of(request, _database(request.app))
-        account = account_through(db, request)  # it only reads
-        _presence(request.app).note(db, account)
+            return load_session_account(request, _database(request.app))
+        account = load_account_through(db, request)  # it only reads
+        _presence(request.app).record(db, account)
         return account
 
     return Reader(db, _course(request.app), _submissions(request.app), who)

@@ -21,7 +21,7 @@ def kept(reader: Reader) -> frozenset[str]:
     """The modules of one's classes, those that are archived left out."""
     if reader.account is None:
         return frozenset()
-    joined = repository.of_account(reader.db, reader.account.id)
+    joined = repository.load_joined_classes(reader.db, reader.account.id)
     return frozenset(one.school_class.module for one in joined if one.school_class.archived_at is None)
 
 

@@ -18,7 +18,7 @@ from server.base.middleware import SECURITY_HEADERS, route_of
 from server.base.problems import TITLES, as_json, of_error, place, problem
 from server.base.provided import provided_to
 from server.database import Database, is_away
-from server.identity.dependencies import account_of
+from server.identity.dependencies import load_session_account
 from server.identity.models import Account
 from server.web.rendering import page
 
@@ -46,7 +46,7 @@ def answer(
 
 
 def _asker(request: Request) -> Account | None:
-    return account_of(request, provided_to(request.app, Database))
+    return load_session_account(request, provided_to(request.app, Database))
 
 
 def _service_error(request: Request, error: Exception) -> Response:

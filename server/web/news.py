@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from server.comments.schemas import News, Word
+from server.comments.schemas import ReceivedNote, UnreadThread
 from server.course import Course
 from server.web.threads import about, short
 from server.web.words import moment, moment_text
@@ -35,14 +35,14 @@ class WordView:
     read: bool
 
 
-def news_views(found: Sequence[News], course: Course) -> tuple[NewsView, ...]:
+def news_views(found: Sequence[UnreadThread], course: Course) -> tuple[NewsView, ...]:
     return tuple(
         NewsView(_title(course, one.thread.exercise), about(one.thread), short(one.text), f"/fils/{one.thread.id}")
         for one in found
     )
 
 
-def word_view(word: Word, course: Course) -> WordView:
+def word_view(word: ReceivedNote, course: Course) -> WordView:
     note = word.note
     return WordView(
         id=str(note.id),

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Kind as Answered
 from server.regrades import service
-from server.regrades.why import Kind, Reason
+from server.regrades.why import DifferenceKind, VerdictDifference
 from server.web.verdicts import title_of
 from server.web.words import mark, moment, moment_text, points
 
@@ -28,11 +28,11 @@ class RegradedView:
 
 def of(db: Session, grading: UUID, kind: Answered) -> RegradedView | None:
     """What the author of an attempt reads beside this grading, where a regrade has it count."""
-    told = service.told(db, grading)
+    told = service.find_applied_regrade(db, grading)
     if told is None:
         return None
     before, after = pair(_points(told.before), _points(told.after))
-    why = tuple(f"{text[0].upper()}{text[1:]}." for text in sentences(told.why, kind))
+    why = tuple(f"{text[0].upper()}{text[1:]}." for text in sentences(told.differences, kind))
     return RegradedView(moment(told.applied_at), moment_text(told.applied_at), before, after, why)
 
 
@@ -52,36 +52,36 @@ def _mark(most: float) -> Callable[[float], str]:
     return lambda value: mark(value, max(value, most))
 
 
-def sentences(why: Sequence[Reason], kind: Answered) -> tuple[str, ...]:
+def sentences(why: Sequence[VerdictDifference], kind: Answered) -> tuple[str, ...]:
     """One for each reason, without capital or full stop; titles in them are as the exercise has them."""
     return tuple(WORDS[reason.kind](reason, kind) for reason in why)
 
 
-def _changed(reason: Reason, _: Answered) -> str:
+def _changed(reason: VerdictDifference, _: Answered) -> str:
     before, after = pair(reason.before, reason.after, reason.most or 0.0)
     return f"la vérification « {reason.name} » passe de {before} à {after} sur {points(reason.most or 0.0)}"
 
 
-def _scaled(reason: Reason, _: Answered) -> str:
+def _scaled(reason: VerdictDifference, _: Answered) -> str:
     now, was = points(reason.after or 0.0), points(reason.before or 0.0)
     return f"la vérification « {reason.name} » est maintenant sur {now}, et non plus sur {was}"
 
 
-def _new(reason: Reason, _: Answered) -> str:
+def _new(reason: VerdictDifference, _: Answered) -> str:
     most = reason.most or 0.0
     return f"nouvelle vérification « {reason.name} » : {mark(reason.after or 0.0, most)} sur {points(most)}"
 
 
-def _gone(reason: Reason, _: Answered) -> str:
+def _gone(reason: VerdictDifference, _: Answered) -> str:
     most = reason.most or 0.0
     return f"la vérification « {reason.name} », {mark(reason.before or 0.0, most)} sur {points(most)}, n’existe plus"
 
 
-def _ended(reason: Reason, kind: Answered) -> str:
+def _ended(reason: VerdictDifference, kind: Answered) -> str:
     return f"l’issue est « {title_of(reason.now, kind)} », et non plus « {title_of(reason.was, kind)} »"
 
 
-def _recognised(reason: Reason, _: Answered) -> str:
+def _recognised(reason: VerdictDifference, _: Answered) -> str:
     if not reason.was:
         return f"une erreur est reconnue : « {reason.now} »"
     if not reason.now:
@@ -89,7 +89,7 @@ def _recognised(reason: Reason, _: Answered) -> str:
     return f"l’erreur reconnue est « {reason.now} », et non plus « {reason.was} »"
 
 
-WORDS: Mapping[Kind, Callable[[Reason, Answered], str]] = {
+WORDS: Mapping[DifferenceKind, Callable[[VerdictDifference, Answered], str]] = {
     "points": _changed,
     "scale": _scaled,
     "new": _new,

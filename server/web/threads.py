@@ -9,19 +9,19 @@ from typing import Literal
 from sqlalchemy.orm import Session
 
 from server.comments import words
-from server.comments.carrying import Fate, Place
-from server.comments.models import State, Thread
-from server.comments.schemas import Said, Talk
+from server.comments.carrying import LineFate, LineRange
+from server.comments.models import Thread, ThreadState
+from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
 from server.web.words import moment, moment_text
 
-STATES = {State.open: "ouvert", State.answered: "répondu", State.settled: "réglé"}
+STATES = {ThreadState.open: "ouvert", ThreadState.answered: "répondu", ThreadState.settled: "réglé"}
 REMARK = "remarque"
 A_TEACHER, A_STUDENT = "un enseignant", "l’élève"
 FATES = {
-    Fate.carried: "",
-    Fate.changed: "la ligne a changé depuis",
-    Fate.gone: "ces lignes ne se retrouvent pas ici",
+    LineFate.carried: "",
+    LineFate.changed: "la ligne a changé depuis",
+    LineFate.removed: "ces lignes ne se retrouvent pas ici",
 }
 CHANGED_MANY = "ces lignes ont changé depuis"
 SHORT = 160
@@ -93,16 +93,16 @@ class WriterView:
     back: str
 
 
-def thread_views(talks: Sequence[Talk], account: Account | None) -> tuple[ThreadView, ...]:
+def thread_views(talks: Sequence[Conversation], account: Account | None) -> tuple[ThreadView, ...]:
     return tuple(thread_view(talk, account) for talk in talks)
 
 
-def thread_view(talk: Talk, account: Account | None) -> ThreadView:
+def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
     thread = talk.thread
     mine = account is not None and account.id == thread.account_id
     return ThreadView(
         id=str(thread.id),
-        about=about(thread, talk.place),
+        about=about(thread, talk.lines),
         href=href_of(thread),
         state=talk.state.value,
         label=label_of(thread, all(said.message.as_staff for said in talk.messages)),
@@ -114,7 +114,7 @@ def thread_view(talk: Talk, account: Account | None) -> ThreadView:
     )
 
 
-def about(thread: Thread, place: Place | None = None) -> str:
+def about(thread: Thread, place: LineRange | None = None) -> str:
     if thread.check_id is not None:
         return f"Vérification « {thread.check_title} »"
     first, last = (place.first, place.last) if place else (thread.first_line, thread.last_line)
@@ -130,17 +130,17 @@ def href_of(thread: Thread) -> str:
 
 def label_of(thread: Thread, by_staff_alone: bool) -> str:
     """Its state in a word: what a teacher says unasked waits for nothing."""
-    state = State(thread.state)
-    return REMARK if by_staff_alone and state is State.answered else STATES[state]
+    state = ThreadState(thread.state)
+    return REMARK if by_staff_alone and state is ThreadState.answered else STATES[state]
 
 
-def _note(talk: Talk) -> str:
+def _note(talk: Conversation) -> str:
     thread = talk.thread
-    many = talk.fate is Fate.changed and thread.first_line != thread.last_line
+    many = talk.fate is LineFate.changed and thread.first_line != thread.last_line
     return CHANGED_MANY if many else FATES[talk.fate]
 
 
-def _message(said: Said, account: Account | None) -> MessageView:
+def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
     message = said.message
     mine = account is not None and message.author_id == account.id
     return MessageView(
@@ -159,7 +159,7 @@ def writer(
     """`diagnosis` is that of the attempt that is written of: it decides which phrases come first."""
     if not staff:
         return WriterView(False, (), back)
-    phrases = words.suggested(db, account, exercise, diagnosis)
+    phrases = words.suggest_phrases(db, account, exercise, diagnosis)
     views = tuple(
         PhraseView(str(one.id), one.text, diagnosis is not None and one.misconception == diagnosis) for one in phrases
     )

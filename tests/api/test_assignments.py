@@ -11,9 +11,9 @@ from uuid import uuid4
 import pytest
 
 from server.assignments.models import AssignedExercise, Exemption
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.classes import service as classes
-from server.classes.models import Seat, Status
+from server.classes.models import ClassRole, Status
 from server.database import utc_now
 from server.identity.models import Role
 from server.rights.models import Right
@@ -64,7 +64,7 @@ class School:
 def school(site: Site) -> School:
     martin, helper, ada, bob = person(site, Role.teacher, "Mme Martin"), person(site), person(site), person(site)
     made = new_class(site.database, martin.account)
-    seat(site.database, made, helper.account, Seat.assistant)
+    seat(site.database, made, helper.account, ClassRole.assistant)
     seat(site.database, made, ada.account, groups=["TP1"])
     seat(site.database, made, bob.account)
     return School(site, martin, helper, ada, bob, f"/api/v1/classes/{made.id}/assignments")
@@ -94,8 +94,8 @@ def test_an_assignment_is_made_read_changed_and_taken_back(school: School) -> No
     with school.site.database.read() as db:
         assert db.query(AssignedExercise).count() == 0
 
-    kinds = [What(one.what) for one in school.events()]
-    assert kinds == [What.assignment_made, *[What.assignment_changed] * 2, What.assignment_deleted]
+    kinds = [AuditAction(one.what) for one in school.events()]
+    assert kinds == [AuditAction.assignment_made, *[AuditAction.assignment_changed] * 2, AuditAction.assignment_deleted]
     first = school.events()[1]
     assert (first.before["late"], first.after["late"]) == ("penalty", "refuse")
     assert first.before.keys() | first.after.keys() == {"title", "due_at", "late", "late_per_day"}
@@ -162,12 +162,12 @@ def test_who_may_not_is_told_which_right_is_missing(school: School) -> None:
     made = school.make()
     stranger, pending = person(school.site, Role.teacher), person(school.site)
     with school.site.database.read() as db:
-        (joined,) = classes.repository.of_account(db, school.martin.id)
+        (joined,) = classes.repository.load_joined_classes(db, school.martin.id)
     seat(school.site.database, joined.school_class, pending.account, status=Status.pending)
     for who in (school.helper, school.ada):
         for method, path in (("POST", ""), ("PATCH", f"/{made['id']}"), ("DELETE", f"/{made['id']}")):
             refused = school.call(who, method, path, 403, body=GOOD)
-            assert Right.keep_assignments.value in refused["detail"]
+            assert Right.manage_assignments.value in refused["detail"]
     school.call(school.ada, "GET", f"/{made['id']}/exceptions", 403)
     school.call(pending, "GET", "", 403)
     for path in ("", f"/{made['id']}", f"/{made['id']}/rules", f"/{made['id']}/exceptions"):
@@ -210,8 +210,8 @@ def test_a_student_sees_their_own_dates_and_never_the_reason(school: School) -> 
     assert same(school.call(school.ada, "GET", path)["due_at"], GOOD["due_at"])
     (listed,) = school.call(school.martin, "GET", f"{path}/exceptions")
     assert listed["revoked_at"] is not None
-    assert [one.what for one in school.events()].count(What.exemption_revoked) == 1
-    assert {one.reason for one in school.events() if one.what == What.exemption_made} == {"grippe"}
+    assert [one.what for one in school.events()].count(AuditAction.exemption_revoked) == 1
+    assert {one.reason for one in school.events() if one.what == AuditAction.exemption_made} == {"grippe"}
 
 
 def test_an_exception_that_says_nothing_or_of_nobody_is_refused(school: School) -> None:
@@ -259,7 +259,7 @@ def test_the_exercises_of_a_test_stay_unknown_until_it_opens(school: School) -> 
 def test_an_archived_class_stays_as_it_is(school: School) -> None:
     path = f"/{school.make()['id']}"
     with school.site.database.write() as db:
-        (joined,) = classes.repository.of_account(db, school.martin.id)
+        (joined,) = classes.repository.load_joined_classes(db, school.martin.id)
         classes.archive(joined.school_class)
     school.make(409)
     school.call(school.martin, "PATCH", path, 409, body={"title": "x"})

@@ -8,7 +8,7 @@ from uuid import UUID, uuid4
 
 import pytest
 
-from server.classes.models import Membership, SchoolClass, Seat
+from server.classes.models import ClassRole, Membership, SchoolClass
 from server.database import utc_now
 from server.identity.models import Account, Role
 from tests.support.classes import Person, person, seat
@@ -102,7 +102,7 @@ def test_what_is_refused_names_the_missing_right(site: Site, martin: Person) -> 
     with site.database.read() as db:
         row = db.get_one(SchoolClass, UUID(made["id"]))
     seat(site.database, row, ada.account)
-    seat(site.database, row, helper.account, Seat.assistant)
+    seat(site.database, row, helper.account, ClassRole.assistant)
     assert "droit de créer une classe" in create(site, ada, status=403)["detail"]
     told = call(site, ada, "GET", f"{made['url']}/students", 403)["detail"]
     assert told == (

@@ -8,24 +8,26 @@ from uuid import UUID
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.assignments.counting import Sent, result
-from server.assignments.models import Counts
-from server.assignments.rules import in_force
+from server.assignments.counting import ScoredAttempt, mark_attempts
+from server.assignments.models import AttemptSelection
+from server.assignments.rules import rules_in_force
 from tests.assignments.test_rules import DAY, OPENS, Frame
 
-RULES = in_force(Frame(late="penalty", late_per_day=3.0), [], UUID(int=1), ())
+RULES = rules_in_force(Frame(late="penalty", late_per_day=3.0), [], UUID(int=1), ())
 attempts = st.lists(
     st.tuples(st.integers(-24, 12 * 24), st.sampled_from([0.0, 0.25, 0.5, 0.9, 1.0])),
     max_size=8,
     unique_by=lambda p: p[0],
-).map(lambda rows: [Sent(UUID(int=n), OPENS + timedelta(hours=at), score) for n, (at, score) in enumerate(rows)])
+).map(
+    lambda rows: [ScoredAttempt(UUID(int=n), OPENS + timedelta(hours=at), score) for n, (at, score) in enumerate(rows)]
+)
 
 
 @given(attempts)
-def test_the_best_is_what_no_other_beats(sent: list[Sent]) -> None:
-    worths = {one.id: RULES.worth(one.sent_at, 20 * one.score) for one in sent}
+def test_the_best_is_what_no_other_beats(sent: list[ScoredAttempt]) -> None:
+    worths = {one.id: RULES.apply_lateness(one.sent_at, 20 * one.score) for one in sent}
     counting = {name: worth.points for name, worth in worths.items() if worth.points is not None}
-    best, last = result(RULES, Counts.best, sent), result(RULES, Counts.last, sent)
+    best, last = mark_attempts(RULES, AttemptSelection.best, sent), mark_attempts(RULES, AttemptSelection.last, sent)
     assert best.attempts == len(counting)
     assert (best.counted is None) == (not counting)
     if best.counted is not None and last.counted is not None:
@@ -33,19 +35,19 @@ def test_the_best_is_what_no_other_beats(sent: list[Sent]) -> None:
         latest = max((one for one in sent if one.id in counting), key=lambda one: one.sent_at)
         assert last.counted.attempt == latest.id
     on_time = [one for one in sent if one.sent_at <= OPENS + 7 * DAY]
-    before = result(RULES, Counts.best_before_due, sent).counted
+    before = mark_attempts(RULES, AttemptSelection.best_before_due, sent).counted
     assert (before.points if before else None) == max((20 * one.score for one in on_time), default=None)
     assert best.before_due == before
 
 
 @given(attempts)
-def test_the_order_in_which_they_are_read_is_nothing(sent: list[Sent]) -> None:
-    for counts in Counts:
-        assert result(RULES, counts, sent) == result(RULES, counts, sent[::-1])
+def test_the_order_in_which_they_are_read_is_nothing(sent: list[ScoredAttempt]) -> None:
+    for counts in AttemptSelection:
+        assert mark_attempts(RULES, counts, sent) == mark_attempts(RULES, counts, sent[::-1])
 
 
 def test_an_attempt_before_the_opening_is_on_time() -> None:
-    early = Sent(UUID(int=1), datetime(2020, 1, 1, tzinfo=UTC), 1.0)
-    found = result(RULES, Counts.best, [early])
+    early = ScoredAttempt(UUID(int=1), datetime(2020, 1, 1, tzinfo=UTC), 1.0)
+    found = mark_attempts(RULES, AttemptSelection.best, [early])
     assert found.counted is not None
     assert (found.counted.points, found.counted.days_late) == (20.0, 0)

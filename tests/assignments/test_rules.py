@@ -10,7 +10,7 @@ from zoneinfo import ZoneInfo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.assignments.rules import NOTHING, Rules, Worth, in_force
+from server.assignments.rules import NOT_COUNTED, LateAdjustedPoints, Rules, rules_in_force
 
 PARIS = ZoneInfo("Europe/Paris")
 OPENS = datetime(2026, 3, 20, 8, tzinfo=UTC)
@@ -56,7 +56,7 @@ differences = st.lists(
 
 @given(differences, st.sets(st.sampled_from(LABELS)))
 def test_of_several_labels_the_most_favourable_holds(told: list[Difference], labels: set[str]) -> None:
-    rules = in_force(Frame(), told, ADA, labels)
+    rules = rules_in_force(Frame(), told, ADA, labels)
     mine = [one for one in told if one.label in labels and one.revoked_at is None]
     assert rules.opens_at == min([one.opens_at for one in mine if one.opens_at] or [OPENS])
     assert rules.due_at == max([one.due_at for one in mine if one.due_at] or [OPENS + 7 * DAY])
@@ -65,48 +65,48 @@ def test_of_several_labels_the_most_favourable_holds(told: list[Difference], lab
     assert rules.closes_at is not None
     assert rules.due_at is not None
     assert rules.closes_at >= rules.due_at, "a due date is never after the end"
-    assert rules.why["due_at"][-1].origin == "assignment"
+    assert rules.sources["due_at"][-1].origin == "assignment"
 
 
 @given(differences, moments)
 def test_a_students_own_date_comes_before_those_of_labels(told: list[Difference], due: datetime | None) -> None:
     own = Difference(account_id=ADA, due_at=due)
-    rules = in_force(Frame(), [*told, own], ADA, LABELS)
-    without = in_force(Frame(), told, ADA, LABELS)
+    rules = rules_in_force(Frame(), [*told, own], ADA, LABELS)
+    without = rules_in_force(Frame(), told, ADA, LABELS)
     assert rules.due_at == (without.due_at if due is None else due)
     assert rules.opens_at == without.opens_at, "what a student's own says nothing of is inherited"
-    assert in_force(Frame(), [*told, own], BOB, LABELS) == in_force(Frame(), told, BOB, LABELS)
+    assert rules_in_force(Frame(), [*told, own], BOB, LABELS) == rules_in_force(Frame(), told, BOB, LABELS)
 
 
 @given(differences)
 def test_who_has_no_label_has_the_assignments_own_rules(told: list[Difference]) -> None:
-    assert in_force(Frame(), told, ADA, ()) == in_force(Frame(), [], ADA, ())
+    assert rules_in_force(Frame(), told, ADA, ()) == rules_in_force(Frame(), [], ADA, ())
 
 
 def penalty(per_day: float = 4.0) -> Rules:
-    return in_force(Frame(late="penalty", late_per_day=per_day), [], uuid4(), ())
+    return rules_in_force(Frame(late="penalty", late_per_day=per_day), [], uuid4(), ())
 
 
 def test_a_penalty_is_for_each_day_begun_and_takes_no_more_than_all() -> None:
     due = OPENS + 7 * DAY
     second = timedelta(seconds=1)
     rules = penalty()
-    assert rules.worth(due, 18.0) == Worth(18.0)
-    assert rules.worth(due + second, 18.0) == Worth(14.0, 1)
-    assert rules.worth(due + DAY, 18.0) == Worth(14.0, 1)
-    assert rules.worth(due + DAY + second, 18.0) == Worth(10.0, 2)
-    assert rules.worth(due + 3 * DAY, 5.0) == Worth(0.0, 3)
-    assert rules.worth(due + 3 * DAY + second, 5.0) == NOTHING, "closed"
-    assert rules.worth(OPENS - second, 5.0) == Worth(5.0), "who works ahead is on time"
+    assert rules.apply_lateness(due, 18.0) == LateAdjustedPoints(18.0)
+    assert rules.apply_lateness(due + second, 18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.apply_lateness(due + DAY, 18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.apply_lateness(due + DAY + second, 18.0) == LateAdjustedPoints(10.0, 2)
+    assert rules.apply_lateness(due + 3 * DAY, 5.0) == LateAdjustedPoints(0.0, 3)
+    assert rules.apply_lateness(due + 3 * DAY + second, 5.0) == NOT_COUNTED, "closed"
+    assert rules.apply_lateness(OPENS - second, 5.0) == LateAdjustedPoints(5.0), "who works ahead is on time"
 
 
 def test_refused_and_accepted() -> None:
     late = OPENS + 7 * DAY + timedelta(minutes=1)
-    refused, accepted = in_force(Frame(late="refuse"), [], ADA, ()), in_force(Frame(), [], ADA, ())
-    assert refused.worth(late, 20.0) == NOTHING
-    assert refused.last_moment == OPENS + 7 * DAY
-    assert accepted.worth(late, 20.0) == Worth(20.0, 1)
-    assert accepted.last_moment == OPENS + 10 * DAY
+    refused, accepted = rules_in_force(Frame(late="refuse"), [], ADA, ()), rules_in_force(Frame(), [], ADA, ())
+    assert refused.apply_lateness(late, 20.0) == NOT_COUNTED
+    assert refused.last_counted_at == OPENS + 7 * DAY
+    assert accepted.apply_lateness(late, 20.0) == LateAdjustedPoints(20.0, 1)
+    assert accepted.last_counted_at == OPENS + 10 * DAY
 
 
 @given(st.sampled_from([1.0, 4 / 3, 2.0]), st.integers(0, 9 * 24 * 60))
@@ -115,9 +115,9 @@ def test_extra_time_is_never_cut_off_by_the_end(factor: float, minutes: int) -> 
     frame = Frame(due_at=None, duration_minutes=60)
     own = Difference(account_id=ADA, time_factor=factor)
     began = OPENS + timedelta(minutes=minutes)
-    rules = in_force(frame, [own], ADA, ())
+    rules = rules_in_force(frame, [own], ADA, ())
     end = rules.end_of_sitting(began)
-    common = in_force(frame, [], BOB, ()).end_of_sitting(began)
+    common = rules_in_force(frame, [], BOB, ()).end_of_sitting(began)
     assert end is not None
     assert common is not None
     assert end - began >= factor * (common - began) - timedelta(seconds=1)
@@ -127,8 +127,8 @@ def test_summer_time_moves_no_instant() -> None:
     """23:59 in Paris on the eve of the change and on the day after are 24 hours apart, but for the hour that goes."""
     eve = datetime(2026, 3, 28, 23, 59, tzinfo=PARIS)
     after = datetime(2026, 3, 29, 23, 59, tzinfo=PARIS)
-    rules = in_force(Frame(due_at=eve, late="penalty", late_per_day=1.0), [], ADA, ())
-    assert rules.worth(after, 20.0) == Worth(19.0, 1)
+    rules = rules_in_force(Frame(due_at=eve, late="penalty", late_per_day=1.0), [], ADA, ())
+    assert rules.apply_lateness(after, 20.0) == LateAdjustedPoints(19.0, 1)
     assert (after.astimezone(UTC) - eve.astimezone(UTC)) == timedelta(hours=23)
-    same = in_force(Frame(due_at=eve.astimezone(UTC)), [], ADA, ())
-    assert same.worth(eve, 20.0) == Worth(20.0)
+    same = rules_in_force(Frame(due_at=eve.astimezone(UTC)), [], ADA, ())
+    assert same.apply_lateness(eve, 20.0) == LateAdjustedPoints(20.0)

@@ -4,11 +4,11 @@ from datetime import UTC, datetime
 
 import pytest
 
-from server.assignments.models import Assignment, Counts, Exemption, Late, Mode, Shown
+from server.assignments.models import Assignment, AttemptSelection, Exemption, LatePolicy, Mode, Visibility
 from server.audit import service as audit
-from server.audit.models import WORDS, AuditEvent, What
-from server.audit.schemas import Filter
-from server.audit.words import FIELDS, VALUES, changes
+from server.audit.models import ACTION_LABELS, AuditAction, AuditEvent
+from server.audit.schemas import AuditFilter
+from server.audit.words import FIELDS, VALUES, describe_changes
 from server.database import Database
 from server.identity.models import Role
 from tests.support.classes import new_class, seat
@@ -21,29 +21,31 @@ def test_only_what_differs_is_kept(database: Database) -> None:
     due = datetime(2026, 3, 1, 8, tzinfo=UTC)
     with database.write() as db:
         before, after = {"title": "DM 1", "due_at": None}, {"title": "DM 1", "due_at": due}
-        audit.note(db, made.id, teacher.id, What.assignment_changed, about="DM 1", before=before, after=after)
+        audit.record_event(
+            db, made.id, teacher.id, AuditAction.assignment_changed, about="DM 1", before=before, after=after
+        )
     with database.read() as db:
         (event,) = db.query(AuditEvent).all()
     assert (event.before, event.after) == ({"due_at": None}, {"due_at": "2026-03-01T08:00:00+00:00"})
 
 
 def test_every_kind_of_change_has_its_words() -> None:
-    assert set(WORDS) == set(What)
-    assert len(set(WORDS.values())) == len(What)
+    assert set(ACTION_LABELS) == set(AuditAction)
+    assert len(set(ACTION_LABELS.values())) == len(AuditAction)
 
 
 def test_what_may_be_noted_has_its_words() -> None:
     columns = {one.name for table in (Assignment, Exemption) for one in table.__table__.columns}
     inner = {"id", "class_id", "assignment_id", "account_id", "created_by", "created_at", "revoked_at", "reason"}
     assert columns - inner <= set(FIELDS)
-    for name, kind in {"mode": Mode, "late": Late, "counts": Counts, "hints": Shown}.items():
+    for name, kind in {"mode": Mode, "late": LatePolicy, "counts": AttemptSelection, "hints": Visibility}.items():
         assert set(VALUES[name]) == set(kind)
 
 
 def test_values_are_told_in_french() -> None:
     before = {"due_at": "2026-03-01T08:00:00+00:00", "points": 40 / 3, "excused": False, "late": "refuse"}
     after = {"due_at": None, "points": None, "excused": True, "exercises": {"l20/poses": 1.0}, "autre": ["x"]}
-    told = [str(one) for one in changes(before, after, lambda at: f"{at:%d/%m}")]
+    told = [str(one) for one in describe_changes(before, after, lambda at: f"{at:%d/%m}")]
     assert told == [
         "à rendre le : 01/03 → rien", "points : 13,33 → rien", "dispense : non → oui", "retard : refusé",
         "exercices : l20/poses (1)", "autre : x",
@@ -59,18 +61,20 @@ def test_events_are_read_a_few_at_a_time_and_name_who_is_there(
     seat(sqlite, made, ada, given_name="Ada", family_name="Lovelace")
     with sqlite.write() as db:
         for number in range(5):
-            audit.note(db, made.id, teacher.id, What.mark_overridden, student=ada.id, about=f"n° {number}")
-        audit.note(db, made.id, teacher.id, What.exemption_made, about="DM", after={"label": "TP1"})
-        audit.note(db, made.id, teacher.id, What.staff_changed)
-    found = list(audit.events(sqlite, made.id, Filter()))
+            audit.record_event(
+                db, made.id, teacher.id, AuditAction.mark_overridden, student=ada.id, about=f"n° {number}"
+            )
+        audit.record_event(db, made.id, teacher.id, AuditAction.exemption_made, about="DM", after={"label": "TP1"})
+        audit.record_event(db, made.id, teacher.id, AuditAction.staff_changed)
+    found = list(audit.iter_entries(sqlite, made.id, AuditFilter()))
     assert len({one.id for one in found}) == 7
     assert [one.at for one in found] == sorted((one.at for one in found), reverse=True)
     assert {one.student_name for one in found} == {"Ada Lovelace", ""}
-    only = Filter(student=ada.id, what=What.mark_overridden)
-    assert len(list(audit.events(sqlite, made.id, only))) == 5
+    only = AuditFilter(student=ada.id, what=AuditAction.mark_overridden)
+    assert len(list(audit.iter_entries(sqlite, made.id, only))) == 5
     with sqlite.write() as db:
         for account in (ada, teacher):
             db.delete(db.merge(account))
-    assert {one.by_name for one in audit.events(sqlite, made.id, Filter())} == {"compte effacé"}
-    erased = {(one.what, one.student_name) for one in audit.events(sqlite, made.id, Filter())}
+    assert {one.by_name for one in audit.iter_entries(sqlite, made.id, AuditFilter())} == {"compte effacé"}
+    erased = {(one.what, one.student_name) for one in audit.iter_entries(sqlite, made.id, AuditFilter())}
     assert erased == {("mark_overridden", "compte effacé"), ("exemption_made", ""), ("staff_changed", "")}

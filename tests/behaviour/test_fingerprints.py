@@ -17,7 +17,7 @@ from server.base.settings import Settings
 from server.behaviour import repository
 from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweeper, give_up_handlers, tighten_limits
 from server.behaviour.models import BehaviourGroup, Fingerprint
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.database import Database, utc_now
 from server.grading.joint import SandboxPrograms
 from server.identity.models import Account, Role
@@ -84,7 +84,7 @@ def test_who_is_asked(database: Database, made: SchoolClass, ada: Account, both:
     sent(database, ada, SUM, failed_verdict(outcome=Outcome.SYNTAX_ERROR))
     sent(database, ada, SUM, failed_verdict(version="before"))
     sent(database, new_account(database, name="Alone"), SUM)
-    sent(database, seat(database, made, new_account(database), Seat.assistant), SUM)
+    sent(database, seat(database, made, new_account(database), ClassRole.assistant), SUM)
     sent(database, seat(database, made, new_account(database), status=Status.pending), SUM)
     assert ask_all(database, both) == 2
     assert groups(database).keys() == asked

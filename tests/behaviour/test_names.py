@@ -21,10 +21,10 @@ from graders.core.code.folder import read_misconceptions, same_functions
 from graders.core.code.grading import CodeGrader
 from graders.core.code.plain import same_all
 from graders.core.contract.local import LOCAL
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.behaviour import service
 from server.behaviour.export import anonymise_program, misconception_id
-from server.classes.models import SchoolClass, Seat
+from server.classes.models import ClassRole, SchoolClass
 from server.gradebook.models import Grading
 from server.identity.models import Role
 from tests.support.behaviour import DIFFERENCE, SUM, SUM_AGAIN, ask_all, failed_verdict, group_of, sent
@@ -83,7 +83,7 @@ def scene(site: Site) -> Scene:
     martin = person(site, Role.teacher, "Mme Martin")
     made = new_class(site.database, martin.account)
     people = [person(site, name=name) for name in ("Aide", "Ada Lovelace", "Bob")]
-    for one, role in zip(people, (Seat.assistant, Seat.student, Seat.student), strict=True):
+    for one, role in zip(people, (ClassRole.assistant, ClassRole.student, ClassRole.student), strict=True):
         seat(site.database, made, one.account, role)
     assistant, ada, bob = people
     attempts = ((ada, SUM_AGAIN), (bob, SUM), (bob, DIFFERENCE))
@@ -157,7 +157,7 @@ def test_a_name_is_changed_and_withdrawn_and_each_time_noted(scene: Scene) -> No
     assert scene.diagnosis(scene.ada, scene.by_ada) is None
     with scene.site.database.read() as db:
         noted = db.execute(select(AuditEvent).order_by(AuditEvent.at)).scalars().all()
-    assert [one.what for one in noted] == [What.name_given, What.name_given, What.name_withdrawn]
+    assert [one.what for one in noted] == [AuditAction.name_given, AuditAction.name_given, AuditAction.name_withdrawn]
     assert noted[1].before == {"title": WORDS["title"]}
     assert noted[1].after == {"title": "Mieux dit"}
     assert all(one.by == scene.martin.id and EXERCISE in one.about for one in noted)

@@ -14,7 +14,7 @@ from server.assignments.models import AssignedExercise, Assignment
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.board import service
 from server.board.schemas import Board, Insights, ProgressCell, ProgressState
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Role
@@ -79,8 +79,8 @@ def test_who_is_no_student_of_the_class_is_not_on_its_board(
     now = utc_now()
     (ada,) = seated(database, made, 1)
     others = {
-        "teacher": seat(database, made, new_account(database, Role.teacher), Seat.teacher),
-        "assistant": seat(database, made, new_account(database), Seat.assistant),
+        "teacher": seat(database, made, new_account(database, Role.teacher), ClassRole.teacher),
+        "assistant": seat(database, made, new_account(database), ClassRole.assistant),
         "left": seat(database, made, new_account(database), status=Status.left, left_at=now),
         "pending": seat(database, made, new_account(database), status=Status.pending),
         "of another class": new_account(database),

@@ -14,7 +14,7 @@ from server.base.errors import TooMany
 from server.board import live, service
 from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
@@ -103,13 +103,13 @@ def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
 
 
 def test_who_may_see_it_no_more_is_told_nothing_more(watched: Watched) -> None:
-    helper = seat(watched.database, watched.made, new_account(watched.database), Seat.assistant)
+    helper = seat(watched.database, watched.made, new_account(watched.database), ClassRole.assistant)
 
     async def scene() -> None:
         async with aclosing(watched.follow(helper)) as stream:  # type: ignore[type-var]
             await news(stream)
             await asyncio.to_thread(
-                seat, watched.database, watched.made, helper, Seat.assistant, status=Status.left, left_at=utc_now()
+                seat, watched.database, watched.made, helper, ClassRole.assistant, status=Status.left, left_at=utc_now()
             )
             await asyncio.to_thread(store, watched.database, [Sent(watched.student, EXERCISE, utc_now(), 1.0)])
             watched.events.changed("a submission")

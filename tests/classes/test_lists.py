@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from server.base.errors import Invalid
 from server.classes import roster as rosters
 from server.classes import sheets
-from server.classes.codes import LETTERS, new_code, read_code, shown_code
+from server.classes.codes import LETTERS, format_code, new_code, parse_code
 from server.classes.models import NAME_LENGTH
-from server.classes.roster import COLUMNS, Line, read_roster
-from server.classes.sheets import Row, as_csv, read_rows
+from server.classes.roster import COLUMNS, RosterLine, read_roster
+from server.classes.sheets import SheetRow, read_rows, to_csv
 
 LATIN = st.characters(codec="cp1252", categories=["Lu", "Ll", "Nd"], include_characters="-' ,;\"é")
 NAMES = st.text(LATIN, min_size=1, max_size=12).map(lambda text: " ".join(text.split())).filter(bool)
@@ -43,7 +43,7 @@ def test_a_list_is_read_whatever_wrote_it(
     roster = read_roster(written(people, sep, end).encode(encoding))
     assert roster.rejected == ()
     assert roster.lines == tuple(
-        Line(place + 2, family, given_name, "", f"id-{place}", tuple(filter(None, group.split("|"))))
+        RosterLine(place + 2, family, given_name, "", f"id-{place}", tuple(filter(None, group.split("|"))))
         for place, (family, given_name, group) in enumerate(people)
     )
 
@@ -58,17 +58,17 @@ def test_rows_carried_as_text_come_back_at_the_same_lines(cells: list[tuple[str,
     line, rows = 1, []
     for one in cells:
         line += 2  # blank lines between
-        if not Row(line, one).is_blank:
-            rows.append(Row(line, one))
+        if not SheetRow(line, one).is_blank:
+            rows.append(SheetRow(line, one))
             line += sum(len(sheets.LINE_END.findall(cell)) for cell in one)
-    assert read_rows(as_csv(rows).encode()) == rows
+    assert read_rows(to_csv(rows).encode()) == rows
 
 
 def test_what_is_longer_than_any_name_is_not_kept() -> None:
     long = "É " * 50_000
     before = rosters._kept.cache_info().currsize
-    assert rosters.folded(long) == "e " * 49_999 + "e"
-    assert rosters.folded("É" * NAME_LENGTH) == "e" * NAME_LENGTH
+    assert rosters.normalise_name(long) == "e " * 49_999 + "e"
+    assert rosters.normalise_name("É" * NAME_LENGTH) == "e" * NAME_LENGTH
     assert rosters._kept.cache_info().currsize == before + 1
 
 
@@ -195,10 +195,10 @@ def test_a_spreadsheet_that_would_fill_the_memory_is_refused() -> None:
 def test_a_code_is_read_however_it_is_typed(between: list[str]) -> None:
     code = new_code()
     typed = "".join(sign + letter for sign, letter in zip(between, code.lower(), strict=False))
-    assert read_code(typed) == read_code(shown_code(code)) == code
+    assert parse_code(typed) == parse_code(format_code(code)) == code
 
 
 @pytest.mark.parametrize("text", ["", "BCDFGHJ", "BCDFGHJKL", "ABCDFGHJ", "BCDFGHJ0", "BCDF GHJÉ", "B" * 1000])
 def test_what_can_be_no_code_is_none(text: str) -> None:
-    assert read_code(text) is None
+    assert parse_code(text) is None
     assert len(set(LETTERS)) == 20

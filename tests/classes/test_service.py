@@ -11,11 +11,11 @@ import pytest
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.classes import copying, importing, repository, service
-from server.classes.importing import Plan
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.importing import ImportPlan
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.roster import read_roster
-from server.classes.schemas import OwnName
-from server.classes.service import Classes
+from server.classes.schemas import GuestName
+from server.classes.service import ClassService
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
 from server.personal.joining import adopt
@@ -23,7 +23,7 @@ from server.rights import service as rights
 from tests.support.classes import new_class, seat
 from tests.support.service import ADDRESS, EXERCISE, new_account
 
-Imported = Callable[[str], Plan]
+Imported = Callable[[str], ImportPlan]
 
 
 @pytest.fixture
@@ -37,13 +37,13 @@ def made(sqlite: Database, teacher: Account) -> SchoolClass:
 
 
 @pytest.fixture
-def classes(sqlite: Database, settings: Settings) -> Classes:
-    return Classes(sqlite, settings)
+def classes(sqlite: Database, settings: Settings) -> ClassService:
+    return ClassService(sqlite, settings)
 
 
 @pytest.fixture
-def imported(classes: Classes, made: SchoolClass, teacher: Account) -> Imported:
-    def write(text: str) -> Plan:
+def imported(classes: ClassService, made: SchoolClass, teacher: Account) -> Imported:
+    def write(text: str) -> ImportPlan:
         plan, written = classes.import_list(made.id, teacher, text.encode())
         assert written
         return plan
@@ -58,27 +58,29 @@ def status(database: Database, made: SchoolClass, account: Account) -> str:
 
 def names(database: Database, made: SchoolClass) -> dict[str, str]:
     with database.read() as db:
-        found = repository.members(db, made.id)
-        return {one.name: one.status.value for one in found if one.seat is Seat.student}
+        found = repository.load_members(db, made.id)
+        return {one.name: one.status.value for one in found if one.role is ClassRole.student}
 
 
-def test_a_guest_joins_with_the_work_in_progress(sqlite: Database, classes: Classes, made: SchoolClass) -> None:
+def test_a_guest_joins_with_the_work_in_progress(sqlite: Database, classes: ClassService, made: SchoolClass) -> None:
     guest = new_account(sqlite, Role.guest, "Invité")
     with pytest.raises(Invalid, match="dit d’abord son nom"):
-        classes.join(str(made.join_code), guest, address=ADDRESS)
-    classes.join(str(made.join_code), guest, address=ADDRESS, named=OwnName("Ada", "Lovelace"))
+        classes.join_class(str(made.join_code), guest, address=ADDRESS)
+    classes.join_class(str(made.join_code), guest, address=ADDRESS, named=GuestName("Ada", "Lovelace"))
     ada = new_account(sqlite, Role.student, "Ada L.")
     with sqlite.write() as db:
         assert db.get_one(Account, guest.id).name == "Ada Lovelace"
         adopt(db, guest.id, ada.id)
     with sqlite.read() as db:
-        (member,) = [one for one in repository.members(db, made.id) if one.seat is Seat.student]
+        (member,) = [one for one in repository.load_members(db, made.id) if one.role is ClassRole.student]
     assert (member.id, member.name) == (ada.id, "Ada Lovelace")
 
 
-def test_a_guest_who_is_in_the_class_twice_is_in_it_once(sqlite: Database, classes: Classes, made: SchoolClass) -> None:
+def test_a_guest_who_is_in_the_class_twice_is_in_it_once(
+    sqlite: Database, classes: ClassService, made: SchoolClass
+) -> None:
     guest, ada = new_account(sqlite, Role.guest), new_account(sqlite)
-    classes.join(str(made.join_code), guest, address=ADDRESS, named=OwnName("Ada", "L"))
+    classes.join_class(str(made.join_code), guest, address=ADDRESS, named=GuestName("Ada", "L"))
     seat(sqlite, made, ada, status=Status.left)
     with sqlite.write() as db:
         adopt(db, guest.id, ada.id)
@@ -86,39 +88,39 @@ def test_a_guest_who_is_in_the_class_twice_is_in_it_once(sqlite: Database, class
     assert len(names(sqlite, made)) == 1
 
 
-def test_who_asks_is_let_in_or_not_by_a_teacher(sqlite: Database, classes: Classes, made: SchoolClass) -> None:
+def test_who_asks_is_let_in_or_not_by_a_teacher(sqlite: Database, classes: ClassService, made: SchoolClass) -> None:
     with sqlite.write() as db:
         db.get_one(SchoolClass, made.id).approval = True
     ada, bob = new_account(sqlite), new_account(sqlite)
     for one in (ada, bob):
-        classes.join(str(made.join_code), one, address=ADDRESS)
+        classes.join_class(str(made.join_code), one, address=ADDRESS)
         assert status(sqlite, made, one) == Status.pending
     with sqlite.write() as db:
         school_class = db.get_one(SchoolClass, made.id)
-        assert service.settle(db, school_class, [ada.id], "accept") == 1
-        assert service.settle(db, school_class, [bob.id], "refuse") == 1
-        assert service.settle(db, school_class, [ada.id, bob.id], "accept") == 0
+        assert service.change_students(db, school_class, [ada.id], "accept") == 1
+        assert service.change_students(db, school_class, [bob.id], "refuse") == 1
+        assert service.change_students(db, school_class, [ada.id, bob.id], "accept") == 0
     assert (status(sqlite, made, ada), status(sqlite, made, bob)) == (Status.active, Status.left)
 
 
 def test_who_went_comes_back_by_the_code_alone(
-    sqlite: Database, classes: Classes, made: SchoolClass, imported: Imported
+    sqlite: Database, classes: ClassService, made: SchoolClass, imported: Imported
 ) -> None:
     """Or a teacher of once would go on reading what they do."""
     ada = new_account(sqlite, name="Ada Lovelace")
-    classes.join(str(made.join_code), ada, address=ADDRESS)
+    classes.join_class(str(made.join_code), ada, address=ADDRESS)
     imported("nom,prenom,identifiant\nTuring,Alan,alan\nLovelace,Ada,\n")
     with sqlite.write() as db:
         school_class = db.get_one(SchoolClass, made.id)
-        alan = next(one.id for one in repository.members(db, made.id) if one.account.login == "alan")
+        alan = next(one.id for one in repository.load_members(db, made.id) if one.account.login == "alan")
         for one in (ada.id, alan):
-            service.leave(db, school_class, one)
+            service.leave_class(db, school_class, one)
         with pytest.raises(Conflict, match="d’elle-même"):
-            service.settle(db, school_class, [ada.id], "take_back")
+            service.change_students(db, school_class, [ada.id], "take_back")
     plan = imported("nom,prenom,identifiant\nTuring,Alan,alan\nLovelace,Ada,\n")
     assert ([one.line for one in plan.rejected], len(plan.updated)) == ([3], 1), "the list's own accounts are its own"
     assert names(sqlite, made) == {"Ada Lovelace": "left", "Alan Turing": "active"}
-    classes.join(str(made.join_code), ada, address=ADDRESS)
+    classes.join_class(str(made.join_code), ada, address=ADDRESS)
     assert imported("nom,prenom\nLovelace,Ada\n").rejected == ()
 
 
@@ -127,26 +129,26 @@ def test_a_class_keeps_a_teacher(sqlite: Database, made: SchoolClass, teacher: A
         db.add(Account(role=Role.teacher, name="M. Durand", login="durand"))
     for _ in range(2):
         with sqlite.write() as db, pytest.raises(Conflict):
-            service.leave(db, db.get_one(SchoolClass, made.id), teacher.id)
+            service.leave_class(db, db.get_one(SchoolClass, made.id), teacher.id)
     with sqlite.write() as db:
         school_class = db.get_one(SchoolClass, made.id)
-        durand = service.seat_staff(db, school_class, " Durand ", Seat.teacher)
-        service.leave(db, school_class, teacher.id)
+        durand = service.add_staff(db, school_class, " Durand ", ClassRole.teacher)
+        service.leave_class(db, school_class, teacher.id)
         with pytest.raises(Conflict):
-            service.unseat(db, school_class, durand.id)
+            service.remove_staff(db, school_class, durand.id)
         with pytest.raises(Conflict):
-            service.seat_staff(db, school_class, "durand", Seat.assistant)
+            service.add_staff(db, school_class, "durand", ClassRole.assistant)
         with pytest.raises(NotFound):
-            service.unseat(db, school_class, teacher.id)
+            service.remove_staff(db, school_class, teacher.id)
 
 
 def test_an_archived_class_is_joined_by_nobody_and_changes_no_more(
-    sqlite: Database, classes: Classes, made: SchoolClass, teacher: Account
+    sqlite: Database, classes: ClassService, made: SchoolClass, teacher: Account
 ) -> None:
     with sqlite.write() as db:
         service.archive(db.get_one(SchoolClass, made.id))
     with pytest.raises(NotFound):
-        classes.join(str(made.join_code), new_account(sqlite), address=ADDRESS)
+        classes.join_class(str(made.join_code), new_account(sqlite), address=ADDRESS)
     with pytest.raises(Conflict):
         classes.import_list(made.id, teacher, b"nom\nA\n")
     with sqlite.write() as db:
@@ -156,18 +158,18 @@ def test_an_archived_class_is_joined_by_nobody_and_changes_no_more(
         service.reopen(school_class)
         service.renew_code(db, school_class, "jour")
         code = str(school_class.join_code)
-    assert classes.join(code, new_account(sqlite), address=ADDRESS).school_class.id == made.id
+    assert classes.join_class(code, new_account(sqlite), address=ADDRESS).school_class.id == made.id
 
 
 def test_a_copy_has_the_teachers_and_none_of_the_students(
     sqlite: Database, made: SchoolClass, teacher: Account
 ) -> None:
-    helper = seat(sqlite, made, new_account(sqlite), Seat.assistant)
+    helper = seat(sqlite, made, new_account(sqlite), ClassRole.assistant)
     seat(sqlite, made, new_account(sqlite))
     with sqlite.write() as db:
-        copied = copying.copy(db, db.get_one(SchoolClass, made.id), teacher, "MPSI 2 (2027)", module=made.module)
-        seats = {one.id: one.seat for one in repository.members(db, copied.id)}
-    assert seats == {teacher.id: Seat.teacher, helper.id: Seat.assistant}
+        copied = copying.copy_class(db, db.get_one(SchoolClass, made.id), teacher, "MPSI 2 (2027)", module=made.module)
+        seats = {one.id: one.role for one in repository.load_members(db, copied.id)}
+    assert seats == {teacher.id: ClassRole.teacher, helper.id: ClassRole.assistant}
     assert (copied.module, copied.approval) == (made.module, made.approval)
     assert copied.join_code not in {None, made.join_code}
 
@@ -178,18 +180,18 @@ def test_a_copy_may_take_along_the_students_of_today(sqlite: Database, made: Sch
     seat(sqlite, made, new_account(sqlite), status=Status.pending)
     with sqlite.write() as db:
         original = db.get_one(SchoolClass, made.id)
-        copied = copying.copy(db, original, teacher, "MPSI 2", module="l20e2", with_students=True)
-        there = {one.id: one.membership for one in repository.members(db, copied.id)}
+        copied = copying.copy_class(db, original, teacher, "MPSI 2", module="l20e2", with_students=True)
+        there = {one.id: one.membership for one in repository.load_members(db, copied.id)}
     assert copied.module == "l20e2"
     assert set(there) == {teacher.id, ada.id}
     assert (there[ada.id].family_name, there[ada.id].groups) == ("LOVELACE", ["TP1"])
 
 
 def test_members_are_known_by_login_then_address_then_name(
-    sqlite: Database, classes: Classes, made: SchoolClass, imported: Imported
+    sqlite: Database, classes: ClassService, made: SchoolClass, imported: Imported
 ) -> None:
     joined = new_account(sqlite, name="Alan Turing")
-    classes.join(str(made.join_code), joined, address=ADDRESS)
+    classes.join_class(str(made.join_code), joined, address=ADDRESS)
     first = imported("nom;prenom;email;identifiant\nLOVELACE;Ada;ada@x.fr;ada\nTURING;Alan;;\nNoether;Emmy;e@x.fr;\n")
     assert (len(first.added), len(first.updated), first.left, first.rejected) == (2, 1, (), ())
     second = imported("prenom,nom,email\nAda,Byron,ada@x.fr\nAlan,Turing,\nEmmy,Noether,\n")
@@ -219,18 +221,18 @@ def test_logins_are_made_of_names_and_free(sqlite: Database, made: SchoolClass, 
         db.add(Account(name="x", login="zoe.ecole-elu"))
     imported("nom,prenom\nÉcole Élu,Zoé\nX,\n李,\n")
     with sqlite.read() as db:
-        logins = [one.account.login for one in repository.members(db, made.id) if one.seat is Seat.student]
+        logins = [one.account.login for one in repository.load_members(db, made.id) if one.role is ClassRole.student]
     assert sorted(map(str, logins)) == ["eleve.x", "eleve.李", "zoe.ecole-elu2"]
 
 
 def test_what_was_shown_is_what_is_written(
-    sqlite: Database, classes: Classes, made: SchoolClass, teacher: Account
+    sqlite: Database, classes: ClassService, made: SchoolClass, teacher: Account
 ) -> None:
     content = b"nom,prenom\nLovelace,Ada\n,,\nbad,\x81\n"
     with pytest.raises(Invalid):
-        classes.preview(made, teacher, content)
+        classes.preview_import(made, teacher, content)
     content = b"nom,prenom,email\n\nLovelace,Ada,zut\nTuring,Alan,\n"
-    shown, text = classes.preview(made, teacher, content)
+    shown, text = classes.preview_import(made, teacher, content)
     seat(sqlite, made, new_account(sqlite, name="Grace Hopper"))
     again, written = classes.import_list(made.id, teacher, text.encode(), expected=shown.digest)
     assert not written
@@ -243,20 +245,20 @@ def test_what_was_shown_is_what_is_written(
 
 
 def test_passwords_are_handed_over_for_those_whom_the_list_has_made_alone(
-    sqlite: Database, classes: Classes, made: SchoolClass, imported: Imported, settings: Settings
+    sqlite: Database, classes: ClassService, made: SchoolClass, imported: Imported, settings: Settings
 ) -> None:
     own = new_account(sqlite, name="Own Account")
-    classes.join(str(made.join_code), own, address=ADDRESS)
+    classes.join_class(str(made.join_code), own, address=ADDRESS)
     imported("nom,identifiant\nOwn Account,\nLovelace,ada\nTuring,alan\nHopper,grace\n")
     with sqlite.write() as db:
-        ids = {one.account.login: one.id for one in repository.members(db, made.id) if one.account.login}
+        ids = {one.account.login: one.id for one in repository.load_members(db, made.id) if one.account.login}
         db.get_one(Account, ids["alan"]).password_hash = "x"
         db.get_one(Account, ids["grace"]).role = Role.teacher
         school_class = db.get_one(SchoolClass, made.id)
-        given, refused = service.slips(db, school_class, None, settings)
+        given, refused = service.create_password_slips(db, school_class, None, settings)
         assert ([one.login for one in given], refused) == (["ada"], [])
         chosen: list[UUID] = [ids["alan"], ids["grace"], own.id]
-        given, refused = service.slips(db, school_class, chosen, settings)
+        given, refused = service.create_password_slips(db, school_class, chosen, settings)
         assert ([one.login for one in given], len(refused)) == (["alan"], 2)
 
 
@@ -264,7 +266,7 @@ def test_a_teacher_reads_what_was_sent_to_the_module_while_one_was_in_the_class(
     sqlite: Database, made: SchoolClass, teacher: Account
 ) -> None:
     now = utc_now()
-    ada, helper = new_account(sqlite), seat(sqlite, made, new_account(sqlite), Seat.assistant)
+    ada, helper = new_account(sqlite), seat(sqlite, made, new_account(sqlite), ClassRole.assistant)
     bob = seat(sqlite, made, new_account(sqlite))
 
     def reads(reader: Account, sent_after: float = 0, exercise: str = EXERCISE) -> bool:
@@ -293,7 +295,7 @@ def test_a_teacher_reads_what_was_sent_to_the_module_while_one_was_in_the_class(
 
 def test_planning_writes_nothing(sqlite: Database, made: SchoolClass, teacher: Account) -> None:
     with sqlite.read() as db:
-        importing.plan(db, made, read_roster(b"nom\nLovelace\n"), teacher)
+        importing.plan_import(db, made, read_roster(b"nom\nLovelace\n"), teacher)
         assert not db.new
         assert not db.dirty
 
@@ -303,5 +305,7 @@ def test_a_list_is_sorted_as_it_is_read_aloud(database: Database) -> None:
     for family in ("Zola", "Éluard", "Dumas", "aragon"):
         seat(database, made, new_account(database), family_name=family, given_name="X")
     with database.read() as db:
-        names = [one.membership.family_name for one in repository.members(db, made.id) if one.membership.family_name]
+        names = [
+            one.membership.family_name for one in repository.load_members(db, made.id) if one.membership.family_name
+        ]
     assert names == ["aragon", "Dumas", "Éluard", "Zola"]

@@ -49,7 +49,7 @@ def log_in(site: Site, login: str = "ada") -> Any:
 
 def account(site: Site, login: str) -> Account:
     with site.database.read() as db:
-        return links.by_login(db, login)
+        return links.find_account_by_login(db, login)
 
 
 def test_a_first_teacher_is_made_or_invited_from_the_command_line(site: Site, admin: Admin) -> None:
@@ -85,7 +85,7 @@ def test_nobody_enters_by_a_disabled_account_until_it_is_enabled(site: Site, adm
     link = admin("create", "ada", "--name", "Ada")["link"]
     site.client.post(link, data={"new_password": PASSWORD})
     with site.database.write() as db:
-        _, secret = tokens.create(db, links.by_login(db, "ada"), "essai", site.settings)
+        _, secret = tokens.create_token(db, links.find_account_by_login(db, "ada"), "essai", site.settings)
     api = {"Authorization": f"Bearer {secret}"}
     waiting = admin("reset-link", "ada")["link"]
     assert admin("disable", "ada")["disabled_at"]
@@ -121,7 +121,7 @@ def test_sessions_and_tokens_are_listed_without_their_secrets_and_revoked(site: 
     site.client.post(admin("create", "ada", "--name", "Ada")["link"], data={"new_password": PASSWORD})
     cookie = site.client.cookies["balise_session"]
     with site.database.write() as db:
-        token, secret = tokens.create(db, links.by_login(db, "ada"), "portable", site.settings)
+        token, secret = tokens.create_token(db, links.find_account_by_login(db, "ada"), "portable", site.settings)
         digests = [token.token_digest, db.execute(select(BrowserSession.token_digest)).scalar_one()]
     listed = [admin("sessions", "ada"), admin("tokens", "ada")]
     assert listed[1]["tokens"][0]["label"] == "portable"
@@ -180,7 +180,7 @@ def outcomes(database: Database, submission: str) -> list[str]:
 def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFixture[str]) -> None:
     new_account(site.database, Role.guest)
     with site.database.write() as db:
-        service.create(db, "ada", "Ada", Role.teacher)
+        service.create_account(db, "ada", "Ada", Role.teacher)
     actions = [
         ("create", "bob", "--name", "Bob"), ("invite",), ("reset-link", "ada"), ("role", "ada", "teacher"),
         ("disable", "ada"), ("enable", "ada"), ("accounts",), ("sessions", "ada"), ("tokens", "ada"),

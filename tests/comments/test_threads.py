@@ -13,11 +13,11 @@ from graders.core.contract.verdict import Diagnosis
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.classes import service as classes
-from server.classes.models import SchoolClass, Seat
+from server.classes.models import ClassRole, SchoolClass
 from server.comments import repository, service, words, words_repository
-from server.comments.carrying import Fate, Place
-from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phrase, State, Thread
-from server.comments.schemas import WHOLE, Talk, Target
+from server.comments.carrying import LineFate, LineRange
+from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phrase, Thread, ThreadState
+from server.comments.schemas import WHOLE_WORK, Conversation, ThreadTarget
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
 from server.gradebook import student_work
@@ -57,21 +57,21 @@ class Room:
             gradebook.record_grading(db, sent.id, GradingResult(Judgement(verdict), utc_now()))
             return sent.id
 
-    def say(self, by: Account, sent: UUID, target: Target = WHOLE, text: str = "Pourquoi ?") -> Thread:
+    def say(self, by: Account, sent: UUID, target: ThreadTarget = WHOLE_WORK, text: str = "Pourquoi ?") -> Thread:
         with self.database.write() as db:
             attempt = gradebook.find_attempt(db, by, sent)
-            return service.begin(db, by, attempt, target, text, self.settings)
+            return service.begin_thread(db, by, attempt, target, text, self.settings)
 
     def reply(self, by: Account, thread: Thread, text: str = "Parce que.") -> Thread:
         with self.database.write() as db:
-            found = service.find(db, by, thread.id)
-            service.reply(db, by, found, text, self.settings)
+            found = service.find_thread(db, by, thread.id)
+            service.reply_to_thread(db, by, found, text, self.settings)
             return found
 
-    def beside(self, sent: UUID) -> list[Talk]:
+    def beside(self, sent: UUID) -> list[Conversation]:
         with self.database.read() as db:
             attempt = gradebook.find_attempt(db, self.ada, sent)
-            return list(service.beside(db, Attempt(attempt.submission, attempt.grading)))
+            return list(service.load_attempt_conversations(db, Attempt(attempt.submission, attempt.grading)))
 
     def count(self, table: type) -> int:
         with self.database.read() as db:
@@ -101,30 +101,30 @@ def either(database: Database, both: Settings) -> Room:
 def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(either: Room) -> None:
     room = either
     sent = room.send()
-    thread = room.say(room.ada, sent, Target(check="b"))
-    assert (thread.state, thread.by_staff, thread.check_title) == (State.open, False, "Seconde")
+    thread = room.say(room.ada, sent, ThreadTarget(check="b"))
+    assert (thread.state, thread.by_staff, thread.check_title) == (ThreadState.open, False, "Seconde")
     with room.database.read() as db:
-        assert repository.open_in(db, [room.made.id]) == {room.made.id: 1}
-        assert not repository.news(db, room.ada.id)
+        assert repository.count_open_questions_by_class(db, [room.made.id]) == {room.made.id: 1}
+        assert not repository.load_unread_threads(db, room.ada.id)
     answered = room.reply(room.teacher, thread)
-    assert answered.state == State.answered
+    assert answered.state == ThreadState.answered
     with room.database.write() as db:
-        (news,) = repository.news(db, room.ada.id)
+        (news,) = repository.load_unread_threads(db, room.ada.id)
         assert (news.thread.id, news.text) == (thread.id, "Parce que.")
-        repository.note_seen(db, [thread.id], utc_now())
+        repository.mark_seen(db, [thread.id], utc_now())
     with room.database.write() as db:
-        assert not repository.news(db, room.ada.id)
-        service.settle(service.find(db, room.ada, thread.id), True)
-    assert room.reply(room.ada, thread, "Et pourtant").state == State.open
+        assert not repository.load_unread_threads(db, room.ada.id)
+        service.set_settled(service.find_thread(db, room.ada, thread.id), True)
+    assert room.reply(room.ada, thread, "Et pourtant").state == ThreadState.open
     with room.database.read() as db:
-        found = service.questions(db, room.made, State.open, 1)
-        assert [(one.student, one.text, one.messages) for one in found.lines] == [("Ada", "Pourquoi ?", 3)]
-        assert found.counts == {State.open: 1, State.answered: 0, State.settled: 0}
+        found = service.load_thread_page(db, room.made, ThreadState.open, 1)
+        assert [(one.student, one.text, one.messages) for one in found.threads] == [("Ada", "Pourquoi ?", 3)]
+        assert found.counts == {ThreadState.open: 1, ThreadState.answered: 0, ThreadState.settled: 0}
 
 
 def test_nobody_else_reads_or_writes(room: Room) -> None:
     bob = seat(room.database, room.made, new_account(room.database, name="Bob"))
-    guide = seat(room.database, room.made, new_account(room.database, name="Guide"), Seat.assistant)
+    guide = seat(room.database, room.made, new_account(room.database, name="Guide"), ClassRole.assistant)
     sent = room.send()
     thread = room.say(room.ada, sent)
     for stranger in (bob, room.other):
@@ -133,18 +133,18 @@ def test_nobody_else_reads_or_writes(room: Room) -> None:
         with pytest.raises(NotFound):
             room.reply(stranger, thread)
         with room.database.write() as db, pytest.raises(NotFound):
-            service.begin_whole(db, stranger, room.ada.id, EXERCISE, "Bonjour", room.settings)
+            service.begin_exercise_thread(db, stranger, room.ada.id, EXERCISE, "Bonjour", room.settings)
     room.reply(guide, thread)
     for unknown in (uuid4(), "zut"):
         with room.database.read() as db, pytest.raises(NotFound):
-            service.find(db, room.teacher, unknown)
+            service.find_thread(db, room.teacher, unknown)
 
 
 def test_who_has_left_is_read_up_to_then(room: Room) -> None:
     before = room.send()
     thread = room.say(room.ada, before)
     with room.database.write() as db:
-        classes.leave(db, room.made, room.ada.id)
+        classes.leave_class(db, room.made, room.ada.id)
     after = room.send("y = 2\n")
     with pytest.raises(Conflict):
         room.say(room.ada, after)
@@ -153,22 +153,22 @@ def test_who_has_left_is_read_up_to_then(room: Room) -> None:
         room.say(room.teacher, after)
     with room.database.read() as db:
         made = db.merge(room.made)
-        assert [one.thread.id for one in service.questions(db, made, None, 1).lines] == [thread.id]
-        assert repository.open_in(db, [made.id]) == {}
+        assert [one.thread.id for one in service.load_thread_page(db, made, None, 1).threads] == [thread.id]
+        assert repository.count_open_questions_by_class(db, [made.id]) == {}
 
 
 #: What a thread cannot be about, and what is no message.
 REFUSED = [
-    (Target(lines=Place(0, 1)), "a"),
-    (Target(lines=Place(3, 2)), "a"),
-    (Target(lines=Place(4, 5)), "a"),
-    (Target(lines=Place(-1, 10**9)), "a"),
-    (Target(check="zut"), "a"),
-    (Target(check="b' OR 1=1 --\x00"), "a"),
-    (WHOLE, " \r\n "),
-    (WHOLE, "x" * (TEXT_LENGTH + 1)),
-    (WHOLE, "x" * 10**6),
-    (WHOLE, "\ud800"),
+    (ThreadTarget(lines=LineRange(0, 1)), "a"),
+    (ThreadTarget(lines=LineRange(3, 2)), "a"),
+    (ThreadTarget(lines=LineRange(4, 5)), "a"),
+    (ThreadTarget(lines=LineRange(-1, 10**9)), "a"),
+    (ThreadTarget(check="zut"), "a"),
+    (ThreadTarget(check="b' OR 1=1 --\x00"), "a"),
+    (WHOLE_WORK, " \r\n "),
+    (WHOLE_WORK, "x" * (TEXT_LENGTH + 1)),
+    (WHOLE_WORK, "x" * 10**6),
+    (WHOLE_WORK, "\ud800"),
 ]
 
 
@@ -190,8 +190,8 @@ def test_any_text_is_kept_as_it_is_but_for_what_no_database_keeps(room: Room) ->
 
 def test_how_much_is_said_is_bounded(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
     sent = room.send()
-    monkeypatch.setattr(service, "MOST_MESSAGES", 2)
-    monkeypatch.setattr(service, "MOST_THREADS", 2)
+    monkeypatch.setattr(service, "MAX_MESSAGES", 2)
+    monkeypatch.setattr(service, "MAX_THREADS", 2)
     thread = room.say(room.ada, sent)
     room.reply(room.teacher, thread)
     with pytest.raises(Conflict):
@@ -200,7 +200,7 @@ def test_how_much_is_said_is_bounded(room: Room, monkeypatch: pytest.MonkeyPatch
     with pytest.raises(Conflict):
         room.say(room.ada, sent)
     room.settings = room.settings.model_copy(update={"comment_burst": 1, "comment_refill_seconds": 1000.0})
-    monkeypatch.setattr(service, "MOST_MESSAGES", 20)
+    monkeypatch.setattr(service, "MAX_MESSAGES", 20)
     room.reply(room.teacher, thread)
     with pytest.raises(TooMany):
         room.reply(room.teacher, thread)
@@ -208,18 +208,18 @@ def test_how_much_is_said_is_bounded(room: Room, monkeypatch: pytest.MonkeyPatch
 
 def test_a_comment_on_lines_follows_them(room: Room) -> None:
     first = room.send()
-    room.say(room.teacher, first, Target(lines=Place(4, 4)), "Et si x est un tableau ?")
-    room.say(room.teacher, first, Target(lines=Place(1, 1)), "Inutile.")
-    settled = room.say(room.teacher, first, Target(lines=Place(3, 3)), "Bien.")
+    room.say(room.teacher, first, ThreadTarget(lines=LineRange(4, 4)), "Et si x est un tableau ?")
+    room.say(room.teacher, first, ThreadTarget(lines=LineRange(1, 1)), "Inutile.")
+    settled = room.say(room.teacher, first, ThreadTarget(lines=LineRange(3, 3)), "Bien.")
     with room.database.write() as db:
-        service.settle(service.find(db, room.teacher, settled.id), True)
+        service.set_settled(service.find_thread(db, room.teacher, settled.id), True)
     second = room.send("# mieux\ndef f(x):\n    return x + 2\n")
-    found = {talk.messages[0].text: (talk.fate, talk.place, talk.number) for talk in room.beside(second)}
+    found = {talk.messages[0].text: (talk.fate, talk.lines, talk.number) for talk in room.beside(second)}
     assert found == {
-        "Et si x est un tableau ?": (Fate.changed, Place(3, 3), 1),
-        "Inutile.": (Fate.changed, Place(1, 1), 1),
+        "Et si x est un tableau ?": (LineFate.changed, LineRange(3, 3), 1),
+        "Inutile.": (LineFate.changed, LineRange(1, 1), 1),
     }
-    assert {talk.place for talk in room.beside(first)} == {Place(4, 4), Place(1, 1), Place(3, 3)}
+    assert {talk.lines for talk in room.beside(first)} == {LineRange(4, 4), LineRange(1, 1), LineRange(3, 3)}
 
 
 def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: Room) -> None:
@@ -227,13 +227,13 @@ def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: 
     thread = room.say(room.ada, room.send())
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        words.keep(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
-        words.tell(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
+        words.keep_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
+        words.send_note(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
         identity.delete_account(db, room.teacher.id)
     with room.database.read() as db:
-        talk = service.one(db, service.find(db, room.ada, thread.id))
+        talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [(said.name, said.message.as_staff) for said in talk.messages] == [("Ada", False), ("", True)]
-        assert [one.author for one in words_repository.words(db, room.ada.id)] == [""]
+        assert [one.author for one in words_repository.load_received_notes(db, room.ada.id)] == [""]
     assert room.count(Phrase) == 0
     with room.database.write() as db:
         identity.delete_account(db, room.ada.id)
@@ -254,13 +254,13 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
     thread = room.say(guest, room.send(by=guest))
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        words.tell(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
+        words.send_note(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
         adopt(db, guest.id, room.ada.id)
     with room.database.read() as db:
-        talk = service.one(db, service.find(db, room.ada, thread.id))
+        talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]
-        assert len(words_repository.words(db, room.ada.id)) == 1
-        assert len(repository.news(db, room.ada.id)) == 1
+        assert len(words_repository.load_received_notes(db, room.ada.id)) == 1
+        assert len(repository.load_unread_threads(db, room.ada.id)) == 1
 
 
 def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
@@ -274,11 +274,11 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
     room.send("y = 2\n", by=cleo, diagnosis="autre")
     room.send(by=dan, diagnosis="signe")
     with room.database.write() as db:
-        classes.leave(db, room.made, dan.id)
-        note, count = words.tell(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
+        classes.leave_class(db, room.made, dan.id)
+        note, count = words.send_note(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
     assert count == 1
     with room.database.read() as db:
-        assert words_repository.mistakes_now(db, room.made.id, EXERCISE) == [
+        assert words_repository.load_current_misconceptions(db, room.made.id, EXERCISE) == [
             ("autre", "Erreur", 1),
             ("signe", "Erreur", 1),
         ]
@@ -290,22 +290,22 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
         assert (sums.attempts, sums.best, sums.mistake) == (2, 0.5, "Erreur")
         assert not student_work.load_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
-        assert [one.seen_at for one in words_repository.words(db, bob.id, EXERCISE)] == [None]
-        assert not words_repository.words(db, cleo.id)
-        words.note_read(db, bob, note.id)
+        assert [one.seen_at for one in words_repository.load_received_notes(db, bob.id, EXERCISE)] == [None]
+        assert not words_repository.load_received_notes(db, cleo.id)
+        words.mark_note_read(db, bob, note.id)
         for stranger in (cleo, room.other):
             with pytest.raises(NotFound):
-                words.note_read(db, stranger, note.id)
-        assert not words_repository.words(db, bob.id, unread=True)
-        assert [(told.readers, told.seen) for told in words_repository.told_in(db, room.made.id)] == [(1, 1)]
+                words.mark_note_read(db, stranger, note.id)
+        assert not words_repository.load_received_notes(db, bob.id, unread=True)
+        assert [(told.readers, told.seen) for told in words_repository.load_class_notes(db, room.made.id)] == [(1, 1)]
         with pytest.raises(Conflict):
-            words.tell(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
+            words.send_note(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
 
 
 def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) -> None:
     with room.database.write() as db:
         kept = {
-            text: words.keep(db, room.teacher, text, exercise, misconception)
+            text: words.keep_phrase(db, room.teacher, text, exercise, misconception)
             for text, exercise, misconception in [
                 ("partout", None, None),
                 ("ailleurs", "l20/autre", "autre"),
@@ -313,17 +313,17 @@ def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) ->
                 ("signe", EXERCISE, "signe"),
             ]
         }
-        assert words.keep(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
-        words.with_phrase(db, room.teacher, kept["partout"].id, "")
-        assert words.with_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
+        assert words.keep_phrase(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
+        words.prepend_phrase(db, room.teacher, kept["partout"].id, "")
+        assert words.prepend_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
     with room.database.write() as db:
-        found = [one.text for one in words.suggested(db, room.teacher, EXERCISE, "signe")]
+        found = [one.text for one in words.suggest_phrases(db, room.teacher, EXERCISE, "signe")]
         assert found == ["signe", "ici", "partout", "ailleurs"]
-        assert words.suggested(db, room.teacher, "l20/autre", "autre")[0].text == "ailleurs"
-        assert not words.suggested(db, room.other, EXERCISE, "signe")
+        assert words.suggest_phrases(db, room.teacher, "l20/autre", "autre")[0].text == "ailleurs"
+        assert not words.suggest_phrases(db, room.other, EXERCISE, "signe")
         with pytest.raises(NotFound):
-            words.with_phrase(db, room.other, kept["signe"].id, "")
+            words.prepend_phrase(db, room.other, kept["signe"].id, "")
         with pytest.raises(NotFound):
-            words.forget(db, room.other, kept["signe"].id)
-        words.forget(db, room.teacher, kept["signe"].id)
+            words.delete_phrase(db, room.other, kept["signe"].id)
+        words.delete_phrase(db, room.teacher, kept["signe"].id)
     assert room.count(Phrase) == 3

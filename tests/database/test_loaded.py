@@ -7,7 +7,7 @@ from sqlalchemy import inspect, select
 from sqlalchemy.orm.exc import DetachedInstanceError
 
 from server.classes import repository
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, loaded, one_of, table_of
 from server.identity.models import Account
 from tests.support.service import new_account
@@ -36,15 +36,17 @@ def test_a_class_is_listed_alike_for_who_changes_it_and_for_who_looks(database: 
         db.flush()
         for number, one in enumerate((ada, bob)):
             names = {"family_name": f"Z{1 - number}", "given_name": "É", "groups": ["A"] * number}
-            db.add(Membership(class_id=room.id, account_id=one.id, role=Seat.student, status=Status.active, **names))
+            db.add(
+                Membership(class_id=room.id, account_id=one.id, role=ClassRole.student, status=Status.active, **names)
+            )
     with database.read() as db:
         told = [
-            (one.id, one.name, one.seat, one.status, one.groups, one.account.login, one.membership.joined_at)
+            (one.id, one.name, one.role, one.status, one.groups, one.account.login, one.membership.joined_at)
             for one in repository.everyone(db, room.id)
         ]
         assert told == [
-            (one.id, one.name, one.seat, one.status, one.groups, one.account.login, one.membership.joined_at)
-            for one in repository.members(db, room.id)
+            (one.id, one.name, one.role, one.status, one.groups, one.account.login, one.membership.joined_at)
+            for one in repository.load_members(db, room.id)
         ]
     assert [identity for identity, *_ in told] == [bob.id, ada.id]
 

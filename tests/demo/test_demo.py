@@ -9,12 +9,12 @@ from random import Random
 from graders.core.contract.findings import Judgement
 from server.assignments import service as assignments
 from server.assignments.models import Exemption
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.base.settings import Settings
 from server.classes import repository as classes
-from server.classes.models import Seat
+from server.classes.models import ClassRole
 from server.comments import service as comments
-from server.comments.models import Note, Phrase, State
+from server.comments.models import Note, Phrase, ThreadState
 from server.course import Course
 from server.database import Database, utc_now
 from server.demo.living import Lesson
@@ -84,10 +84,10 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
     module = course.modules["l20"]
     loaded = load(database, course, module, grade, Settings(), seed=3, students=4, told=lambda _done, _all: None)
     with database.read() as db:
-        made = classes.by_id(db, loaded.class_id)
+        made = classes.find_class(db, loaded.class_id)
         assert made is not None
-        seats = Counter(member.seat for member in classes.members(db, made.id))
-        assert seats == {Seat.teacher: 1, Seat.assistant: 1, Seat.student: 4}
+        seats = Counter(member.role for member in classes.load_members(db, made.id))
+        assert seats == {ClassRole.teacher: 1, ClassRole.assistant: 1, ClassRole.student: 4}
         opened = assignments.counting_exercises(db, course, made, utc_now())
         assert list(opened) == [exercise.id for exercise in module.exercises]
         sent = db.query(Submission).count()
@@ -96,13 +96,16 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         assert [row.marks[tested].state for row in book.rows if row.marks[tested].points], "a test with its marks"
         assert sum(mark.overridden for row in book.rows for mark in row.marks) >= 1
         assert {one.label is None for one in db.query(Exemption)} == {True, False}
-        asked = comments.questions(db, made, None, 1)
-        assert asked.counts[State.open] >= 1
-        assert asked.counts[State.answered] >= 1
+        asked = comments.load_thread_page(db, made, None, 1)
+        assert asked.counts[ThreadState.open] >= 1
+        assert asked.counts[ThreadState.answered] >= 1
         assert db.query(Phrase).count() == db.query(Note).count() == 1
-        assert {What.assignment_made, What.exemption_made, What.feedback_released, What.mark_overridden} == {
-            one.what for one in db.query(AuditEvent)
-        }
+        assert {
+            AuditAction.assignment_made,
+            AuditAction.exemption_made,
+            AuditAction.feedback_released,
+            AuditAction.mark_overridden,
+        } == {one.what for one in db.query(AuditEvent)}
         latest = max(one.created_at for one in db.query(Submission))
         assert latest <= utc_now()
     codes = [one for one in graded if course.exercises[one[0]].kind == "code"]

@@ -16,11 +16,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.assignments.counting import Mark
-from server.assignments.models import Assignment, Exemption, Late
-from server.assignments.rules import FULL, Rules, in_force
-from server.assignments.schemas import Wanted, Weighted
-from server.audit.models import AuditEvent, What
+from server.assignments.counting import AttemptMark
+from server.assignments.models import Assignment, Exemption, LatePolicy
+from server.assignments.rules import MAX_POINTS, Rules, rules_in_force
+from server.assignments.schemas import AssignmentInput, Weighted
+from server.audit.models import AuditAction, AuditEvent
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk.assignments import late_line
@@ -201,7 +201,7 @@ def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked
     assert school.martin.post(f"{page}/{held[0].id}/retirer").status_code == 303
     assert school.martin.post(f"{page}/{uuid4()}/retirer").status_code == 404
     kinds = [one.what for one in school.stored(AuditEvent) if "exemption" in one.what]
-    assert (kinds.count(What.exemption_made), kinds.count(What.exemption_revoked)) == (4, 2)
+    assert (kinds.count(AuditAction.exemption_made), kinds.count(AuditAction.exemption_revoked)) == (4, 2)
     for refused in (
         {}, {"eleve": both}, {"eleve": "zut", "rendre": field(later)}, {"groupe": "TP9", "dispense": "oui"},
         {"eleve": both, "groupe": "TP1", "dispense": "oui"}, {"eleve": both, "temps": "5"},
@@ -357,10 +357,10 @@ def test_who_comes_goes_and_teaches_is_in_the_log(school: School) -> None:
     school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": "enseignant"})
     found = school.stored(AuditEvent)
     assert [(one.what, one.before, one.after) for one in sorted(found, key=lambda one: one.at)] == [
-        (What.student_removed, {"status": "active"}, {"status": "left"}),
-        (What.student_admitted, {"status": "left"}, {"status": "active"}),
-        (What.staff_changed, {"role": None}, {"role": "assistant"}),
-        (What.staff_changed, {"role": "assistant"}, {"role": "teacher"}),
+        (AuditAction.student_removed, {"status": "active"}, {"status": "left"}),
+        (AuditAction.student_admitted, {"status": "left"}, {"status": "active"}),
+        (AuditAction.staff_changed, {"role": None}, {"role": "assistant"}),
+        (AuditAction.staff_changed, {"role": "assistant"}, {"role": "teacher"}),
     ]
     assert {one.student for one in found[:2]} == {school.bob.id}
     listed = "nom,prenom\nLovelace,Grace\n"
@@ -376,16 +376,18 @@ def test_who_comes_goes_and_teaches_is_in_the_log(school: School) -> None:
     assert digest
     school.martin.post(f"{school.href}/liste", data={"texte": listed, "attendu": digest[1]})
     new = [one.what for one in school.stored(AuditEvent)][len(found) :]
-    assert sorted(new) == sorted([What.student_admitted, What.student_removed, What.student_removed])
+    assert sorted(new) == sorted(
+        [AuditAction.student_admitted, AuditAction.student_removed, AuditAction.student_removed]
+    )
 
 
 rules = st.builds(
-    lambda opens, due, more, late, per_day: in_force(
-        Wanted(
+    lambda opens, due, more, late, per_day: rules_in_force(
+        AssignmentInput(
             "x",
             (Weighted("a"),),
             opens,
-            opens + timedelta(hours=due) if due is not None or late is Late.penalty else None,
+            opens + timedelta(hours=due) if due is not None or late is LatePolicy.penalty else None,
             None if more is None else opens + timedelta(hours=(due or 0) + more),
             late,
             per_day,
@@ -397,7 +399,7 @@ rules = st.builds(
     st.datetimes(datetime(2020, 1, 1), datetime(2030, 1, 1), timezones=st.just(UTC)),
     st.integers(0, 900),
     st.none() | st.integers(0, 900),
-    st.sampled_from(list(Late)),
+    st.sampled_from(list(LatePolicy)),
     st.sampled_from([0.01, 0.3, 1.0, 2.5, 7.0, 20.0]),
 )
 
@@ -413,7 +415,7 @@ def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -
         assert following is None or following.start == piece.end, "the line has no gap"
         if piece.start == piece.end:
             continue
-        worth = found.worth(piece.start + share * (piece.end - piece.start), FULL).points
+        worth = found.apply_lateness(piece.start + share * (piece.end - piece.start), MAX_POINTS).points
         if piece.left is None or piece.right is None:
             assert worth is None
             continue
@@ -424,10 +426,10 @@ def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -
 
 
 def test_what_a_student_is_told_of_an_exercise() -> None:
-    def marked(counted: Mark | None, attempts: int) -> ExerciseMark:
+    def marked(counted: AttemptMark | None, attempts: int) -> ExerciseMark:
         return ExerciseMark(EXERCISE, 1.0, counted, None, None, attempts, None)
 
-    full, late = marked(Mark(uuid4(), 20.0, 20.0, 0), 3), marked(Mark(uuid4(), 14.0, 20.0, 3), 1)
+    full, late = marked(AttemptMark(uuid4(), 20.0, 20.0, 0), 3), marked(AttemptMark(uuid4(), 14.0, 20.0, 3), 1)
     assert standing(full, over=False) == ("done", "✓", "réussi")
     assert standing(late, over=True) == ("done", "✓", "réussi : 14 / 20")
     assert standing(marked(None, 2), over=False)[2] == "rien avant la date de remise"

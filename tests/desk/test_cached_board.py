@@ -11,7 +11,7 @@ import pytest
 from sqlalchemy import select, update
 
 from server.assignments.models import Assignment
-from server.classes.models import Membership, SchoolClass, Seat
+from server.classes.models import ClassRole, Membership, SchoolClass
 from server.database import utc_now
 from server.identity.models import Role
 from server.marks.models import Override
@@ -95,7 +95,7 @@ def test_each_query_and_reader_has_their_own_fragment(site: Site, teacher: Perso
     assert len(set(pages)) == 5
     assert [page(site, teacher, made, one) for one in asked] == pages
     helper = person(site, Role.teacher, "M. Roy")
-    seat(site.database, made, helper.account, Seat.assistant)
+    seat(site.database, made, helper.account, ClassRole.assistant)
     assert "recorriger<" in pages[0]
     assert "recorriger<" not in page(site, helper, made), (
         "who may not regrade is not offered to, though another one was"

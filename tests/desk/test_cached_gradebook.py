@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import update
 
 from server.assignments.models import Assignment, Mode
-from server.classes.models import Membership, Seat
+from server.classes.models import ClassRole, Membership
 from server.database import utc_now
 from server.identity.models import Role
 from server.marks.models import Override
@@ -94,7 +94,7 @@ def test_each_query_and_reader_has_their_own_fragment(site: Site, term: Term, ma
     assert len(set(pages)) == len(asked)
     assert [page(site, martin, term, one) for one in asked] == pages
     helper = person(site, Role.teacher, "M. Roy")
-    seat(site.database, term.made, helper.account, Seat.assistant)
+    seat(site.database, term.made, helper.account, ClassRole.assistant)
     assert "recorriger<" in pages[4]
     assert "recorriger<" not in page(site, helper, term, detail), (
         "who may not regrade is not offered to, though another one was"

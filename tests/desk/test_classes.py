@@ -8,7 +8,7 @@ from uuid import UUID
 
 import pytest
 
-from server.classes.models import Membership, SchoolClass, Seat
+from server.classes.models import ClassRole, Membership, SchoolClass
 from server.identity.models import Account, Role
 from server.rights.models import Right
 from tests.support.classes import person
@@ -58,7 +58,7 @@ def test_a_class_is_made_by_a_teacher_alone(site: Site, martin: TestClient, href
     assert "Créer une classe" not in text_of(ada, "/classes")
     refused = ada.post("/classes", data={"name": "x", "module": "l20"})
     assert refused.status_code == 403
-    assert Right.create.value in refused.text
+    assert Right.create_class.value in refused.text
     assert "un nom de 1 à 100" in martin.post("/classes", data={"name": " ", "module": "l20"}).text
 
 
@@ -81,7 +81,7 @@ def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: T
     assert text_of(martin, sent)
     site.client.post("/inscription", data={"name": "Ada L.", "login": "ada", "password": "notes sur la machine"})
     assert "Aller aux exercices" in text_of(site.client, href)
-    assert [one.account_id for one in stored(site, Membership) if one.role == Seat.student] == [guest.id]
+    assert [one.account_id for one in stored(site, Membership) if one.role == ClassRole.student] == [guest.id]
     assert site.client.post(f"{href}/quitter").headers["location"] == "/classes"
     text_of(site.client, href, 404)
     assert "1 personne est sortie" in text_of(martin, f"{href}/eleves")

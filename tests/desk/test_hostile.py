@@ -29,8 +29,8 @@ def test_a_name_that_no_database_can_look_for_is_nobody_s(database: Database) ->
         with pytest.raises(NotFound):
             behaviour.find_group(db, made, EXERCISE, ZERO)
         with pytest.raises(NotFound):
-            links.by_login(db, ZERO)
-        assert not words_repository.concerned(db, made.id, EXERCISE, ZERO)
+            links.find_account_by_login(db, ZERO)
+        assert not words_repository.load_student_ids_with_misconception(db, made.id, EXERCISE, ZERO)
 
 
 def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_other(
@@ -45,11 +45,11 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
         there.wait(10)
         try:
             with database.write() as db:
-                found = keeping.find(db, made, one.id, to_change=True)
+                found = keeping.find_assignment(db, made, one.id, to_change=True)
                 if delete:
-                    return keeping.delete(db, made, teacher.id, found)
-                wanted = replace(keeping.current(db, found), title="Le mien")
-                keeping.change(db, course, made, teacher.id, found, wanted)
+                    return keeping.delete_assignment(db, made, teacher.id, found)
+                wanted = replace(keeping.load_assignment_input(db, found), title="Le mien")
+                keeping.update_assignment(db, course, made, teacher.id, found, wanted)
         except Exception as error:
             failed.append(error)
 
@@ -57,9 +57,11 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
     for thread in others:
         thread.start()
     with database.write() as db:
-        found = keeping.find(db, made, one.id, to_change=True)
-        more = (*keeping.current(db, found).exercises, Weighted("l20/kabsch"))
-        keeping.change(db, course, made, teacher.id, found, replace(keeping.current(db, found), exercises=more))
+        found = keeping.find_assignment(db, made, one.id, to_change=True)
+        more = (*keeping.load_assignment_input(db, found).exercises, Weighted("l20/kabsch"))
+        keeping.update_assignment(
+            db, course, made, teacher.id, found, replace(keeping.load_assignment_input(db, found), exercises=more)
+        )
         there.set()
         for thread in others:
             thread.join(0.05)

@@ -12,7 +12,7 @@ from html import unescape
 import pytest
 
 from server.audit import service as audit
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.marks.models import Override
 from server.rights.models import Right
 from tests.support.caches import clear_caches
@@ -177,7 +177,7 @@ def test_the_page_asks_no_more_for_a_bigger_class(site: Site, term: Term, martin
         term.assignment(f"DM {number}")
         term.send(term.student("Ada", f"n° {number}"), POSES, 4)
         with site.database.write() as db:
-            audit.note(db, term.made.id, term.teacher.id, What.staff_changed, about=str(number))
+            audit.record_event(db, term.made.id, term.teacher.id, AuditAction.staff_changed, about=str(number))
     clear_caches()
     again = [statements(path) for path in paths for _ in range(2)]
     assert again == few
@@ -189,9 +189,13 @@ def test_the_log_is_filtered_paged_and_taken_away(site: Site, term: Term, martin
     ada = term.student("Ada", "Lovelace")
     with site.database.write() as db:
         for number in range(103):
-            audit.note(db, term.made.id, term.teacher.id, What.staff_changed, about=f"=n° {number}", reason="@x")
+            audit.record_event(
+                db, term.made.id, term.teacher.id, AuditAction.staff_changed, about=f"=n° {number}", reason="@x"
+            )
         change = {"before": {"points": 3.5}, "after": {"points": None}}
-        audit.note(db, term.made.id, term.teacher.id, What.mark_overridden, student=ada.id, about="Poses", **change)
+        audit.record_event(
+            db, term.made.id, term.teacher.id, AuditAction.mark_overridden, student=ada.id, about="Poses", **change
+        )
     page = text_of(martin, f"{href}/journal")
     assert "104 changements, 1 à 100" in page
     older = re.search(r'rel="next" href="([^"]+)"', page)

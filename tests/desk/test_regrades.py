@@ -15,7 +15,7 @@ from server.figures.service import Figures
 from server.gradebook import service as gradebook
 from server.marks.models import Override
 from server.regrades import applying
-from server.regrades.service import Regrades
+from server.regrades.service import RegradeService
 from tests.support.classes import Person, person
 from tests.support.client import TestClient
 from tests.support.regrades import Lesson
@@ -24,7 +24,7 @@ from tests.support.service import EXERCISE, Site
 
 @pytest.fixture
 def lesson(site: Site) -> Lesson:
-    return Lesson(site.database, site.settings, provided_to(site.app, Regrades).queue)
+    return Lesson(site.database, site.settings, provided_to(site.app, RegradeService).queue)
 
 
 @pytest.fixture
@@ -164,7 +164,7 @@ def test_figures_are_those_of_the_grading_that_a_page_shows(site: Site, lesson: 
     assert browser.get(figure).status_code == 404, "the old grading has none"
     gradings = [_counting(lesson, ada, name)]
     with lesson.database.write() as db:
-        applying.apply(db, lesson.course, regrade.id, lesson.teacher.id)
+        applying.apply_regrade(db, lesson.course, regrade.id, lesson.teacher.id)
     gradings.append(_counting(lesson, ada, name))
     plain = browser.get(figure)
     assert (plain.status_code, plain.headers["cache-control"]) == (200, "private, no-cache")

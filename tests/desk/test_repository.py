@@ -5,8 +5,8 @@ from __future__ import annotations
 from datetime import timedelta
 
 from server.assignments import keeping
-from server.assignments.schemas import Wanted, Weighted
-from server.classes.models import Seat, Status
+from server.assignments.schemas import AssignmentInput, Weighted
+from server.classes.models import ClassRole, Status
 from server.database import Database, utc_now
 from server.desk import repository
 from server.gradebook.models import Standing
@@ -22,10 +22,10 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
     teacher, now = new_account(database, Role.teacher, "Mme Martin"), utc_now()
     made, solved = new_class(database, teacher), now - timedelta(days=1)
     members = {
-        "all": (Seat.student, Status.active, BOTH),
-        "half": (Seat.student, Status.active, BOTH[:1]),
-        "gone": (Seat.student, Status.left, BOTH),
-        "helper": (Seat.assistant, Status.active, BOTH),
+        "all": (ClassRole.student, Status.active, BOTH),
+        "half": (ClassRole.student, Status.active, BOTH[:1]),
+        "gone": (ClassRole.student, Status.left, BOTH),
+        "helper": (ClassRole.assistant, Status.active, BOTH),
     }
     accounts = {name: new_account(database, Role.student, name) for name in [*members, "stranger"]}
     for name, (role, status, _) in members.items():
@@ -38,7 +38,9 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
                 first = solved if done else None
                 db.add(Standing(account_id=account.id, exercise=exercise, first_success_at=first, **row))
         given = [
-            keeping.make(db, the_course(), made, teacher.id, Wanted(str(names), tuple(map(Weighted, names)), now))
+            keeping.create_assignment(
+                db, the_course(), made, teacher.id, AssignmentInput(str(names), tuple(map(Weighted, names)), now)
+            )
             for names in (BOTH, BOTH[:1], BOTH[1:])
         ]
     with database.read() as db:

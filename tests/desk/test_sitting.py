@@ -15,12 +15,12 @@ from sqlalchemy import select, update
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
-from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Shown, Sitting
+from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, Visibility
 from server.audit import service as audit
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.base.errors import Conflict
 from server.base.provided import provided_to
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments import words
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -137,7 +137,7 @@ def test_from_begin_to_results(room: Room) -> None:
     assert room.send(ada, "x = 2").status_code == 202
     assert room.post(room.teacher, "publier").status_code == 409
     with room.site.database.read() as db:
-        (event,) = db.execute(select(AuditEvent).where(AuditEvent.what == What.feedback_released)).scalars()
+        (event,) = db.execute(select(AuditEvent).where(AuditEvent.what == AuditAction.feedback_released)).scalars()
     assert (event.by, event.about, list(event.after)) == (room.teacher.id, "Interro", ["released_at"])
 
 
@@ -237,7 +237,7 @@ def test_what_one_takes_away_has_no_mark_that_a_test_holds_back(room: Room) -> N
     assert room.site.client.put(path, json=mark, headers=room.teacher.headers).status_code == 200
     with room.site.database.write() as db:
         points = {"before": {"points": 13.0}, "after": {"points": 7.5}}
-        audit.note(db, made, room.teacher.id, What.regrade_applied, student=ada.id, **points)
+        audit.record_event(db, made, room.teacher.id, AuditAction.regrade_applied, student=ada.id, **points)
 
     def taken() -> str:
         archive = ada.browser(room.site).get("/compte/donnees").content
@@ -325,7 +325,7 @@ def test_who_succeeded_before_has_neither_solution_nor_hints_in_the_test_and_kee
 
 def test_staff_see_everything_at_once(room: Room) -> None:
     ada, helper = room.student(), person(room.site)
-    seat(room.site.database, room.made, helper.account, Seat.assistant)
+    seat(room.site.database, room.made, helper.account, ClassRole.assistant)
     sent = room.send(ada).json()
     room.grade()
     for one in (room.teacher, helper):
@@ -423,7 +423,7 @@ def test_answers_are_saved_and_sent_as_code_is(room: Room) -> None:
 
 
 def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: Room) -> None:
-    shown = {"hints": Shown.after_due, "diagnosis": Shown.after_due, "solution": Shown.never}
+    shown = {"hints": Visibility.after_due, "diagnosis": Visibility.after_due, "solution": Visibility.never}
     with room.site.database.write() as db:
         db.execute(update(Assignment).values(mode=Mode.practice, due_at=utc_now() + 60 * MINUTE, **shown))
     ada = room.student(begins=False)
@@ -453,7 +453,7 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
     assert "garde le corrigé fermé." in told(browser.get(PAGE))
     assert "Corrigé commenté" not in browser.get(PAGE).text
     with room.site.database.write() as db:
-        db.execute(update(Assignment).values(due_at=utc_now() - MINUTE, solution=Shown.after_due))
+        db.execute(update(Assignment).values(due_at=utc_now() - MINUTE, solution=Visibility.after_due))
     assert "Une erreur nommée" in told(browser.get(f"/soumissions/{sent['id']}"))
     assert "Corrigé commenté" in browser.get(PAGE).text
 
@@ -592,7 +592,7 @@ def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Ro
     def tell() -> int:
         with room.site.database.write() as db:
             teacher = db.merge(room.teacher.account)
-            return words.tell(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
+            return words.send_note(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
 
     with pytest.raises(Conflict, match="retient ce diagnostic"):
         tell()

@@ -11,8 +11,8 @@ import pytest
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
-from server.classes.models import Membership, SchoolClass, Seat
-from server.comments.models import Message, State, Thread
+from server.classes.models import ClassRole, Membership, SchoolClass
+from server.comments.models import Message, Thread, ThreadState
 from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
@@ -106,7 +106,7 @@ def test_what_each_attempt_changed_is_shown_with_signs(desk: Desk) -> None:
 def test_only_the_class_s_students_and_exercises_are_there(desk: Desk) -> None:
     stranger = person(desk.site, name="Inconnu")
     staff = person(desk.site, name="Aide")
-    seat(desk.site.database, desk.made, staff.account, Seat.assistant)
+    seat(desk.site.database, desk.made, staff.account, ClassRole.assistant)
     asking = person(desk.site, name="Demande")
     seat(desk.site.database, desk.made, asking.account, status="pending")
     for nobody in (stranger.id, staff.id, asking.id, uuid4()):
@@ -144,7 +144,7 @@ def test_a_comment_on_the_work_and_its_refusal(desk: Desk) -> None:
     assert desk.staff.post(desk.work, data={"texte": "x", "phrase": "zut"}).status_code == 404
 
 
-def ask(desk: Desk, count: int, state: State = State.open, who: Person | None = None) -> None:
+def ask(desk: Desk, count: int, state: ThreadState = ThreadState.open, who: Person | None = None) -> None:
     with desk.site.database.write() as db:
         for number in range(count):
             at = utc_now() + timedelta(seconds=number)
@@ -161,7 +161,7 @@ def ask(desk: Desk, count: int, state: State = State.open, who: Person | None = 
 
 def test_the_questions_of_a_class_newest_first_by_state(desk: Desk) -> None:
     ask(desk, 51)
-    ask(desk, 1, State.settled)
+    ask(desk, 1, ThreadState.settled)
     ask(desk, 1, who=person(desk.site, name="Étrangère"))
     page = desk.get(f"{desk.href}/questions")
     assert "À répondre (51)" in page

@@ -9,7 +9,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments import feedback
-from server.assignments.feedback import Feedback, Stage, Test
+from server.assignments.feedback import FeedbackHolds, HoldingTest, SittingStage
 from server.database import Database, utc_now
 from server.gradebook import importable_files, service
 from server.gradebook.schemas import GradingResult
@@ -75,9 +75,9 @@ def test_what_a_test_holds_back_is_not_learned_by_using_it(database: Database) -
     ada = new_account(database, name="ada")
     sent(database, ada, POSES, b"one", 1)
     sent(database, ada, POSES, b"held", 5)
-    test = Test(ada.id, ada.id, "Contrôle", Stage.running, at(3), None)
+    test = HoldingTest(ada.id, ada.id, "Contrôle", SittingStage.running, at(3), None)
     with database.write() as db:
-        db.info[feedback.MEMO] = {(ada.id, None): {POSES: Feedback(tests=(test,))}}
+        db.info[feedback.MEMO] = {(ada.id, None): {POSES: FeedbackHolds(tests=(test,))}}
         row = Submission(account_id=ada.id, exercise=GRAPH, source=ASKS, digest="e", seed=1, created_at=at(10))
         assert importable_files.load_importable_files(db, the_course(), row) == {POSES: b"one"}
 

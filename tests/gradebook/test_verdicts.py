@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Diagnosis, MalformedVerdictError, Verdict
-from server.assignments.feedback import Closed, Feedback
+from server.assignments.feedback import FeedbackHold, FeedbackHolds
 from server.base.caches import Lately
 from server.gradebook import verdicts
 
@@ -31,8 +31,8 @@ def test_a_verdict_is_read_once() -> None:
 
 def test_what_is_held_back_is_left_out_of_what_is_shown_alone() -> None:
     grading, kept = uuid4(), FAILING.to_json()
-    held = Feedback(hints=Closed("Devoir", None), diagnosis=Closed("Devoir", None))
-    shown = held.shown(verdicts.read(grading, kept))
+    held = FeedbackHolds(hints=FeedbackHold("Devoir", None), diagnosis=FeedbackHold("Devoir", None))
+    shown = held.redact(verdicts.read(grading, kept))
     assert shown.diagnosis is None
     assert not any(check.hint for check in shown.checks)
     whole = verdicts.read(grading, kept)

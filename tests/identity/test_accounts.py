@@ -13,7 +13,7 @@ from server.base.errors import NotFound
 from server.database import utc_now
 from server.identity import links, secrets, service
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.identity.schemas import RefusedForm, new_account
+from server.identity.schemas import RefusedForm, validate_new_account
 from server.submissions.models import Submission
 from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
@@ -158,12 +158,12 @@ def test_a_refused_form_does_not_use_the_link(site: Site) -> None:
     with site.database.write() as db:
         token = links.invite_administrator(db)
         db.add(Account(name="Bob", login="bob"))
-    wanted = new_account("Ada", "bob", FORM["password"])
+    wanted = validate_new_account("Ada", "bob", FORM["password"])
     with pytest.raises(RefusedForm):
         in_a_loop(site.accounts.sign_up(wanted, visitor=None, address="x", invitation=token))
     with site.database.read() as db:
         assert db.execute(select(Invitation.used_at)).scalar_one() is None
-    wanted = new_account("Ada", "ada", FORM["password"])
+    wanted = validate_new_account("Ada", "ada", FORM["password"])
     in_a_loop(site.accounts.sign_up(wanted, visitor=None, address="x", invitation=token))
     with pytest.raises(NotFound):
         in_a_loop(site.accounts.sign_up(wanted, visitor=None, address="x", invitation=token))
@@ -253,7 +253,7 @@ def test_ended_sessions_open_nothing_and_are_forgotten(site: Site) -> None:
         db.execute(update(BrowserSession).values(expires_at=utc_now() - timedelta(seconds=1)))
     assert site.client.get("/compte").status_code == 303
     with site.database.write() as db:
-        service.forget_stale(db)
+        service.delete_expired(db)
     with site.database.read() as db:
         assert db.execute(select(BrowserSession)).first() is None
 

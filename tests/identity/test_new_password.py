@@ -14,7 +14,7 @@ from server.cli import main
 from server.database import utc_now
 from server.identity import links, service
 from server.identity.models import Account, ApiToken, PasswordLink
-from server.identity.repository import by_id
+from server.identity.repository import find_account
 from server.submissions.models import Submission
 from tests.support.client import TestClient
 from tests.support.service import Site
@@ -35,7 +35,7 @@ def log_in(client: Any, password: str) -> int:
 
 def link(site: Site) -> str:
     with site.database.write() as db:
-        return links.to_new_password(db, " ADA ", site.settings)[1]
+        return links.create_reset_link(db, " ADA ", site.settings)[1]
 
 
 def count(site: Site, table: type) -> int:
@@ -107,9 +107,9 @@ def test_a_link_gives_a_new_password_once_and_closes_all_that_was_open(ada: Site
 def test_of_two_uses_at_once_one_only_succeeds(ada: Site) -> None:
     token = link(ada)
     with ada.database.write() as db:
-        assert links.use(db, token).login == "ada"
+        assert links.use_password_link(db, token).login == "ada"
         with pytest.raises(Conflict):
-            links.use(db, token)
+            links.use_password_link(db, token)
 
 
 def test_a_link_ends_is_replaced_and_goes_with_a_change(ada: Site) -> None:
@@ -122,7 +122,7 @@ def test_a_link_ends_is_replaced_and_goes_with_a_change(ada: Site) -> None:
     assert ada.client.get(f"/nouveau-mot-de-passe/{second}").status_code == 404
     assert ada.client.post(f"/nouveau-mot-de-passe/{second}", data={"new_password": NEW}).status_code == 404
     with ada.database.write() as db:
-        service.forget_stale(db)
+        service.delete_expired(db)
     assert count(ada, PasswordLink) == 0
     third = link(ada)
     ada.client.post("/compte/mot-de-passe", data=CHANGE)
@@ -135,7 +135,7 @@ def test_a_guest_s_work_joins_the_account_whose_link_it_opens(ada: Site) -> None
     guest.post(f"/nouveau-mot-de-passe/{link(ada)}", data={"new_password": NEW})
     with ada.database.read() as db:
         owner = db.execute(select(Submission.account_id)).scalar_one()
-        account = by_id(db, owner)
+        account = find_account(db, owner)
     assert account is not None
     assert account.login == "ada"
     assert count(ada, Account) == 1

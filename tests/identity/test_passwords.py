@@ -12,7 +12,7 @@ LOGIN, NAME = "ada.lovelace@example.org", "Ada Lovelace"
 
 
 def why(password: str) -> str:
-    return passwords.problem(password, login=LOGIN, name=NAME)
+    return passwords.password_problem(password, login=LOGIN, name=NAME)
 
 
 @pytest.mark.parametrize(

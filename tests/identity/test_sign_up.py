@@ -11,7 +11,7 @@ from sqlalchemy import select
 
 from server.base.errors import Crowded
 from server.identity import secrets
-from server.identity.hashing import Hashing
+from server.identity.hashing import PasswordHasher
 from server.identity.models import Account
 from server.limits.models import Allowance
 from tests.support.quick import in_a_loop
@@ -93,7 +93,7 @@ def test_few_are_hashed_at_once_off_the_loop_and_too_many_are_sent_away(monkeypa
 
     async def scene() -> list[object]:
         loop_thread.append(threading.current_thread())
-        few = Hashing(at_once=2, waiting=3)
+        few = PasswordHasher(at_once=2, waiting=3)
         flood = [asyncio.create_task(few.hash(f"p{number}", address="a")) for number in range(8)]
         while sum(task.done() for task in flood) < 3:
             await asyncio.sleep(0)

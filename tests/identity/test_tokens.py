@@ -24,20 +24,20 @@ def test_both_databases_know_them_and_the_links(database: Database, both: Settin
     account = new_account(database)
     with database.write() as db:
         db.execute(update(Account).values(login="ada"))
-        _, secret = tokens.create(db, account, "essai", both)
-        _, first = links.to_new_password(db, "ada", both)
-        _, second = links.to_new_password(db, "ada", both)
+        _, secret = tokens.create_token(db, account, "essai", both)
+        _, first = links.create_reset_link(db, "ada", both)
+        _, second = links.create_reset_link(db, "ada", both)
     for _ in range(2):
-        owner = tokens.owner(database, secret)
+        owner = tokens.find_token_owner(database, secret)
         assert owner is not None
         assert owner.id == account.id
     with database.write() as db:
-        assert [token.last_used_at is not None for token in tokens.of(db, account)] == [True]
-        assert links.use(db, second).id == account.id
+        assert [token.last_used_at is not None for token in tokens.load_tokens(db, account)] == [True]
+        assert links.use_password_link(db, second).id == account.id
         for token in (first, second):
             with pytest.raises(NotFound):
-                links.owner(db, token)
-        service.forget_stale(db)
+                links.find_link_owner(db, token)
+        service.delete_expired(db)
 
 
 def create(site: Site, label: str = "portable") -> Any:
@@ -89,7 +89,7 @@ def test_a_token_ends_and_makes_room(site: Site) -> None:
     assert create(site, "autre").status_code == 200
     change(site, expires_at=utc_now() - timedelta(seconds=1))
     with site.database.write() as db:
-        service.forget_stale(db)
+        service.delete_expired(db)
     assert stored(site) == []
 
 
@@ -102,7 +102,7 @@ def test_the_page_tells_when_a_token_last_served(site: Site) -> None:
     with Counted(site.database) as counted:
         use(site, headers)
     assert not [one for one in counted.statements if one.startswith("UPDATE")], "one use an hour is noted"
-    before = utc_now() - 2 * tokens.LAST_USE_WITHIN
+    before = utc_now() - 2 * tokens.LAST_USE_INTERVAL
     change(site, last_used_at=before)
     use(site, headers)
     (token,) = stored(site)

@@ -20,7 +20,7 @@ SLOW = Bucket(burst=3, refill_seconds=1000)
 
 def take(database: Database, bucket: Bucket = SLOW, key: str = "k") -> None:
     with database.write() as db:
-        throttle.take(db, key, bucket, "dans {seconds} s")
+        throttle.take_token(db, key, bucket, "dans {seconds} s")
 
 
 def refusals(database: Database, tries: int) -> int:

@@ -11,7 +11,7 @@ import pytest
 
 from server.assignments.models import Mode
 from server.base.errors import Conflict, Invalid, NotFound
-from server.classes.models import Seat, Status
+from server.classes.models import ClassRole, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account
@@ -162,7 +162,7 @@ def test_what_cannot_be_set_changes_nothing(term: Term, course: Course) -> None:
 
 def test_only_students_who_are_there_have_marks(term: Term, course: Course) -> None:
     gone = term.student("Alan", "Turing", status=Status.left, left_at=OPENS)
-    helper = seat(term.database, term.made, new_account(term.database), Seat.assistant)
+    helper = seat(term.database, term.made, new_account(term.database), ClassRole.assistant)
     for one in (gone, helper, term.teacher, new_account(term.database)):
         with pytest.raises(NotFound):
             change(term, course, one, points=1.0)

@@ -17,7 +17,16 @@ from hypothesis import strategies as st
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise, Assignment, Counts, EndedBy, Exemption, Late, Mode, Sitting
+from server.assignments.models import (
+    AssignedExercise,
+    Assignment,
+    AttemptSelection,
+    EndedBy,
+    Exemption,
+    LatePolicy,
+    Mode,
+    Sitting,
+)
 from server.base.settings import Settings
 from server.classes.models import Membership, SchoolClass, Status
 from server.course import Course
@@ -145,8 +154,8 @@ def test_every_change_is_shown_at_once(database: Database, course: Course) -> No
         "title": setting(Assignment, of_given, title="DM de mai"),
         "weight": setting(Assignment, of_given, weight=3.0),
         "weight of an exercise": setting(AssignedExercise, AssignedExercise.exercise == ODOMETRY, weight=7.0),
-        "due": setting(Assignment, of_given, due_at=OPENS, late=Late.penalty, late_per_day=1.0),
-        "the last counts": setting(Assignment, of_given, counts=Counts.last),
+        "due": setting(Assignment, of_given, due_at=OPENS, late=LatePolicy.penalty, late_per_day=1.0),
+        "the last counts": setting(Assignment, of_given, counts=AttemptSelection.last),
         "asked no more": doing(lambda db: db.execute(delete(AssignedExercise).where(asks_poses))),
         "adopted": doing(lambda db: adopt(db, guest.id, alan.id)),
         "purged": doing(lambda db: db.execute(delete(Submission).where(Submission.account_id == alan.id))),
@@ -220,8 +229,9 @@ HALF = st.integers(0, 12)
 SOMETIMES = st.one_of(st.none(), HALF)
 GIVEN = st.fixed_dictionaries(
     {
-        "opens": HALF, "due": SOMETIMES, "closes": SOMETIMES, "released": SOMETIMES, "late": st.sampled_from(Late),
-        "mode": st.sampled_from(Mode), "minutes": st.sampled_from([None, 30, 60, 120]),
+        "opens": HALF, "due": SOMETIMES, "closes": SOMETIMES, "released": SOMETIMES,
+        "late": st.sampled_from(LatePolicy), "mode": st.sampled_from(Mode),
+        "minutes": st.sampled_from([None, 30, 60, 120]),
         "exempt": st.sampled_from([None, "due_at", "closes_at", "opens_at", "time_factor", "excused"]), "to": HALF,
         "sits": SOMETIMES, "ended": SOMETIMES, "sent": SOMETIMES,
     }
@@ -236,7 +246,7 @@ def give(term: Term, wanted: dict[str, Any], students: list[Account]) -> None:
     """An assignment for all, that is another one for the first student."""
     opens = at(wanted["opens"])
     dates = {"opens_at": opens, "due_at": at(wanted["due"]), "closes_at": at(wanted["closes"])}
-    penalty = 2.0 if wanted["late"] is Late.penalty else None
+    penalty = 2.0 if wanted["late"] is LatePolicy.penalty else None
     rules = {"late": wanted["late"], "late_per_day": penalty, "mode": wanted["mode"]}
     more = {"duration_minutes": wanted["minutes"], "released_at": at(wanted["released"])}
     one = term.assignment("Un devoir", {POSES: 1.0}, **dates, **rules, **more)

@@ -9,7 +9,7 @@ from uuid import uuid4
 
 import pytest
 
-from server.classes.models import SchoolClass, Seat
+from server.classes.models import ClassRole, SchoolClass
 from server.comments import words
 from server.identity.models import Role
 from tests.support.classes import Person, new_class, person, seat
@@ -184,7 +184,7 @@ def test_a_question_on_the_whole_and_a_word_to_several(school: School) -> None:
     assert "Par où commencer ?" in get(school.staff, f"/fils/{thread_of(asked.headers['location'])}")
     with school.site.database.write() as db:
         args = (EXERCISE, None, "Relisez **tout** `a < b`.", "/l20/lire/localiser", school.site.settings)
-        note, _ = words.tell(db, school.teacher.account, school.made, *args)
+        note, _ = words.send_note(db, school.teacher.account, school.made, *args)
     told = get(school.student, PAGE)
     assert "Relisez **tout** <code>a &lt; b</code>." in told
     assert 'class="button" href="/l20/lire/localiser"' in told
@@ -233,7 +233,7 @@ def test_a_file_of_a_great_many_lines_is_shown_whole_and_within_bounds(school: S
 
 def test_an_assistant_comments_and_an_archived_class_is_read_no_more(school: School) -> None:
     helper = person(school.site, name="Assistante")
-    seat(school.site.database, school.made, helper.account, Seat.assistant)
+    seat(school.site.database, school.made, helper.account, ClassRole.assistant)
     page = school.send()
     school.say(helper.browser(school.site), page, texte="Bien vu")
     assert school.staff.post(f"/classes/{school.made.id}/archiver", data={"archiver": "true"}).status_code == 303

@@ -92,7 +92,7 @@ def ada(site: Site) -> Ada:
     site.client.post("/inscription", data=FORM)
     with site.database.write() as db:
         account = db.execute(select(Account)).scalar_one()
-        _, secret = tokens.create(db, account, "essai", site.settings)
+        _, secret = tokens.create_token(db, account, "essai", site.settings)
     headers = {"Authorization": f"Bearer {secret}"}
     site.client.get("/api/v1/exercises", headers=headers)  # the first use of a token is noted
     site.client.get("/")  # and a first visit

@@ -17,14 +17,14 @@ from sqlalchemy import func, select, text, update
 
 from server.app import Services
 from server.audit import service as audit
-from server.audit.models import AuditEvent, What
+from server.audit.models import AuditAction, AuditEvent
 from server.base.provided import provide, provided_to
 from server.base.settings import Settings
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.cli import main
 from server.comments import service as comments
 from server.comments import words
-from server.comments.schemas import Target
+from server.comments.schemas import ThreadTarget
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading, SolutionOpening, Standing
@@ -256,7 +256,7 @@ class Establishment:
     def student(self, heard: int = 200, **membership: Any) -> UUID:
         account = new_account(self.database)
         left = utc_now() - timedelta(days=100)
-        values = {"made_here": True, "status": Status.left, "left_at": left, **membership}
+        values = {"created_by_list": True, "status": Status.left, "left_at": left, **membership}
         seat(self.database, self.made, account, **values)
         with self.database.write() as db:
             row = db.get_one(Account, account.id)
@@ -278,12 +278,12 @@ def test_who_left_long_ago_is_kept_as_long_as_the_establishment_says(school: Est
     gone = school.student()
     active = school.student(status=Status.active, left_at=None)
     lately = school.student(left_at=utc_now() - timedelta(days=10))
-    own_account = school.student(made_here=False)
+    own_account = school.student(created_by_list=False)
     heard_of = school.student(heard=5)
     helps = school.student()
     other = new_class(school.database, new_account(school.database, Role.teacher))
     with school.database.write() as db:
-        db.add(Membership(class_id=other.id, account_id=helps, role=Seat.assistant))
+        db.add(Membership(class_id=other.id, account_id=helps, role=ClassRole.assistant))
     assert school.outdated() == set(), "by default nobody is erased"
     assert school.outdated(left_days=90) == {gone}
     assert school.outdated(left_days=120) == set()
@@ -300,7 +300,7 @@ def test_what_is_heard_of_somebody_keeps_them(school: Establishment) -> None:
     with school.database.write() as db:
         db.add(Submission(account_id=sends, exercise=EXERCISE, source=b"", digest="", seed=0))
         db.add(BrowserSession(token_digest="x", account_id=logs_in, expires_at=utc_now()))
-        tokens.create(db, db.get_one(Account, has_token), "portable", Settings())
+        tokens.create_token(db, db.get_one(Account, has_token), "portable", Settings())
     assert school.outdated(left_days=90, silent_days=90).isdisjoint({seen, sends, logs_in, has_token})
 
 
@@ -337,12 +337,12 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
         sent = db.execute(select(Submission).where(Submission.exercise == EXERCISE)).scalar_one()
         db.add(Membership(class_id=made.id, account_id=account.id))
         db.flush()
-        asked = comments.begin(
-            db, account, find_attempt(db, account, sent.id), Target(check="a"), "Pourquoi ?", ada.settings
+        asked = comments.begin_thread(
+            db, account, find_attempt(db, account, sent.id), ThreadTarget(check="a"), "Pourquoi ?", ada.settings
         )
-        comments.reply(db, teacher, asked, "Relisez.", ada.settings)
-        words.keep(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
-        words.tell(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
+        comments.reply_to_thread(db, teacher, asked, "Relisez.", ada.settings)
+        words.keep_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
+        words.send_note(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
     files = archive(ada.client.get("/compte/donnees"))
     told = read(files, "messages.json")
     (thread,) = told["threads"]
@@ -351,9 +351,12 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
     assert [one["text"] for one in told["words_to_you_and_others"]] == ["À tous"]
     assert b"Martin" not in files.read("messages.json")
     with ada.database.read() as db:
-        own = comments.own(db, teacher.id)
-    assert [one.text for one, _ in own.said] == ["Relisez."]
-    assert [[one.text for one in several] for several in (own.phrases, own.told)] == [["Relisez l’énoncé."], ["À tous"]]
+        own = comments.load_account_comments(db, teacher.id)
+    assert [one.text for one, _ in own.staff_messages] == ["Relisez."]
+    assert [[one.text for one in several] for several in (own.phrases, own.sent_notes)] == [
+        ["Relisez l’énoncé."],
+        ["À tous"],
+    ]
 
 
 def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
@@ -382,7 +385,9 @@ def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, cou
         marks.set_override(
             db, course, made, teacher, account.id, EXERCISE, points=12.0, excused=False, reason="malade ce jour-là"
         )
-        audit.note(db, made.id, teacher.id, What.exemption_made, student=account.id, about="DM 1", reason="dyslexie")
+        audit.record_event(
+            db, made.id, teacher.id, AuditAction.exemption_made, student=account.id, about="DM 1", reason="dyslexie"
+        )
     kept = read(archive(ada.client.get("/compte/donnees")), "notes.json")
     (override,) = kept["overrides"]
     assert (override["points"], override["reason"], override["withdrawn_at"]) == (12.0, "malade ce jour-là", None)

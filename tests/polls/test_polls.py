@@ -11,7 +11,7 @@ import pytest
 from sqlalchemy import select
 
 from server.assignments.models import Mode
-from server.classes.models import SchoolClass, Seat, Status
+from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account, Role
@@ -184,7 +184,7 @@ def test_a_class_is_counted_by_its_active_students_in_as_many_queries_as_nobody(
     made = new_class(site.database, teacher.account)
     people = [seat(site.database, made, new_account(site.database)) for _ in range(4)]
     seat(site.database, made, people[3], status=Status.left)
-    assistant = seat(site.database, made, new_account(site.database), Seat.assistant)
+    assistant = seat(site.database, made, new_account(site.database), ClassRole.assistant)
     stranger = new_account(site.database)
     browser = teacher.browser(site)
     path = f"/classes/{made.id}/previsions"

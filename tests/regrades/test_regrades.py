@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from sqlalchemy import delete, select
 
 from server.app import Services
-from server.assignments.models import AssignedExercise, Assignment, Late, Mode, Sitting
-from server.audit.models import AuditEvent, What
+from server.assignments.models import AssignedExercise, Assignment, LatePolicy, Mode, Sitting
+from server.audit.models import AuditAction, AuditEvent
 from server.base.errors import Conflict, Invalid, NotFound, ServiceError
 from server.base.settings import Settings
-from server.classes.models import Seat, Status
+from server.classes.models import ClassRole, Status
 from server.database import Database, utc_now
 from server.gradebook import repository as gradings
 from server.gradebook import service as gradebook
@@ -34,9 +34,9 @@ from server.identity.models import Account
 from server.queue.models import Job
 from server.queue.service import MAX_TRIES
 from server.regrades import applying, repository, service
-from server.regrades.models import Policy, Regrade, RegradeItem
-from server.regrades.schemas import Change, Fate, State
-from server.regrades.service import REGRADE
+from server.regrades.models import Regrade, RegradeItem, RegradePolicy
+from server.regrades.schemas import MarkChange, MarkOutcome, RegradeState
+from server.regrades.service import REGRADE_JOB
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, key_of
 from tests.support.classes import seat
@@ -71,19 +71,19 @@ def best(lesson: Lesson) -> list[float]:
 
 def apply(lesson: Lesson, regrade: Regrade) -> None:
     with lesson.database.write() as db:
-        applying.apply(db, lesson.course, regrade.id, lesson.teacher.id)
+        applying.apply_regrade(db, lesson.course, regrade.id, lesson.teacher.id)
 
 
 def undo(lesson: Lesson, regrade: Regrade) -> None:
     with lesson.database.write() as db:
-        applying.undo(db, lesson.course, regrade.id, lesson.teacher.id)
+        applying.undo_regrade(db, lesson.course, regrade.id, lesson.teacher.id)
 
 
-def seen(lesson: Lesson, regrade: Regrade) -> tuple[State, list[Change]]:
+def seen(lesson: Lesson, regrade: Regrade) -> tuple[RegradeState, list[MarkChange]]:
     with lesson.database.read() as db:
-        found = service.preview(db, service.find(db, lesson.made.id, regrade.id))
+        found = service.preview_regrade(db, service.find_regrade(db, lesson.made.id, regrade.id))
     order = [one.id for one in lesson.students]
-    return found.advance.state, sorted(found.changes, key=lambda change: order.index(change.student))
+    return found.progress.state, sorted(found.changes, key=lambda change: order.index(change.student))
 
 
 def events(lesson: Lesson) -> list[tuple[str, UUID | None, dict[str, float], dict[str, float]]]:
@@ -101,30 +101,35 @@ def test_what_it_would_do_is_shown_then_done_then_undone(lesson: Lesson) -> None
     lesson.sent(eve, 10, 10)
     lesson.sent(dan, 10, None)
     before = marks(lesson)
-    regrade = lesson.prepared(Policy.renew)
+    regrade = lesson.prepared(RegradePolicy.renew)
     assert marks(lesson) == before
     state, changes = seen(lesson, regrade)
-    assert state is State.ready
-    assert [(one.before, one.after, one.fate) for one in changes] == [
-        (8, 18, Fate.gains), (16, 12, Fate.loses), (10, 10, Fate.same), (10, 10, Fate.same),
+    assert state is RegradeState.ready
+    assert [(one.before, one.after, one.outcome) for one in changes] == [
+        (8, 18, MarkOutcome.gains), (16, 12, MarkOutcome.loses), (10, 10, MarkOutcome.same), (10, 10, MarkOutcome.same),
     ]  # fmt: skip
-    assert [[reason.kind for reason in one.why] for one in changes] == [["points"] * 2, ["points"], [], ["failed"]]
+    assert [[reason.kind for reason in one.differences] for one in changes] == [
+        ["points"] * 2,
+        ["points"],
+        [],
+        ["failed"],
+    ]
     assert [one.failed for one in changes] == [0, 0, 0, 1]
     apply(lesson, regrade)
     apply(lesson, regrade)
     assert best(lesson) == [18, 12, 10, 10]
-    assert seen(lesson, regrade) == (State.applied, changes)
+    assert seen(lesson, regrade) == (RegradeState.applied, changes)
     assert sorted(events(lesson), key=lambda one: one[1] != ada.id) == [
-        (What.regrade_applied, ada.id, {"points": 8}, {"points": 18}),
-        (What.regrade_applied, bob.id, {"points": 16}, {"points": 12}),
+        (AuditAction.regrade_applied, ada.id, {"points": 8}, {"points": 18}),
+        (AuditAction.regrade_applied, bob.id, {"points": 16}, {"points": 12}),
     ]
     undo(lesson, regrade)
     undo(lesson, regrade)
     assert marks(lesson) == before
-    assert seen(lesson, regrade)[0] is State.undone
+    assert seen(lesson, regrade)[0] is RegradeState.undone
     with lesson.database.read() as db:
-        assert not any(copy.moved for copy in repository.copies(db, regrade.id))
-    assert (What.regrade_undone, bob.id, {"points": 12}, {"points": 16}) in events(lesson)
+        assert not any(copy.is_applied for copy in repository.load_attempts(db, regrade.id))
+    assert (AuditAction.regrade_undone, bob.id, {"points": 12}, {"points": 16}) in events(lesson)
     apply(lesson, regrade)
     assert best(lesson) == [18, 12, 10, 10]
 
@@ -132,9 +137,9 @@ def test_what_it_would_do_is_shown_then_done_then_undone(lesson: Lesson) -> None
 def test_the_better_grading_is_kept_attempt_by_attempt(quick: Lesson) -> None:
     ada = quick.arrive()
     worse, equal, ours = quick.sent(ada, 16, 12), quick.sent(ada, 6, 6), quick.sent(ada, None, 3)
-    regrade = quick.prepared(Policy.keep_best)
+    regrade = quick.prepared(RegradePolicy.keep_best)
     (change,) = seen(quick, regrade)[1]
-    assert (change.before, change.after, change.anew, change.fate) == (16, 16, 12, Fate.kept)
+    assert (change.before, change.after, change.new_only, change.outcome) == (16, 16, 12, MarkOutcome.kept)
     assert change.submission_id == worse
     apply(quick, regrade)
     with quick.database.read() as db:
@@ -142,14 +147,14 @@ def test_the_better_grading_is_kept_attempt_by_attempt(quick: Lesson) -> None:
         current = {row.id: row.grading_id for row in db.execute(select(Submission)).scalars()}
     assert {name: current[name] == counting[name] for name in counting} == {worse: False, equal: True, ours: True}
     assert marks(quick)[ada.id].attempts == 3
-    assert events(quick) == [(What.regrade_applied, None, {}, {})]
+    assert events(quick) == [(AuditAction.regrade_applied, None, {}, {})]
 
 
 def test_an_error_of_ours_never_replaces_anything(quick: Lesson) -> None:
     ada = quick.arrive()
     quick.sent(ada, 12, None)
     before = marks(quick)
-    for policy in Policy:
+    for policy in RegradePolicy:
         regrade = quick.prepared(policy)
         apply(quick, regrade)
         assert marks(quick) == before
@@ -161,11 +166,11 @@ def test_what_makes_the_marks_is_graded_first(quick: Lesson) -> None:
     sent = [quick.sent(ada, points, 20) for points in (2, 14, 4, 6)] + [quick.sent(bob, 3, 20)]
     regrade = quick.start()
     quick.worker.step()
-    assert (seen(quick, regrade)[0], seen(quick, regrade)[1][0].waiting) == (State.running, 3)
+    assert (seen(quick, regrade)[0], seen(quick, regrade)[1][0].waiting) == (RegradeState.running, 3)
     with quick.database.read() as db:
         rows = db.execute(select(RegradeItem).order_by(RegradeItem.position)).scalars().all()
     assert [row.submission_id for row in rows] == [sent[1], sent[3], sent[4], sent[0], sent[2]]
-    assert [row.counting for row in rows] == [True] * 3 + [False] * 2
+    assert [row.counted for row in rows] == [True] * 3 + [False] * 2
     with pytest.raises(Conflict, match="encore 4"):
         apply(quick, regrade)
     assert quick.work() == 4
@@ -178,7 +183,7 @@ def test_who_is_a_student_of_the_class_and_has_sent_something_is_concerned(quick
         quick.start()
     quick.sent(ada, 2, 20)
     others = [
-        seat(quick.database, quick.made, new_account(quick.database), Seat.assistant),
+        seat(quick.database, quick.made, new_account(quick.database), ClassRole.assistant),
         seat(quick.database, quick.made, new_account(quick.database), status=Status.pending),
         seat(quick.database, quick.made, new_account(quick.database), status=Status.left, left_at=utc_now()),
         new_account(quick.database),
@@ -213,20 +218,22 @@ def test_an_assignment_has_its_own_dates_and_marks(quick: Lesson) -> None:
             assert row is not None
             row.created_at = now + timedelta(days=when)
         values = {"opens_at": now - timedelta(days=5), "due_at": now - timedelta(days=4), "closes_at": now}
-        made = Assignment(class_id=quick.made.id, title="TP", late=Late.penalty, late_per_day=1.5, **values)
+        made = Assignment(class_id=quick.made.id, title="TP", late=LatePolicy.penalty, late_per_day=1.5, **values)
         db.add(made)
         db.flush()
         with pytest.raises(Invalid, match="pas dans ce devoir"), quick.database.read():
-            service._made(db, quick.made, ada.id, service.Wanted(EXERCISE, Policy.renew, assignment=made.id))
+            service._made(
+                db, quick.made, ada.id, service.RegradeInput(EXERCISE, RegradePolicy.renew, assignment=made.id)
+            )
         db.add(AssignedExercise(assignment_id=made.id, exercise=EXERCISE, position=0))
-    regrade = quick.prepared(Policy.renew, assignment=made.id)
+    regrade = quick.prepared(RegradePolicy.renew, assignment=made.id)
     (change,) = seen(quick, regrade)[1]
-    assert (change.copies, change.before, change.after) == (2, 20.0, 10.5), "who worked ahead is on time"
+    assert (change.attempts, change.before, change.after) == (2, 20.0, 10.5), "who worked ahead is on time"
     apply(quick, regrade)
     assert marks(quick)[ada.id].best_score == 0.6
     with quick.database.write() as db:
         db.execute(delete(Assignment))
-    assert (quick.prepared(Policy.renew), seen(quick, regrade)[0]) != (None, State.ready)
+    assert (quick.prepared(RegradePolicy.renew), seen(quick, regrade)[0]) != (None, RegradeState.ready)
 
 
 def test_of_a_test_what_was_sent_while_one_sat_it_makes_the_mark(quick: Lesson) -> None:
@@ -242,22 +249,22 @@ def test_of_a_test_what_was_sent_while_one_sat_it_makes_the_mark(quick: Lesson) 
         db.flush()
         db.add(AssignedExercise(assignment_id=made.id, exercise=EXERCISE, position=0))
         db.add(Sitting(assignment_id=made.id, account_id=ada.id, began_at=now - timedelta(hours=2), handed_in_at=now))
-    (change,) = seen(quick, quick.prepared(Policy.renew, assignment=made.id))[1]
-    assert (change.copies, change.before, change.after) == (1, 10.0, 12.0)
+    (change,) = seen(quick, quick.prepared(RegradePolicy.renew, assignment=made.id))[1]
+    assert (change.attempts, change.before, change.after) == (1, 10.0, 12.0)
 
 
 def test_overlapping_regrades_are_undone_in_the_other_order(quick: Lesson) -> None:
     ada = quick.arrive()
     quick.sent(ada, 4, 8)
-    first = quick.prepared(Policy.renew)
-    stale = quick.prepared(Policy.renew)
+    first = quick.prepared(RegradePolicy.renew)
+    stale = quick.prepared(RegradePolicy.renew)
     start = marks(quick)
     apply(quick, first)
     middle = marks(quick)
     with pytest.raises(Conflict, match="entre-temps"):
         apply(quick, stale)
     quick.opinion = dict.fromkeys(quick.opinion, 12.0)
-    second = quick.prepared(Policy.renew)
+    second = quick.prepared(RegradePolicy.renew)
     apply(quick, second)
     with pytest.raises(Conflict, match="annulez-la d’abord"):
         undo(quick, first)
@@ -285,10 +292,10 @@ def test_two_versions_do_not_mix(quick: Lesson) -> None:
 def test_what_is_sent_meanwhile_counts_as_it_is(quick: Lesson) -> None:
     ada = quick.arrive()
     quick.sent(ada, 4, 8)
-    regrade = quick.prepared(Policy.renew)
+    regrade = quick.prepared(RegradePolicy.renew)
     new = quick.sent(ada, 11)
     (change,) = seen(quick, regrade)[1]
-    assert (change.before, change.after, change.since) == (4, 8, 1)
+    assert (change.before, change.after, change.sent_since) == (4, 8, 1)
     apply(quick, regrade)
     assert (best(quick), marks(quick)[ada.id].attempts) == ([11], 2)
     undo(quick, regrade)
@@ -303,10 +310,10 @@ def test_who_erases_their_account_leaves_the_others_to_be_graded(lesson: Lesson)
     ada, bob, eve = lesson.students
     for student in lesson.students:
         lesson.sent(student, 4, 8)
-    regrade = lesson.start(Policy.renew)
+    regrade = lesson.start(RegradePolicy.renew)
     lesson.worker.step()
     with lesson.database.write() as db:
-        found = repository.next_item(db, regrade.id)
+        found = repository.load_next_item(db, regrade.id)
         assert found is not None
         assert found[1].account_id == bob.id
         identity.delete_account(db, bob.id)
@@ -338,7 +345,7 @@ def test_an_account_that_goes_while_it_is_graded_keeps_nothing(lesson: Lesson) -
     assert worker.step()
     assert lesson.work() == 1
     lesson.students = [bob]
-    assert seen(lesson, regrade)[0] is State.ready
+    assert seen(lesson, regrade)[0] is RegradeState.ready
     with lesson.database.read() as db:
         assert len(db.execute(select(Grading)).all()) == 2
 
@@ -350,9 +357,9 @@ def test_a_stopped_regrade_ends_and_is_never_applied(quick: Lesson) -> None:
     regrade = quick.start()
     quick.worker.step()
     with quick.database.write() as db:
-        service.stop(db, regrade.id)
+        service.stop_regrade(db, regrade.id)
     assert quick.work() == 1  # which finds nothing to do
-    assert seen(quick, regrade)[0] is State.stopped
+    assert seen(quick, regrade)[0] is RegradeState.stopped
     with pytest.raises(Conflict, match="arrêtée"):
         apply(quick, regrade)
     with quick.database.read() as db:
@@ -372,12 +379,12 @@ def test_what_ends_its_workers_is_given_up_and_the_others_are_graded(quick: Less
             assert QUIET.release(db, worker._owner, give_ups(quick.course, QUIET)) == 1
     assert quick.work() == 1
     state, changes = seen(quick, regrade)
-    assert (state, [change.failed for change in changes]) == (State.ready, [1, 0])
+    assert (state, [change.failed for change in changes]) == (RegradeState.ready, [1, 0])
 
 
 def test_the_service_knows_the_end_of_what_regrades_put(quick: Lesson) -> None:
     """Else a regrade would wait for ever behind a job that was lost with its worker."""
-    assert {GRADE, REGRADE} <= Services(quick.settings, quick.course, ()).give_ups.keys()
+    assert {GRADE, REGRADE_JOB} <= Services(quick.settings, quick.course, ()).give_ups.keys()
 
 
 def test_a_guest_who_makes_an_account_takes_the_regrade_along(lesson: Lesson) -> None:
@@ -409,11 +416,11 @@ def test_a_crash_in_the_middle_of_applying_changes_nothing(quick: Lesson, monkey
         raise Crash
 
     with monkeypatch.context() as patch:
-        patch.setattr("server.audit.service.note", crash)
+        patch.setattr("server.audit.service.record_event", crash)
         with pytest.raises(Crash):
             apply(quick, regrade)
     assert marks(quick) == before
-    assert seen(quick, regrade)[0] is State.ready
+    assert seen(quick, regrade)[0] is RegradeState.ready
     apply(quick, regrade)
     assert best(quick) == [8, 8, 8]
 
@@ -484,7 +491,7 @@ def test_an_author_is_told_while_it_is_applied(quick: Lesson) -> None:
         with quick.database.read() as db:
             attempt = gradebook.find_attempt(db, ada, name)
             assert attempt.grading is not None
-            found = service.told(db, attempt.grading.id)
+            found = service.find_applied_regrade(db, attempt.grading.id)
         return None if found is None else (found.before, found.after)
 
     assert told() is None
@@ -538,7 +545,7 @@ SCORE = st.sampled_from([0.0, 4.0, 10.0, 15.0, 20.0, None])
 STEP = st.one_of(
     st.tuples(st.just("send"), st.integers(0, 2), SCORE, SCORE),
     st.tuples(st.just("send"), st.integers(0, 2), SCORE, SCORE),
-    st.tuples(st.just("prepare"), st.sampled_from(list(Policy)), st.integers(-1, 2)),
+    st.tuples(st.just("prepare"), st.sampled_from(list(RegradePolicy)), st.integers(-1, 2)),
     st.tuples(st.just("work"), st.integers(1, 6)),
     st.tuples(st.just("apply"), st.integers(0, 5)),
     st.tuples(st.just("undo"), st.integers(0, 5)),
@@ -553,7 +560,7 @@ class Story:
         lesson.arrive(3)
         self.points: dict[UUID, Points] = {}
         self.authors: dict[UUID, UUID] = {}
-        self.regrades: list[tuple[Regrade, Policy, dict[UUID, Points]]] = []
+        self.regrades: list[tuple[Regrade, RegradePolicy, dict[UUID, Points]]] = []
         self.applied: dict[UUID, dict[UUID, Points]] = {}
 
     def send(self, who: int, points: Points, anew: Points) -> None:
@@ -561,7 +568,7 @@ class Story:
         name = self.lesson.sent(student, points, anew)
         self.points[name], self.authors[name] = points, student.id
 
-    def prepare(self, policy: Policy, who: int) -> None:
+    def prepare(self, policy: RegradePolicy, who: int) -> None:
         scope = {} if who < 0 else {"student": self.lesson.students[who].id}
         mine = [name for name, author in self.authors.items() if author in scope.values() or not scope]
         try:
@@ -588,7 +595,7 @@ class Story:
         self.applied[made.id] = {}
         for name, points in anew.items():
             old = self.points[name]
-            if points is not None and (policy is Policy.renew or old is None or points >= old):
+            if points is not None and (policy is RegradePolicy.renew or old is None or points >= old):
                 self.applied[made.id][name], self.points[name] = old, points
 
     def undo(self, which: int) -> None:

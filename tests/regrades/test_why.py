@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict, internal_error_verdict
-from server.regrades.why import Reason, reasons
+from server.regrades.why import VerdictDifference, compare_verdicts
 from server.web.regraded import sentences
 
 
@@ -67,21 +67,21 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_each_difference_has_its_sentence(name: str) -> None:
     after, told = CASES[name]
-    found = reasons(OLD, after)
+    found = compare_verdicts(OLD, after)
     expected = [line.replace("« Résultat inexact »", f"« {OLD.outcome.wording('code').title} »") for line in told]
     assert list(sentences(found, "code")) == expected
-    assert tuple(Reason.from_json(one.to_json()) for one in found) == found
+    assert tuple(VerdictDifference.from_json(one.to_json()) for one in found) == found
 
 
 def test_what_was_our_error_is_mended_whatever_is_found() -> None:
-    assert [one.kind for one in reasons(OURS, OLD)] == ["mended"]
-    assert [one.kind for one in reasons(OURS, OURS)] == ["failed"]
+    assert [one.kind for one in compare_verdicts(OURS, OLD)] == ["mended"]
+    assert [one.kind for one in compare_verdicts(OURS, OURS)] == ["failed"]
 
 
 def test_a_diagnosis_that_goes_or_changes_is_told() -> None:
     named, other = (verdict(REST, named=name) for name in ("a", "b"))
-    (gone,) = sentences(reasons(named, verdict(REST)), "code")
-    (changed,) = sentences(reasons(named, other), "code")
+    (gone,) = sentences(compare_verdicts(named, verdict(REST)), "code")
+    (changed,) = sentences(compare_verdicts(named, other), "code")
     assert gone == "l’erreur « Titre a » n’est plus reconnue"
     assert changed == "l’erreur reconnue est « Titre b », et non plus « Titre a »"
 
@@ -96,7 +96,7 @@ def test_the_checks_that_are_told_make_up_the_whole_difference(
 ) -> None:
     """Of checks on one scale: what is told of them sums to what the mark has changed by."""
     old, new = (verdict(*(check(name, points) for name, points in one.items()), REST) for one in (before, after))
-    told = reasons(old, new)
+    told = compare_verdicts(old, new)
     difference = sum((one.after or 0.0) - (one.before or 0.0) for one in told)
     assert difference == pytest.approx(sum(after.values()) - sum(before.values()))
     assert len(told) == len({name for name in {*before, *after} if before.get(name) != after.get(name)})

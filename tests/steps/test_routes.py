@@ -188,7 +188,7 @@ def test_what_a_running_test_asks_for_is_not_imported_elsewhere_to_compare_one_s
 
     assert statuses(imports) == [200, 202]
     with site.database.write() as db:
-        sittings.begin(db, test, ada.id, (), utc_now())
+        sittings.begin_sitting(db, test, ada.id, (), utc_now())
     assert (statuses(imports), statuses(CODE)) == ([409, 409], [200, 202])
 
 

@@ -31,7 +31,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
     for round_ in range(2):
         test = assign(database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
         with database.write() as db:
-            sittings.begin(db, test, ada.id, (), utc_now())
+            sittings.begin_sitting(db, test, ada.id, (), utc_now())
 
         def saves(number: int, round_: int = round_) -> Callable[[Database], None]:
             def save() -> None:
@@ -94,7 +94,7 @@ def test_of_several_processes_that_end_a_test_one_sends_what_was_saved(
     seat(database, made, ada)
     test = assign(database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
     with database.write() as db:
-        sittings.begin(db, test, ada.id, (), utc_now())
+        sittings.begin_sitting(db, test, ada.id, (), utc_now())
         store.save(db, ada, EXERCISE, b"sauve = 1")
     later = utc_now() + timedelta(hours=2)
     with ThreadPoolExecutor(4) as threads:

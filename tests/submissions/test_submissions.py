@@ -236,7 +236,7 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
     assert refused.value.retry_after >= 1
     with desk.database.read() as db:
         assert gradebook.list_attempts(db, two, EXERCISE, 1).total == 0
-        assert db.get(Allowance, limits.of_submissions(two.id)) is None, "a refusal costs nothing"
+        assert db.get(Allowance, limits.submission_key(two.id)) is None, "a refusal costs nothing"
     send(two, "198.51.100.7")
     send(ada)
 

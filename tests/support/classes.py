@@ -10,7 +10,7 @@ from uuid import UUID
 from server.assignments.models import AssignedExercise, Assignment
 from server.base.request import COOKIE
 from server.classes import service
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, utc_now
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
@@ -21,10 +21,12 @@ from tests.support.service import Site, new_account
 
 def new_class(database: Database, teacher: Account, name: str = "MPSI 2") -> SchoolClass:
     with database.write() as db:
-        return service.create(db, teacher, name, "l20")
+        return service.create_class(db, teacher, name, "l20")
 
 
-def seat(database: Database, made: SchoolClass, account: Account, as_: Seat = Seat.student, **values: Any) -> Account:
+def seat(
+    database: Database, made: SchoolClass, account: Account, as_: ClassRole = ClassRole.student, **values: Any
+) -> Account:
     """Has the account be in the class."""
     with database.write() as db:
         row = {"status": Status.active, "left_at": None, **values}
@@ -67,7 +69,7 @@ def person(site: Site, role: Role = Role.student, name: str = "Ada", account: Ac
     account = account or new_account(site.database, role, name)
     cookie = new_token()
     with site.database.write() as db:
-        _, secret = tokens.create(db, account, "essai", site.settings)
+        _, secret = tokens.create_token(db, account, "essai", site.settings)
         ends = service.utc_now().replace(year=2100)
         db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
     return Person(account, {"Authorization": f"Bearer {secret}"}, {COOKIE: cookie})

@@ -14,7 +14,7 @@ from sqlalchemy import insert, update
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
-from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, table_of
 from server.gradebook.models import Grading, Standing
 from server.gradebook.standings import CountedAttempt, compute_totals
@@ -119,7 +119,7 @@ def seated(database: Database, made: SchoolClass, count: int, seen_at: datetime 
         db.execute(insert(table_of(Account)), [{"id": one, "role": Role.student, "name": name} for one, name in people])
         rows = [
             {
-                "class_id": made.id, "account_id": one, "role": Seat.student, "status": Status.active,
+                "class_id": made.id, "account_id": one, "role": ClassRole.student, "status": Status.active,
                 "groups": [GROUPS[place % 2]], "last_seen_at": seen_at,
             }
             for place, (one, _) in enumerate(people)

@@ -19,9 +19,9 @@ from server.grading.task import GradingTask, SentFile
 from server.identity.models import Account, Role
 from server.queue.port import Queue
 from server.queue.worker import Worker
-from server.regrades.models import Policy, Regrade
-from server.regrades.schemas import Wanted
-from server.regrades.service import REGRADE, Regrades
+from server.regrades.models import Regrade, RegradePolicy
+from server.regrades.schemas import RegradeInput
+from server.regrades.service import REGRADE_JOB, RegradeService
 from server.submissions.models import Submission
 from server.submissions.service import GRADE
 from tests.support.classes import new_class, seat
@@ -59,7 +59,7 @@ class Lesson:
         self.teacher = new_account(self.database, Role.teacher, "Mme Martin")
         self.made: SchoolClass = new_class(self.database, self.teacher)
         self.students: list[Account] = []
-        self.regrades = Regrades(self.course, self.queue)
+        self.regrades = RegradeService(self.course, self.queue)
 
     @property
     def course(self) -> Course:
@@ -91,12 +91,12 @@ class Lesson:
     @property
     def worker(self) -> Worker:
         anew = RegradeTask(self.course, self.queue, self.grade)
-        tasks = {GRADE: GradingTask(self.course, self.grade), REGRADE: anew}
+        tasks = {GRADE: GradingTask(self.course, self.grade), REGRADE_JOB: anew}
         return Worker(self.database, self.queue, self.settings, tasks)
 
-    def start(self, policy: Policy = Policy.keep_best, **scope: UUID) -> Regrade:
+    def start(self, policy: RegradePolicy = RegradePolicy.keep_best, **scope: UUID) -> Regrade:
         with self.database.write() as db:
-            return self.regrades.start(db, self.made, self.teacher.id, Wanted(self.exercise, policy, **scope))
+            return self.regrades.start(db, self.made, self.teacher.id, RegradeInput(self.exercise, policy, **scope))
 
     def work(self) -> int:
         """Until nothing waits; how many jobs that took."""
@@ -105,7 +105,7 @@ class Lesson:
             done += 1
         return done
 
-    def prepared(self, policy: Policy = Policy.keep_best, **scope: UUID) -> Regrade:
+    def prepared(self, policy: RegradePolicy = RegradePolicy.keep_best, **scope: UUID) -> Regrade:
         made = self.start(policy, **scope)
         self.work()
         return made

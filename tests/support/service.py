@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from server.course import Course
     from server.grading.task import Grade, SentFile
-    from server.identity.service import Accounts
+    from server.identity.service import AccountService
     from server.queue.worker import Worker
     from server.submissions.service import Submissions
     from tests.support.client import TestClient
@@ -225,21 +225,21 @@ class Site:
         return provided_to(self.app, Database)
 
     @property
-    def accounts(self) -> Accounts:
+    def accounts(self) -> AccountService:
         from server.base.provided import provided_to
-        from server.identity.service import Accounts
+        from server.identity.service import AccountService
 
-        return provided_to(self.app, Accounts)
+        return provided_to(self.app, AccountService)
 
     def tighten(self, **limits: float) -> None:
         """Other settings from now on."""
         from server.base.provided import provide, provided_to
-        from server.classes.service import Classes
+        from server.classes.service import ClassService
         from server.submissions.service import Submissions
 
         settings = self.settings.model_copy(update=limits)
         store = provided_to(self.app, Submissions)
-        provide(self.app, Classes(self.database, settings))
+        provide(self.app, ClassService(self.database, settings))
         provide(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
 
     @cached_property
@@ -258,7 +258,7 @@ class Site:
 
         account = new_account(self.database, role)
         with self.database.write() as db:
-            _, secret = tokens.create(db, account, "essai", self.settings)
+            _, secret = tokens.create_token(db, account, "essai", self.settings)
         return {"Authorization": f"Bearer {secret}"}
 
     def submit(self, headers: dict[str, str], code: str = "pass\n") -> dict[str, Any]:

@@ -20,8 +20,8 @@ UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 
 def sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
-        account = links.by_login(db, arguments.login)
-        found = repository.sessions_of(db, account.id)
+        account = links.find_account_by_login(db, arguments.login)
+        found = repository.load_sessions(db, account.id)
     lines = [f"  {_name(one)} : depuis {moment(one.created_at)}, jusqu’à {moment(one.expires_at)}" for one in found]
     end = f"{who(account)} : {plural(len(found), 'session ouverte', 'sessions ouvertes')}."
     return Answer([*lines, end], {**told(account), "sessions": [_session(one) for one in found]})
@@ -29,8 +29,8 @@ def sessions(database: Database, _settings: Settings, arguments: Namespace) -> A
 
 def listed_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
-        account = links.by_login(db, arguments.login)
-        found = tokens.of(db, account)
+        account = links.find_account_by_login(db, arguments.login)
+        found = tokens.load_tokens(db, account)
     lines = [f"  {one.id} : « {one.label} », {_served(one.last_used_at)}" for one in found]
     end = f"{who(account)} : {plural(len(found), 'jeton')}."
     return Answer([*lines, end], {**told(account), "tokens": [_token(one) for one in found]})
@@ -41,9 +41,9 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
     if bool(arguments.names) == arguments.all:
         raise CannotRun("nommez ce qui est à révoquer (voyez « sessions » et « tokens »), ou --all pour tout.")
     with database.write() as db:
-        account = links.by_login(db, arguments.login)
+        account = links.find_account_by_login(db, arguments.login)
         if arguments.all:
-            count = len(repository.sessions_of(db, account.id)) + len(repository.all_tokens_of(db, account.id))
+            count = len(repository.load_sessions(db, account.id)) + len(repository.load_all_tokens(db, account.id))
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
         else:
@@ -53,7 +53,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                     continue
                 missing = UNKNOWN.format(login=account.login, name=name)
                 try:
-                    tokens.revoke(db, account, identity_of(name, missing))
+                    tokens.revoke_token(db, account, identity_of(name, missing))
                 except NotFound as error:
                     raise NotFound(missing) from error
     return Answer([f"{who(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count})

@@ -16,15 +16,15 @@ BEHIND = "À mettre derrière l’adresse du service (--server URL l’ajoute)."
 def create(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     days = settings.first_password_days
     with database.write() as db:
-        account = service.create(db, arguments.login, arguments.name, Role(arguments.role))
-        token = links.link_of(db, account, timedelta(days=days))
+        account = service.create_account(db, arguments.login, arguments.name, Role(arguments.role))
+        token = links.create_password_link(db, account, timedelta(days=days))
     first = f"Compte créé : {who(account)}, {ROLES[account.role]}. Son premier mot de passe se choisit par ce lien, qui"
     return _link(f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, told(account))
 
 
 def reset_link(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account, token = links.to_new_password(db, arguments.login, settings)
+        account, token = links.create_reset_link(db, arguments.login, settings)
     hours = plural(settings.password_link_hours, "heure")
     line = f"Pour {who(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
     return _link(line, token, arguments, told(account))
@@ -48,14 +48,14 @@ def _link(
 
 def role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.by_login(db, arguments.login)
+        account = links.find_account_by_login(db, arguments.login)
         service.change_role(db, account, Role(arguments.role))
     return Answer([f"{who(account)} : {ROLES[account.role]}."], told(account))
 
 
 def disable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.by_login(db, arguments.login)
+        account = links.find_account_by_login(db, arguments.login)
         service.disable(db, account)
     line = f"{who(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
     return Answer([line], told(account))
@@ -63,7 +63,7 @@ def disable(database: Database, _settings: Settings, arguments: Namespace) -> An
 
 def enable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
-        account = links.by_login(db, arguments.login)
+        account = links.find_account_by_login(db, arguments.login)
         service.enable(account)
     return Answer([f"{who(account)} : rétabli, avec le mot de passe qu’il avait."], told(account))
 
@@ -71,7 +71,7 @@ def enable(database: Database, _settings: Settings, arguments: Namespace) -> Ans
 def accounts(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     role = Role(arguments.role) if arguments.role else None
     with database.read() as db:
-        found = repository.named(db, role=role, sought=arguments.search, most=arguments.most + 1)
+        found = repository.search_accounts(db, role=role, sought=arguments.search, most=arguments.most + 1)
     shown, more = found[: arguments.most], len(found) > arguments.most
     lines = [f"  {who(one)} : {ROLES[one.role]}{', suspendu' if one.disabled_at else ''}" for one in shown]
     end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."

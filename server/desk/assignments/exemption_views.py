@@ -9,9 +9,16 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import feedback, papers, repository
-from server.assignments.exempting import NO_STUDENT, Told, effects, explained, labels_of, students_of
+from server.assignments.exempting import (
+    NO_STUDENT,
+    ExplainedValue,
+    active_students,
+    exemption_effects,
+    explain_rules,
+    student_labels,
+)
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
-from server.assignments.rules import Rules, in_force
+from server.assignments.rules import Rules, rules_in_force
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import Member
@@ -31,7 +38,7 @@ from server.desk.assignments.schemas import (
 from server.desk.assignments.views import TAB, href_of, may_keep, when
 from server.marks.cells import french_csv
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.text.plain import visible
 from server.web import school_time
 from server.web.words import moment_text
@@ -44,14 +51,14 @@ GONE = "n’est plus dans la classe"
 def exemptions_page(
     db: Session,
     course: Course,
-    place: Place,
+    place: ClassAccess,
     one: Assignment,
     order: str,
     values: ExemptionValues | None = None,
     problems: Mapping[str, str] | None = None,
 ) -> ExemptionsPage:
     """A bounded number of queries, however many there are."""
-    members = classes.members(db, place.school_class.id)
+    members = classes.load_members(db, place.school_class.id)
     order = order if order in ORDERS else ORDERS[0]
     return ExemptionsPage(
         head=views.head(course, place, TAB),
@@ -59,8 +66,8 @@ def exemptions_page(
         href=href_of(one),
         rows=tuple(_rows(db, one, members, order)),
         order=order,
-        students=tuple((str(each.id), each.name) for each in students_of(members)),
-        groups=tuple(labels_of(members)),
+        students=tuple((str(each.id), each.name) for each in active_students(members)),
+        groups=tuple(student_labels(members)),
         values=values or ExemptionValues(),
         problems=problems or {},
         may_keep=may_keep(place),
@@ -82,7 +89,7 @@ def _rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -
             return held, -each.created_at.timestamp()
         return held, seat is not None, seat[0] if seat else 0, (each.label or "").casefold(), each.created_at
 
-    return [_row(one, each, places) for each in sorted(repository.all_exemptions(db, one.id), key=key)]
+    return [_row(one, each, places) for each in sorted(repository.load_all_exemptions(db, one.id), key=key)]
 
 
 def _row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
@@ -104,16 +111,16 @@ def _row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Memb
 
 
 def _effects(each: Exemption) -> Iterator[tuple[str, str]]:
-    for name, said in effects(each).items():
+    for name, said in exemption_effects(each).items():
         yield words.FIELDS[name], words.value(name, said)  # type: ignore[index]
 
 
-def as_csv(db: Session, place: Place, one: Assignment, order: str) -> bytes:
+def as_csv(db: Session, place: ClassAccess, one: Assignment, order: str) -> bytes:
     """For a French spreadsheet."""
     names = list(words.FIELDS.values())
     header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
     rows = []
-    for row in _rows(db, one, classes.members(db, place.school_class.id), order):
+    for row in _rows(db, one, classes.load_members(db, place.school_class.id), order):
         told = dict(row.effects)
         who = ["", row.who] if row.is_group else [row.who, ""]
         effects_of = [told.get(name, "") for name in names]
@@ -121,15 +128,15 @@ def as_csv(db: Session, place: Place, one: Assignment, order: str) -> bytes:
     return b"".join(french_csv(header, rows))
 
 
-def why_page(db: Session, course: Course, place: Place, one: Assignment, student: Member) -> WhyPage:
+def why_page(db: Session, course: Course, place: ClassAccess, one: Assignment, student: Member) -> WhyPage:
     """For the staff with the reasons; for the student themself without."""
-    staff = place.may(Right.see_students)
-    exemptions = repository.exemptions(db, [one.id]).get(one.id, ())
+    staff = place.has(Right.see_students)
+    exemptions = repository.load_exemptions(db, [one.id]).get(one.id, ())
     seat = student.membership
-    rules = in_force(one, exemptions, seat.account_id, seat.groups)
-    told = explained(rules, exemptions, seat.account_id)
+    rules = rules_in_force(one, exemptions, seat.account_id, seat.groups)
+    told = explain_rules(rules, exemptions, seat.account_id)
     asked = [name for name in words.FIELDS if name != "time_factor" or one.duration_minutes or len(told[name]) > 1]
-    members = classes.members(db, place.school_class.id) if staff else ()
+    members = classes.load_members(db, place.school_class.id) if staff else ()
     return WhyPage(
         head=views.head(course, place, TAB),
         title=one.title,
@@ -142,9 +149,9 @@ def why_page(db: Session, course: Course, place: Place, one: Assignment, student
         ),
         late=words.late_of(rules) if rules.due_at else "",
         line=line_of(rules),
-        people=tuple((str(each.id), each.name) for each in students_of(members)),
+        people=tuple((str(each.id), each.name) for each in active_students(members)),
         for_staff=staff,
-        sitting=_sitting(papers.sitting(db, one.id, seat.account_id), rules) if one.mode == Mode.test else "",
+        sitting=_sitting(papers.load_sitting(db, one.id, seat.account_id), rules) if one.mode == Mode.test else "",
     )
 
 
@@ -152,8 +159,8 @@ def _sitting(found: Sitting | None, rules: Rules) -> str:
     """A sentence on a test: what the rules come to for who has begun it."""
     if found is None:
         return "Pas encore commencé."
-    began, end = f"Commencé le {moment_text(found.began_at)}", feedback.end_of(rules, found)
-    if feedback.is_running(rules, found, utc_now()):
+    began, end = f"Commencé le {moment_text(found.began_at)}", feedback.sitting_end(rules, found)
+    if feedback.is_sitting_running(rules, found, utc_now()):
         return f"{began} ; fin le {moment_text(end)}." if end else f"{began} ; sans heure de fin."
     ended = "rendu" if found.ended_by == EndedBy.student else "temps écoulé"
     return f"{began} ; {ended} le {moment_text(end)}." if end else f"{began}."
@@ -167,7 +174,7 @@ WHO = {
 ADJUSTED = "la fermeture ne vient ni avant la date de remise, ni avant la fin du temps en plus"
 
 
-def _steps(name: str, told: Sequence[Told], *, staff: bool) -> tuple[Step, ...]:
+def _steps(name: str, told: Sequence[ExplainedValue], *, staff: bool) -> tuple[Step, ...]:
     """From what is said to all to what holds."""
     steps = [
         Step(
@@ -181,15 +188,15 @@ def _steps(name: str, told: Sequence[Told], *, staff: bool) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _who(told: Told, *, staff: bool) -> str:
+def _who(told: ExplainedValue, *, staff: bool) -> str:
     if told.origin == "label":
         return f"Un aménagement pour le groupe « {visible(told.label)} »"
     return WHO[told.origin] if staff or told.origin != "student" else "Un aménagement pour vous"
 
 
-def find_student(db: Session, place: Place, name: str) -> Member:
+def find_student(db: Session, place: ClassAccess, name: str) -> Member:
     """A student who is in the class now; the first, where none is named. Raises NotFound."""
-    for each in students_of(classes.members(db, place.school_class.id)):
+    for each in active_students(classes.load_members(db, place.school_class.id)):
         if not name or str(each.id) == name.lower():
             return each
     raise NotFound(NO_STUDENT if name else NOBODY)

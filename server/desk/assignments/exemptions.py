@@ -36,8 +36,8 @@ Word = Annotated[str, Query(max_length=100)]
 def exemptions(request: Request, class_id: str, aid: str, reader: Reading, tri: Word = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
-    found = keeping.find(reader.db, place.school_class, aid)
+    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
+    found = keeping.find_assignment(reader.db, place.school_class, aid)
     view = exemption_views.exemptions_page(reader.db, reader.course, place, found, tri)
     return page(request, "classes/exemptions.html", reader.account, page=view)
 
@@ -46,8 +46,8 @@ def exemptions(request: Request, class_id: str, aid: str, reader: Reading, tri: 
 def export(request: Request, class_id: str, aid: str, reader: Reading, tri: Word = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
-    found = keeping.find(reader.db, place.school_class, aid)
+    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
+    found = keeping.find_assignment(reader.db, place.school_class, aid)
     headers = {"Content-Disposition": 'attachment; filename="amenagements.csv"', "Cache-Control": "private, no-store"}
     content = exemption_views.as_csv(reader.db, place, found, tri)
     return Response(content, media_type="text/csv; charset=utf-8", headers=headers)
@@ -57,13 +57,15 @@ def export(request: Request, class_id: str, aid: str, reader: Reading, tri: Word
 def grant(
     request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid, to_change=True)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
     values = assignment_forms.exemption_values(fields)
     try:
         whom, wanted = assignment_forms.exemption(fields)
-        members = classes.members(db, place.school_class.id)
-        exempting.grant(db, place.school_class, account.id, found, members, whom, wanted, replacing=values.replace)
+        members = classes.load_members(db, place.school_class.id)
+        exempting.grant_exemptions(
+            db, place.school_class, account.id, found, members, whom, wanted, replacing=values.replace
+        )
     except FieldsRefused as refused:
         view = exemption_views.exemptions_page(db, course, place, found, "", values, refused.problems)
         return page(request, "classes/exemptions.html", account, status=422, page=view)
@@ -72,9 +74,9 @@ def grant(
 
 @router.post(f"{ONE}/amenagements/{{eid}}/retirer")
 def revoke(class_id: str, aid: str, eid: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid, to_change=True)
-    exempting.revoke(db, place.school_class, account.id, found, exempting.find(db, found, eid))
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    exempting.revoke_exemption(db, place.school_class, account.id, found, exempting.find_exemption(db, found, eid))
     return go(f"{href_of(found)}/amenagements")
 
 
@@ -83,9 +85,9 @@ def why(request: Request, class_id: str, aid: str, reader: Reading, eleve: Word 
     """Of the first of the class, where its staff name nobody; of oneself, for a student."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_assignments, class_id)
-    found = keeping.find(reader.db, place.school_class, aid)
-    if not place.may(Right.see_students):
+    place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
+    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    if not place.has(Right.see_students):
         assert place.membership is not None  # who has no seat is an administrator
         if eleve and eleve.lower() != str(reader.account.id):
             raise Forbidden(OTHERS)

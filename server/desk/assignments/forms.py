@@ -10,8 +10,8 @@ from uuid import UUID
 
 from starlette.datastructures import FormData
 
-from server.assignments.models import Counts, Late, Mode, Shown
-from server.assignments.schemas import Wanted, WantedExemption, Weighted, Whom
+from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
 from server.base.errors import FieldsRefused, Invalid
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
@@ -80,7 +80,7 @@ def _number(text: str, what: str) -> float | None:
     return float(plain)
 
 
-def assignment(fields: FormData, before: Wanted | None) -> Wanted:
+def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentInput:
     """What the form asks for; `before` is what the assignment is, which says to the second what its fields show.
 
     Raises FieldsRefused.
@@ -98,20 +98,20 @@ def assignment(fields: FormData, before: Wanted | None) -> Wanted:
         Weighted(name, _or_one(read.number(f"{WEIGHT}{name}", "exercises", f"Coefficient de « {name[:100]} »")))
         for name in chosen(fields)
     )
-    wanted = Wanted(
+    wanted = AssignmentInput(
         title=read.text("titre"),
         exercises=exercises,
         opens_at=opens or utc_now().replace(second=0, microsecond=0),
         due_at=due,
         closes_at=closes,
-        late=read.word("retard", "late", Late, Late.accept),
+        late=read.word("retard", "late", LatePolicy, LatePolicy.accept),
         late_per_day=per_day,
-        counts=read.word("compte", "counts", Counts, Counts.best),
+        counts=read.word("compte", "counts", AttemptSelection, AttemptSelection.best),
         weight=_or_one(weight),
         mode=read.word("mode", "mode", Mode, Mode.practice),
-        hints=read.word("indices", "hints", Shown, Shown.usual),
-        diagnosis=read.word("diagnostic", "diagnosis", Shown, Shown.usual),
-        solution=read.word("corrige", "solution", Shown, Shown.usual),
+        hints=read.word("indices", "hints", Visibility, Visibility.usual),
+        diagnosis=read.word("diagnostic", "diagnosis", Visibility, Visibility.usual),
+        solution=read.word("corrige", "solution", Visibility, Visibility.usual),
         duration_minutes=None if minutes is None else int(minutes),
     )
     read.refuse()
@@ -135,20 +135,20 @@ def assignment_values(fields: FormData) -> AssignmentValues:
         opens=text_of(fields, "ouvre"),
         due=text_of(fields, "rendre"),
         closes=text_of(fields, "ferme"),
-        late=text_of(fields, "retard") or Late.accept,
+        late=text_of(fields, "retard") or LatePolicy.accept,
         per_day=text_of(fields, "par_jour"),
         weight=text_of(fields, "coefficient") or "1",
-        counts=text_of(fields, "compte") or Counts.best,
-        hints=text_of(fields, "indices") or Shown.usual,
-        diagnosis=text_of(fields, "diagnostic") or Shown.usual,
-        solution=text_of(fields, "corrige") or Shown.usual,
+        counts=text_of(fields, "compte") or AttemptSelection.best,
+        hints=text_of(fields, "indices") or Visibility.usual,
+        diagnosis=text_of(fields, "diagnostic") or Visibility.usual,
+        solution=text_of(fields, "corrige") or Visibility.usual,
         mode=text_of(fields, "mode") or Mode.practice,
         duration=text_of(fields, "duree"),
         weights=ticked,
     )
 
 
-def values_of(wanted: Wanted) -> AssignmentValues:
+def values_of(wanted: AssignmentInput) -> AssignmentValues:
     """An assignment as its form shows it."""
     return AssignmentValues(
         title=wanted.title,
@@ -171,7 +171,7 @@ def values_of(wanted: Wanted) -> AssignmentValues:
 EXCUSED: Mapping[str, bool | None] = {"": None, "oui": True, "non": False}
 
 
-def exemption(fields: FormData) -> tuple[Whom, WantedExemption]:
+def exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
     """For whom, and what. Raises FieldsRefused."""
     read = _Reader(fields)
     students = []
@@ -183,7 +183,7 @@ def exemption(fields: FormData) -> tuple[Whom, WantedExemption]:
     excused = read.text("dispense")
     if excused not in EXCUSED:
         read.problems["excused"] = NO_CHOICE
-    wanted = WantedExemption(
+    wanted = ExemptionInput(
         opens_at=read.date("ouvre", "opens_at", "Ouverture", None),
         due_at=read.date("rendre", "due_at", "À rendre avant", None),
         closes_at=read.date("ferme", "closes_at", "Fermeture", None),
@@ -192,7 +192,7 @@ def exemption(fields: FormData) -> tuple[Whom, WantedExemption]:
         reason=read.text("raison"),
     )
     read.refuse()
-    return Whom(tuple(students), read.text("groupe")), wanted
+    return ExemptionTarget(tuple(students), read.text("groupe")), wanted
 
 
 def exemption_values(fields: FormData) -> ExemptionValues:

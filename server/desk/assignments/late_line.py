@@ -9,8 +9,8 @@ from datetime import datetime, timedelta
 
 from markupsafe import Markup, escape
 
-from server.assignments.models import Late
-from server.assignments.rules import DAY, FULL, Rules
+from server.assignments.models import LatePolicy
+from server.assignments.rules import DAY, MAX_POINTS, Rules
 from server.web import school_time
 from server.web.words import moment_words, points
 
@@ -48,28 +48,28 @@ def line_of(rules: Rules) -> LateLine:
 def _pieces(rules: Rules) -> Iterator[_Piece]:
     opens, end = rules.opens_at, _last(rules)
     on_time = min(rules.due_at or end, rules.closes_at or end)
-    yield _Piece(opens, on_time, FULL, FULL)
+    yield _Piece(opens, on_time, MAX_POINTS, MAX_POINTS)
     accepted = min(rules.closes_at or end, end)
-    if rules.late is Late.accept and accepted > on_time:
-        yield _Piece(on_time, accepted, FULL, FULL)
-    elif rules.late is Late.penalty:
+    if rules.late is LatePolicy.accept and accepted > on_time:
+        yield _Piece(on_time, accepted, MAX_POINTS, MAX_POINTS)
+    elif rules.late is LatePolicy.penalty:
         yield from _steps(on_time, accepted, rules.late_per_day)
-    shut = on_time if rules.late is Late.refuse else accepted
+    shut = on_time if rules.late is LatePolicy.refuse else accepted
     if end > shut:
         yield _Piece(shut, end, None, None)
 
 
 def _steps(due: datetime, end: datetime, per_day: float) -> Iterator[_Piece]:
     """A step for each day begun, down to nothing."""
-    days = min(math.ceil((end - due) / DAY), math.ceil(FULL / per_day))
+    days = min(math.ceil((end - due) / DAY), math.ceil(MAX_POINTS / per_day))
     if days > MOST_STEPS:
         bottom = min(due + days * DAY, end)
-        yield _Piece(due, bottom, FULL, max(0.0, FULL - days * per_day))
+        yield _Piece(due, bottom, MAX_POINTS, max(0.0, MAX_POINTS - days * per_day))
         days, reached = 0, bottom
     else:
         reached = due
     for day in range(1, days + 1):
-        worth = max(0.0, FULL - day * per_day)
+        worth = max(0.0, MAX_POINTS - day * per_day)
         reached = min(due + day * DAY, end)
         yield _Piece(due + (day - 1) * DAY, reached, worth, worth)
     if reached < end:
@@ -83,8 +83,8 @@ def _last(rules: Rules) -> datetime:
         return rules.closes_at + after
     if rules.due_at is None:
         return rules.opens_at + 7 * DAY
-    if rules.late is Late.penalty:
-        return rules.due_at + min(math.ceil(FULL / rules.late_per_day), 400) * DAY + BEYOND
+    if rules.late is LatePolicy.penalty:
+        return rules.due_at + min(math.ceil(MAX_POINTS / rules.late_per_day), 400) * DAY + BEYOND
     return rules.due_at + max((rules.due_at - rules.opens_at) / 3, BEYOND)
 
 
@@ -96,7 +96,7 @@ def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
         return LEFT + (RIGHT - LEFT) * ((when - start) / timedelta(seconds=1)) / length
 
     def y(worth: float | None) -> float:
-        return BOTTOM - (BOTTOM - TOP) * (worth or 0.0) / FULL
+        return BOTTOM - (BOTTOM - TOP) * (worth or 0.0) / MAX_POINTS
 
     parts = []
     for mark in (0, 10, 20):
@@ -136,11 +136,11 @@ def _sentences(rules: Rules) -> Iterator[str]:
             yield "Ensuite, plus rien ne compte."
         return
     yield f"Du {moment_words(opens)} au {moment_words(due)}, tout compte en entier."
-    if rules.late is Late.refuse or (closes is not None and closes <= due):
+    if rules.late is LatePolicy.refuse or (closes is not None and closes <= due):
         yield "Ensuite, plus rien ne compte."
         return
     until = f"jusqu’au {moment_words(closes)}" if closes else "sans limite"
-    if rules.late is Late.accept:
+    if rules.late is LatePolicy.accept:
         yield f"Ensuite, {until}, un envoi compte en entier et il est marqué en retard."
     else:
         yield f"Ensuite, {until}, {_costs(rules.late_per_day)}"
@@ -149,8 +149,8 @@ def _sentences(rules: Rules) -> Iterator[str]:
 
 
 def _costs(per_day: float) -> str:
-    first = max(0.0, FULL - per_day)
-    days = math.ceil(FULL / per_day)
+    first = max(0.0, MAX_POINTS - per_day)
+    days = math.ceil(MAX_POINTS / per_day)
     worth = f"chaque jour de retard commencé coûte {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 : "
     if days == 1:
         return worth + "il ne reste rien dès le premier jour."

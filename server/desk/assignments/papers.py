@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from server.assignments.models import Late, Mode
+from server.assignments.models import LatePolicy, Mode
 from server.course import Course, Module
 from server.course.kinds import PAPER
 from server.course.models import Lesson
@@ -35,7 +35,9 @@ def values(course: Course, module: str, slug: str) -> AssignmentValues:
         return AssignmentValues()
     weights = dict.fromkeys(exercises(served, paper), "1")
     duration = str(paper.minutes) if paper.minutes else ""
-    return AssignmentValues(title=paper.title, late=Late.accept, mode=Mode.test, duration=duration, weights=weights)
+    return AssignmentValues(
+        title=paper.title, late=LatePolicy.accept, mode=Mode.test, duration=duration, weights=weights
+    )
 
 
 def exercises(module: Module, paper: Lesson) -> list[str]:

@@ -7,7 +7,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import keeping
 from server.assignments.models import Assignment
-from server.assignments.schemas import Wanted, checked
+from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.base.errors import FieldsRefused
 from server.base.routing import Room
 from server.classes.service import require_open
@@ -36,8 +36,8 @@ def all_of_class(request: Request, class_id: str, reader: Reading) -> Response:
     """A student has theirs on the class's page."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_assignments, class_id)
-    if not place.may(Right.see_students):
+    place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
+    if not place.has(Right.see_students):
         return go(views.href_of(place.school_class))
     view = assignment_views.assignments_page(reader.db, reader.course, place)
     return page(request, "classes/assignments.html", reader.account, page=view)
@@ -48,7 +48,7 @@ def new(request: Request, class_id: str, reader: Reading, sujet: str = "") -> Re
     """`sujet` names a paper of the course, for which the form is filled."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.keep_assignments, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(place.school_class)
     values = papers.values(reader.course, place.school_class.module, sujet)
     view = assignment_views.form_page(reader.course, place, values)
@@ -60,15 +60,15 @@ def create(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
     values = assignment_forms.assignment_values(fields)
-    drawn: Wanted | None = None
+    drawn: AssignmentInput | None = None
     try:
         wanted = assignment_forms.assignment(fields, None)
         if not fields.get("apercu"):
-            made = keeping.make(db, course, place.school_class, account.id, wanted)
+            made = keeping.create_assignment(db, course, place.school_class, account.id, wanted)
             return go(assignment_views.href_of(made))
-        drawn = checked(wanted, keeping.exercises_of(course, place.school_class))
+        drawn = validate_assignment(wanted, keeping.assignable_exercises(course, place.school_class))
         problems = {}
     except FieldsRefused as refused:
         problems = refused.problems
@@ -85,9 +85,9 @@ def one(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
     """A student has it on the class's page."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_assignments, class_id)
-    found = keeping.find(reader.db, place.school_class, aid)
-    if not place.may(Right.see_students):
+    place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
+    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    if not place.has(Right.see_students):
         return go(f"{views.href_of(place.school_class)}#devoir-{found.id}")
     view = assignment_views.assignment_page(reader.db, reader.course, place, found)
     return page(request, "classes/assignment.html", reader.account, page=view)
@@ -97,10 +97,10 @@ def one(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
 def form(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.keep_assignments, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(place.school_class)
-    found = keeping.find(reader.db, place.school_class, aid)
-    wanted = keeping.current(reader.db, found)
+    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    wanted = keeping.load_assignment_input(reader.db, found)
     values = assignment_forms.values_of(wanted)
     view = assignment_views.form_page(reader.course, place, values, one=found, drawn=wanted)
     return page(request, "classes/assignment_form.html", reader.account, page=view)
@@ -111,18 +111,18 @@ def change(
     request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid, to_change=True)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
     values = assignment_forms.assignment_values(fields)
-    drawn: Wanted | None = None
+    drawn: AssignmentInput | None = None
     try:
-        before = keeping.current(db, found)
+        before = keeping.load_assignment_input(db, found)
         wanted = assignment_forms.assignment(fields, before)
         if not fields.get("apercu"):
-            keeping.change(db, course, place.school_class, account.id, found, wanted)
+            keeping.update_assignment(db, course, place.school_class, account.id, found, wanted)
             return go(assignment_views.href_of(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        drawn = checked(wanted, known | dict(keeping.exercises_of(course, place.school_class)))
+        drawn = validate_assignment(wanted, known | dict(keeping.assignable_exercises(course, place.school_class)))
         problems = {}
     except FieldsRefused as refused:
         problems = refused.problems
@@ -132,7 +132,7 @@ def change(
 
 @router.post(f"{ONE}/supprimer")
 def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require(db, account, Right.keep_assignments, class_id)
-    found: Assignment = keeping.find(db, place.school_class, aid, to_change=True)
-    keeping.delete(db, place.school_class, account.id, found)
+    place = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found: Assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    keeping.delete_assignment(db, place.school_class, account.id, found)
     return go(f"{views.href_of(place.school_class)}/devoirs")

@@ -10,9 +10,9 @@ from sqlalchemy.orm import Session
 
 from server.assignments import keeping, repository
 from server.assignments.models import Assignment, Mode
-from server.assignments.rules import Rules, in_force
-from server.assignments.schemas import Wanted
-from server.assignments.states import Stage, stage
+from server.assignments.rules import Rules, rules_in_force
+from server.assignments.schemas import AssignmentInput
+from server.assignments.states import AssignmentStage, assignment_stage
 from server.classes import repository as classes
 from server.course import Course
 from server.database import utc_now
@@ -33,7 +33,7 @@ from server.desk.assignments.schemas import (
 )
 from server.desk.sitting.views import release_view
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import school_time
 from server.web.views import exercise_href, in_order
 from server.web.words import moment, moment_words
@@ -46,38 +46,38 @@ def when(date: datetime | None) -> When:
     return When() if date is None else When(moment(date), moment_words(date))
 
 
-def stage_view(at: Stage) -> StageView:
+def stage_view(at: AssignmentStage) -> StageView:
     sign, name = words.STAGES[at]
     return StageView(at.value, sign, name)
 
 
-def common_rules(frame: Assignment | Wanted) -> Rules:
+def common_rules(frame: Assignment | AssignmentInput) -> Rules:
     """Those of who has no exemption."""
-    return in_force(frame, (), NOBODY, ())
+    return rules_in_force(frame, (), NOBODY, ())
 
 
 def href_of(assignment: Assignment) -> str:
     return f"/classes/{assignment.class_id}/devoirs/{assignment.id}"
 
 
-def assignments_page(db: Session, course: Course, place: Place) -> AssignmentsPage:
+def assignments_page(db: Session, course: Course, place: ClassAccess) -> AssignmentsPage:
     """Six queries, however many there are."""
-    rows = repository.of_class(db, place.school_class.id)
+    rows = repository.load_class_assignments(db, place.school_class.id)
     names = [one.id for one in rows]
-    exercises, exempted = repository.exercises(db, names), repository.counted_exemptions(db, names)
+    exercises, exempted = repository.load_exercises(db, names), repository.count_exemptions(db, names)
     finished = desk.finished(db, place.school_class.id, names)
     now = utc_now()
     shown = tuple(
         _row(one, len(exercises.get(one.id, ())), exempted.get(one.id, 0), finished.get(one.id, 0), now) for one in rows
     )
-    students = classes.counts(db, [place.school_class.id])[place.school_class.id][0]
+    students = classes.count_students(db, [place.school_class.id])[place.school_class.id][0]
     given = papers.links(course, place.school_class.module, views.href_of(place.school_class))
     head, zone = views.head(course, place, TAB), school_time.zone_name()
     return AssignmentsPage(head, shown, students, may_keep(place), zone, given)
 
 
-def may_keep(place: Place) -> bool:
-    return place.may(Right.keep_assignments) and place.school_class.archived_at is None
+def may_keep(place: ClassAccess) -> bool:
+    return place.has(Right.manage_assignments) and place.school_class.archived_at is None
 
 
 def _row(one: Assignment, exercises: int, exemptions: int, finished: int, now: datetime) -> AssignmentRow:
@@ -86,7 +86,7 @@ def _row(one: Assignment, exercises: int, exemptions: int, finished: int, now: d
         title=one.title,
         mode=words.MODES[Mode(one.mode)],
         is_test=one.mode == Mode.test,
-        stage=stage_view(stage(common_rules(one), now)),
+        stage=stage_view(assignment_stage(common_rules(one), now)),
         opens=when(one.opens_at),
         due=when(one.due_at),
         closes=when(one.closes_at),
@@ -96,9 +96,9 @@ def _row(one: Assignment, exercises: int, exemptions: int, finished: int, now: d
     )
 
 
-def assignment_page(db: Session, course: Course, place: Place, one: Assignment) -> AssignmentPage:
-    wanted = keeping.current(db, one)
-    exempted = repository.counted_exemptions(db, [one.id]).get(one.id, 0)
+def assignment_page(db: Session, course: Course, place: ClassAccess, one: Assignment) -> AssignmentPage:
+    wanted = keeping.load_assignment_input(db, one)
+    exempted = repository.count_exemptions(db, [one.id]).get(one.id, 0)
     finished = desk.finished(db, place.school_class.id, [one.id]).get(one.id, 0)
     return AssignmentPage(
         head=views.head(course, place, TAB),
@@ -106,10 +106,10 @@ def assignment_page(db: Session, course: Course, place: Place, one: Assignment) 
         exercises=tuple(_weighted(course, each.exercise, each.weight) for each in wanted.exercises),
         facts=tuple(_facts(wanted)),
         line=line_of(common_rules(one)),
-        students=classes.counts(db, [place.school_class.id])[place.school_class.id][0],
+        students=classes.count_students(db, [place.school_class.id])[place.school_class.id][0],
         may_keep=may_keep(place),
-        may_compare=place.may(Right.compare_codes),
-        release=release_view(db, one) if one.mode == Mode.test and place.may(Right.release_feedback) else None,
+        may_compare=place.has(Right.compare_codes),
+        release=release_view(db, one) if one.mode == Mode.test and place.has(Right.release_feedback) else None,
     )
 
 
@@ -120,7 +120,7 @@ def _weighted(course: Course, name: str, weight: float) -> WeightedRow:
     return WeightedRow(exercise.title, exercise_href(exercise), words.number(weight))
 
 
-def _facts(wanted: Wanted) -> list[tuple[str, str]]:
+def _facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
         ("Mode", words.MODES[wanted.mode]),
         ("En retard", words.lateness(wanted.late, wanted.late_per_day)),
@@ -137,12 +137,12 @@ def _facts(wanted: Wanted) -> list[tuple[str, str]]:
 
 def form_page(
     course: Course,
-    place: Place,
+    place: ClassAccess,
     values: AssignmentValues,
     *,
     one: Assignment | None = None,
     problems: Mapping[str, str] | None = None,
-    drawn: Wanted | None = None,
+    drawn: AssignmentInput | None = None,
 ) -> AssignmentFormPage:
     """To make an assignment, or to change `one`; `drawn` is what the line shows."""
     home = f"{views.href_of(place.school_class)}/devoirs"
@@ -161,7 +161,7 @@ def form_page(
     )
 
 
-def _choices(course: Course, place: Place, chosen: Mapping[str, str]) -> Sequence[Choice]:
+def _choices(course: Course, place: ClassAccess, chosen: Mapping[str, str]) -> Sequence[Choice]:
     """In the order in which one meets them; then those that have left the course, and were given."""
     module = course.modules.get(place.school_class.module)
     exercises = [] if module is None else in_order(module)

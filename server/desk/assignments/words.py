@@ -6,33 +6,33 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Any
 
-from server.assignments.models import Counts, Late, Mode, Shown
+from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
 from server.assignments.rules import Field, Rules
-from server.assignments.states import Stage
+from server.assignments.states import AssignmentStage
 from server.web.words import moment_words, points
 
 MODES: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
-STAGES: Mapping[Stage, tuple[str, str]] = {
-    Stage.upcoming: ("◷", "à venir"),
-    Stage.open: ("▶", "ouvert"),
-    Stage.late: ("!", "en retard accepté"),
-    Stage.closed: ("■", "fermé"),
+STAGES: Mapping[AssignmentStage, tuple[str, str]] = {
+    AssignmentStage.upcoming: ("◷", "à venir"),
+    AssignmentStage.open: ("▶", "ouvert"),
+    AssignmentStage.late: ("!", "en retard accepté"),
+    AssignmentStage.closed: ("■", "fermé"),
 }
-COUNTS: Mapping[Counts, str] = {
-    Counts.best: "le meilleur essai",
-    Counts.last: "le dernier essai",
-    Counts.best_before_due: "le meilleur essai avant la date de remise",
+COUNTS: Mapping[AttemptSelection, str] = {
+    AttemptSelection.best: "le meilleur essai",
+    AttemptSelection.last: "le dernier essai",
+    AttemptSelection.best_before_due: "le meilleur essai avant la date de remise",
 }
-SHOWN: Mapping[Shown, str] = {
-    Shown.usual: "comme d’habitude",
-    Shown.after_due: "après la date de remise",
-    Shown.after_close: "après la fermeture",
-    Shown.never: "jamais",
+SHOWN: Mapping[Visibility, str] = {
+    Visibility.usual: "comme d’habitude",
+    Visibility.after_due: "après la date de remise",
+    Visibility.after_close: "après la fermeture",
+    Visibility.never: "jamais",
 }
-LATE: Mapping[Late, str] = {
-    Late.refuse: "refusé",
-    Late.accept: "accepté, et marqué en retard",
-    Late.penalty: "pénalisé",
+LATE: Mapping[LatePolicy, str] = {
+    LatePolicy.refuse: "refusé",
+    LatePolicy.accept: "accepté, et marqué en retard",
+    LatePolicy.penalty: "pénalisé",
 }
 FIELDS: Mapping[Field, str] = {
     "opens_at": "Ouverture",
@@ -49,8 +49,8 @@ def number(value: float) -> str:
     return f"{value:.10g}".replace(".", ",")
 
 
-def lateness(late: Late, per_day: float | None) -> str:
-    if late is Late.penalty and per_day:
+def lateness(late: LatePolicy, per_day: float | None) -> str:
+    if late is LatePolicy.penalty and per_day:
         return f"pénalisé : {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
     return LATE[late]
 

@@ -21,7 +21,7 @@ from server.desk.board.side_panel import share_text
 from server.desk.board.views import misconception_row
 from server.desk.views import head, href_of
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.views import lesson_href
 
 EXTRACTS = 2
@@ -30,7 +30,7 @@ UNKNOWN = "Personne, dans cette classe, n’a eu cette erreur à un exercice qui
 
 
 def misconception_page(
-    db: Session, course: Course, place: Place, exercise_id: str, misconception: str, *, chosen: bool = False
+    db: Session, course: Course, place: ClassAccess, exercise_id: str, misconception: str, *, chosen: bool = False
 ) -> MisconceptionPage:
     """Build the page; `chosen`: it may be projected, however few had it. Raise NotFound where nobody had it."""
     school_class = place.school_class
@@ -54,7 +54,7 @@ def misconception_page(
         after=_improvement_text(stats),
         lesson=_lesson(course, exercise),
         project_href=f"{misconception_href(href, exercise_id, misconception)}/projeter",
-        word_href=_word_href(href, stats) if place.may(Right.comment) and stats.now else "",
+        word_href=_word_href(href, stats) if place.has(Right.comment) and stats.now else "",
         may_project=chosen or stats.ever >= FEWEST_TO_PROJECT,
         fewest=FEWEST_TO_PROJECT,
     )

@@ -25,7 +25,7 @@ from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.submissions.events import STREAM_HEADERS
 from server.web.dependencies import Reading
 from server.web.rendering import page
@@ -40,7 +40,7 @@ SIGN_OF_LIFE = ":\n\n"
 def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
     return page(request, "classes/mistake.html", reader.account, page=view)
 
@@ -52,7 +52,7 @@ def project(
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
     return page(request, "classes/projection.html", reader.account, page=view)
 
@@ -71,12 +71,12 @@ async def events(
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
-def _place(database: Database, account: Account, class_id: str) -> Place:
+def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
     with database.read() as db:
-        return rights.require(db, account, Right.read_work, class_id)
+        return rights.require_right(db, account, Right.read_work, class_id)
 
 
-def _may_watch(database: Database, account: Account, place: Place) -> bool:
+def _may_watch(database: Database, account: Account, place: ClassAccess) -> bool:
     with database.read() as db:
         return service.may_watch(db, account.id, place.school_class.id)
 

@@ -26,7 +26,7 @@ from server.desk.board.schemas import (
 from server.desk.board.side_panel import number_text, side_panel
 from server.desk.views import code_view, group_counts, head, href_of
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import school_time
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import environment
@@ -70,13 +70,13 @@ class BoardQuery:
         return self.sort.removeprefix("-")
 
 
-def board_page(reader: Reader, place: Place, query: BoardQuery, base: str) -> BoardPage:
+def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str) -> BoardPage:
     """Build the page, rendering only the fragments that are not cached. `base` is the address of the service."""
     db, course, school_class = reader.db, reader.course, place.school_class
     inputs = service.load_inputs(db, course, school_class, utc_now())
     progress = inputs.progress
     unnamed_groups = tuple(service.load_unnamed_groups(db, progress))
-    may_regrade = place.may(Right.regrade)
+    may_regrade = place.has(Right.regrade)
     links = BoardLinks(course, href_of(school_class), progress.students)
 
     def render_side_panel() -> str:
@@ -91,8 +91,8 @@ def board_page(reader: Reader, place: Place, query: BoardQuery, base: str) -> Bo
         head=head(course, place, ""),
         has_students=bool(progress.students),
         rule=RULE,
-        waiting=classes.counts(db, [school_class.id])[school_class.id][1],
-        code=code_view(school_class, base) if not progress.students and place.may(Right.see_code) else None,
+        waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
+        code=code_view(school_class, base) if not progress.students and place.has(Right.see_code) else None,
         version=FRAGMENTS.get_or_render(("board version", inputs.version), lambda: inputs.board.version),
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),

@@ -20,7 +20,7 @@ from server.desk.groups.schemas import NameForm
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
@@ -45,7 +45,7 @@ class Which:
     def exercise(self) -> str:
         return f"{self.module}/{self.slug}"
 
-    def find(self, db: Db, place: Place) -> BehaviourGroup:
+    def find(self, db: Db, place: ClassAccess) -> BehaviourGroup:
         """Raises NotFound."""
         return service.find_group(db, place.school_class, self.exercise, self.group)
 
@@ -64,7 +64,7 @@ def show(
     """With the program of the attempt `essai`; with the words of the group `depuis` in the form, to be given or not."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, which.class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, which.class_id)
     return _show(request, which, reader, place, essai, depuis=depuis)
 
 
@@ -72,7 +72,7 @@ def _show(
     request: Request,
     which: Which,
     reader: Reader,
-    place: Place,
+    place: ClassAccess,
     wanted: UUID | None,
     *,
     depuis: str = "",
@@ -100,7 +100,7 @@ def name(
     action: Field = "nommer",
 ) -> Response:
     """Names the group, or takes its name back, as an emptied form does."""
-    place = rights.require(db, account, Right.name_behaviours, which.class_id)
+    place = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     group = which.find(db, place)
     require_open(place.school_class)
     if action == "retirer" or not (title + explanation + question).strip():
@@ -119,7 +119,7 @@ def name(
 @router.get(ADDRESS + "/erreur.zip")
 def take_away(which: WhichGroup, account: SignedIn, db: Db, course: CourseOf) -> Response:
     """The named group as a misconception, for the authors of the course."""
-    place = rights.require(db, account, Right.name_behaviours, which.class_id)
+    place = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     found = service.load_class_group(db, place.school_class, which.exercise, which.group)
     exercise = find_exercise(course, which.module, which.slug)
     if found.name is None:

@@ -20,7 +20,7 @@ from server.desk.groups.schemas import ExampleView, GroupPage, NameForm, Program
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.submissions.models import Submission
 from server.web import values
 from server.web.views import exercise_href
@@ -37,7 +37,7 @@ def href_of(class_id: UUID, exercise: str, group: str) -> str:
 def page_of(
     db: Session,
     course: Course,
-    place: Place,
+    place: ClassAccess,
     account: Account,
     found: ClassGroup,
     earlier: Sequence[BehaviourName],
@@ -47,9 +47,9 @@ def page_of(
     school_class, group = place.school_class, found.group
     exercise = course.exercises.get(group.exercise)
     read = behaviour.load_program(db, school_class, group.id, wanted)
-    names = {one.id: one.name for one in classes.members(db, school_class.id)}
+    names = {one.id: one.name for one in classes.load_members(db, school_class.id)}
     href = href_of(school_class.id, group.exercise, group.id)
-    may_name = place.may(Right.name_behaviours) and school_class.archived_at is None
+    may_name = place.has(Right.name_behaviours) and school_class.archived_at is None
     return GroupPage(
         head=views.head(course, place, "/groupes"),
         href=href,
@@ -114,9 +114,9 @@ def _row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submissi
     )
 
 
-def author_s_names(db: Session, place: Place, account_id: UUID) -> Sequence[str]:
+def author_s_names(db: Session, place: ClassAccess, account_id: UUID) -> Sequence[str]:
     """Every word of the author's names, as the account and the class's list have them."""
-    found = next(iter(classes.members(db, place.school_class.id, [account_id])), None)
+    found = next(iter(classes.load_members(db, place.school_class.id, [account_id])), None)
     if found is None:
         return ()
     given = (found.name, found.account.name, found.membership.family_name, found.membership.given_name)

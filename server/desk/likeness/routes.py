@@ -23,7 +23,7 @@ from server.desk.likeness.schemas import CodeLine, ExerciseChoice, LikenessPage,
 from server.identity.dependencies import OptionalAccount
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.similarity import service
 from server.similarity.service import Comparison, Copy
 from server.web.rendering import page
@@ -48,15 +48,15 @@ def likeness(
     if account is None:
         return log_in_first(request)
     with database.read() as db:
-        place = rights.require(db, account, Right.compare_codes, class_id)
-        assignment = assignments.by_id(db, place.school_class.id, assignment_id)
+        place = rights.require_right(db, account, Right.compare_codes, class_id)
+        assignment = assignments.find_assignment(db, place.school_class.id, assignment_id)
         if assignment is None:
             raise NotFound(NO_ASSIGNMENT)
-        assigned = assignments.exercises(db, [assignment.id])[assignment.id]
+        assigned = assignments.load_exercises(db, [assignment.id])[assignment.id]
         exercises = [course.exercises[one.exercise] for one in assigned if one.exercise in course.exercises]
         chosen = _chosen(exercises, exercice)
         sent = service.copies(db, assignment, chosen) if chosen else []
-        names = {member.id: member.name for member in classes.members(db, place.school_class.id)}
+        names = {member.id: member.name for member in classes.load_members(db, place.school_class.id)}
     found = service.compare(course, chosen, sent) if chosen else Comparison(0, False, ())
     view = _view(course, place, assignment, exercises, chosen, found, names)
     return page(request, "classes/likeness.html", account, page=view)
@@ -73,7 +73,7 @@ def _chosen(exercises: list[Exercise], name: str) -> Exercise | None:
 
 def _view(
     course: Course,
-    place: Place,
+    place: ClassAccess,
     assignment: Assignment,
     exercises: list[Exercise],
     chosen: Exercise | None,

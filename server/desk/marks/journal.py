@@ -12,12 +12,12 @@ from fastapi.responses import Response, StreamingResponse
 
 from server.audit import repository
 from server.audit import service as audit
-from server.audit.models import WORDS, What
-from server.audit.schemas import Event, Filter
-from server.audit.words import changes
+from server.audit.models import ACTION_LABELS, AuditAction
+from server.audit.schemas import AuditEntry, AuditFilter
+from server.audit.words import describe_changes
 from server.base.routing import Room
 from server.classes import repository as classes
-from server.classes.models import Seat
+from server.classes.models import ClassRole
 from server.course import Course
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -29,7 +29,7 @@ from server.identity.dependencies import SignedIn
 from server.marks.cells import Cell, ascii_slug, french_csv
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.dependencies import Reading
 from server.web.rendering import page
 from server.web.words import moment, moment_text
@@ -41,13 +41,13 @@ HEADER = ("Date", "Par", "Changement", "Élève", "Objet", "Avant et après", "M
 Text = Annotated[str, Query(max_length=100)]
 
 
-def _wanted(student: str, kind: str) -> Filter:
+def _wanted(student: str, kind: str) -> AuditFilter:
     """What means nothing filters nothing."""
     try:
         who = UUID(student) if student else None
     except ValueError:
         who = None
-    return Filter(who, What(kind) if kind in set(What) else None)
+    return AuditFilter(who, AuditAction(kind) if kind in set(AuditAction) else None)
 
 
 @router.get("/classes/{class_id}/journal")
@@ -56,29 +56,29 @@ def log(
 ) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_log, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_audit_log, class_id)
     view = _log_page(reader.db, reader.course, place, _wanted(eleve, genre), p)
     return page(request, "classes/log.html", reader.account, page=view)
 
 
-def _log_page(db: Db, course: Course, place: Place, wanted: Filter, number: int) -> LogPage:
+def _log_page(db: Db, course: Course, place: ClassAccess, wanted: AuditFilter, number: int) -> LogPage:
     class_id, skipped = place.school_class.id, (number - 1) * A_PAGE
-    events = repository.of_class(db, class_id, wanted, most=A_PAGE, skipped=skipped)
-    total = repository.count(db, class_id, wanted)
+    events = repository.load_entries(db, class_id, wanted, most=A_PAGE, skipped=skipped)
+    total = repository.count_entries(db, class_id, wanted)
     asked = {"eleve": str(wanted.student or ""), "genre": wanted.what or ""}
     query = {name: value for name, value in asked.items() if value}
 
     def address(there: int) -> str:
         return f"{href_of(place.school_class)}/journal?{urlencode({**query, 'p': there})}"
 
-    students = [one for one in classes.members(db, class_id) if one.seat is Seat.student]
+    students = [one for one in classes.load_members(db, class_id) if one.role is ClassRole.student]
     return LogPage(
         head=head(course, place, "/journal"),
         events=tuple(_view(one) for one in events),
         total=total,
         first=skipped + 1,
         students=tuple(Choice(str(one.id), one.name, one.id == wanted.student) for one in students),
-        kinds=tuple(Choice(kind, words, kind == wanted.what) for kind, words in WORDS.items()),
+        kinds=tuple(Choice(kind, words, kind == wanted.what) for kind, words in ACTION_LABELS.items()),
         newer=address(number - 1) if number > 1 else "",
         older=address(number + 1) if skipped + len(events) < total else "",
         file_query=urlencode(query),
@@ -86,7 +86,7 @@ def _log_page(db: Db, course: Course, place: Place, wanted: Filter, number: int)
     )
 
 
-def _view(one: Event) -> EventView:
+def _view(one: AuditEntry) -> EventView:
     return EventView(
         at=moment(one.at),
         at_text=moment_text(one.at),
@@ -94,7 +94,7 @@ def _view(one: Event) -> EventView:
         words=one.words,
         student=one.student_name,
         about=one.about,
-        changes=changes(one.before, one.after, moment_text),
+        changes=describe_changes(one.before, one.after, moment_text),
         reason=one.reason,
     )
 
@@ -105,8 +105,8 @@ def file(
 ) -> StreamingResponse:
     """Sent while it is read."""
     with database.read() as db:
-        place = rights.require(db, account, Right.read_log, class_id)
-    events = audit.events(database, place.school_class.id, _wanted(eleve, genre))
+        place = rights.require_right(db, account, Right.read_audit_log, class_id)
+    events = audit.iter_entries(database, place.school_class.id, _wanted(eleve, genre))
     ending = "json" if format == "json" else "csv"
     named = f"balise-{ascii_slug(place.school_class.name, 'classe')}-journal-{utc_now():%Y-%m-%d}.{ending}"
     headers = {"Content-Disposition": f'attachment; filename="{named}"', "Cache-Control": "private, no-store"}
@@ -116,13 +116,13 @@ def file(
     return StreamingResponse(lines, media_type="text/csv; charset=utf-8", headers=headers)
 
 
-def _line(one: Event) -> tuple[Cell, ...]:
+def _line(one: AuditEntry) -> tuple[Cell, ...]:
     view = _view(one)
     told = "\n".join(map(str, view.changes))
     return view.at_text, view.by, view.words, view.student, view.about, told, view.reason
 
 
-def _as_json(events: Iterable[Event]) -> Iterator[bytes]:
+def _as_json(events: Iterable[AuditEntry]) -> Iterator[bytes]:
     """An array, an event a line."""
     before = b"[\n"
     for one in events:

@@ -11,7 +11,7 @@ from server.marks.files import EXCUSED, unique_titles
 from server.marks.means import format_number, round_points
 from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.words import moment, moment_text, plural
 
 STATES = {
@@ -24,7 +24,7 @@ STATES = {
 AHEAD = ", et déjà travaillé"
 
 
-def mark_page(course: Course, place: Place, book: Gradebook, assignment: str) -> MarkPage:
+def mark_page(course: Course, place: ClassAccess, book: Gradebook, assignment: str) -> MarkPage:
     """Of one student at one assignment. Raises NotFound."""
     at = next((n for n, one in enumerate(book.assignments) if str(one.id) == assignment), None)
     if at is None or not book.rows:
@@ -41,7 +41,7 @@ def mark_page(course: Course, place: Place, book: Gradebook, assignment: str) ->
         state=STATES[mark.state] + (AHEAD if mark.state is MarkState.upcoming and mark.points is not None else ""),
         notes=_rules(mark),
         exercises=tuple(_exercise(book, one) for one in mark.exercises),
-        may_change=place.may(Right.change_marks) and place.school_class.archived_at is None,
+        may_change=place.has(Right.change_marks) and place.school_class.archived_at is None,
     )
 
 

@@ -25,7 +25,7 @@ from server.marks.loading import load_gradebook, load_inputs
 from server.personal.zipping import zipped
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
@@ -45,7 +45,7 @@ def gradebook(
 ) -> Response:  # fmt: skip
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_marks, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     inputs = load_inputs(reader.db, reader.course, place.school_class, utc_now())
     view = gradebook_page(reader.db, place, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
     return page(request, "classes/gradebook.html", reader.account, page=view)
@@ -56,7 +56,7 @@ def file(
     class_id: str, account: SignedIn, db: Db, course: CourseOf, format: GradebookFormat = GradebookFormat.xlsx,
     identifiant: MoodleIdentifier = MoodleIdentifier.email,
 ) -> Response:  # fmt: skip
-    place = rights.require(db, account, Right.read_marks, class_id)
+    place = rights.require_right(db, account, Right.read_marks, class_id)
     made = render_download(load_gradebook(db, course, place.school_class, utc_now()), format, identifiant, moment_text)
     return Response(made.content, media_type=made.media_type, headers=made.headers)
 
@@ -68,7 +68,7 @@ def archive(
 ) -> StreamingResponse:  # fmt: skip
     """The attempts that count, sent while the archive is made."""
     with database.read() as db:
-        place = rights.require(db, account, Right.read_marks, class_id)
+        place = rights.require_right(db, account, Right.read_marks, class_id)
         made = load_gradebook(db, course, place.school_class, utc_now())
     found = copies(made, course, names=noms, only=identity_of(devoir, UNKNOWN) if devoir else None, when=moment_text)
     headers = {
@@ -83,12 +83,12 @@ def archive(
 def one(request: Request, class_id: str, student: str, assignment_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_marks, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     return _one(request, reader.account, reader.db, reader.course, place, student, assignment_id)
 
 
 def _one(
-    request: Request, account: Account, db: Db, course: CourseOf, place: Place, student: str, assignment: str,
+    request: Request, account: Account, db: Db, course: CourseOf, place: ClassAccess, student: str, assignment: str,
     form: MarkForm = EMPTY, status: int = 200,
 ) -> HTMLResponse:  # fmt: skip
     made = load_gradebook(db, course, place.school_class, utc_now(), only=[identity_of(student, UNKNOWN)])
@@ -102,7 +102,7 @@ def change(
     action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "",
 ) -> Response:  # fmt: skip
     """Sets a mark, or takes that back."""
-    place = rights.require(db, account, Right.change_marks, class_id)
+    place = rights.require_right(db, account, Right.change_marks, class_id)
     try:
         _change(db, course, place, account, student, action, MarkForm(exercice, points, motif))
     except ServiceError as refused:
@@ -114,7 +114,7 @@ def change(
 
 
 def _change(
-    db: Db, course: CourseOf, place: Place, account: Account, student: str, action: str, form: MarkForm
+    db: Db, course: CourseOf, place: ClassAccess, account: Account, student: str, action: str, form: MarkForm
 ) -> None:
     """Raises NotFound, Conflict or Invalid."""
     who, school_class = identity_of(student, UNKNOWN), place.school_class

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from server.audit.words import Change
+from server.audit.words import ValueChange
 from server.desk.schemas import ClassHead
 
 
@@ -161,7 +161,7 @@ class EventView:
     words: str
     student: str
     about: str
-    changes: tuple[Change, ...]
+    changes: tuple[ValueChange, ...]
     reason: str
 
 

@@ -46,7 +46,7 @@ from server.marks.schemas import (
     summarise,
 )
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import school_time
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import environment
@@ -81,7 +81,7 @@ def points_text(points: float | None) -> str:
     return NO_POINTS if points is None else format_points(points)
 
 
-def gradebook_page(db: Session, place: Place, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
+def gradebook_page(db: Session, place: ClassAccess, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
     """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
     assignments = inputs.assigned.assignments
     titles = {str(one.id): title for one, title in zip(assignments, unique_titles(assignments), strict=True)}
@@ -98,7 +98,7 @@ def gradebook_page(db: Session, place: Place, inputs: GradebookInputs, query: Gr
         macros: Any = environment().get_template("classes/gradebook_body.html").module
         return str(macros.body(builder.body()))
 
-    key = ("gradebook", inputs.version, query, place.may(Right.regrade), school_time.zone().key)
+    key = ("gradebook", inputs.version, query, place.has(Right.regrade), school_time.zone().key)
     class_href = href_of(place.school_class)
     chosen = next((one for one in assignments if str(one.id) == query.assignment), None)
     about = None if chosen is None else _assignment_link(chosen, place)
@@ -121,7 +121,7 @@ def _address(path: str, query: GradebookQuery, **changes: str) -> str:
     return f"{path}?{fields}" if fields else path
 
 
-def _assignment_link(assignment: Assignment, place: Place) -> tuple[str, str] | None:
+def _assignment_link(assignment: Assignment, place: ClassAccess) -> tuple[str, str] | None:
     """Return words and address of an assignment's page; None for the exercises of a class without assignments."""
     if assignment.id == place.school_class.id:
         return None
@@ -133,7 +133,7 @@ class _BodyBuilder:
 
     def __init__(
         self,
-        place: Place,
+        place: ClassAccess,
         gradebook: Gradebook,
         query: GradebookQuery,
         titles: Mapping[str, str],
@@ -215,7 +215,7 @@ class _BodyBuilder:
         gradebook, index = self._gradebook, self._index_of[self._query.assignment]
         assignment = gradebook.assignments[index]
         exercises = gradebook.exercises[assignment.id]
-        may_regrade = self._place.may(Right.regrade)
+        may_regrade = self._place.has(Right.regrade)
         columns = [
             self._column(
                 exercise,

@@ -20,7 +20,7 @@ def as_student(request: Request, class_id: str, student: str, reader: Reading) -
     """The class as this student sees it, with nothing to press."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
     member = find_student(reader.db, place, student)
     view = views.watched_page(reader.db, reader.course, place, reader.account, member)
     return page(request, "classes/own.html", reader.account, page=view)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from server.assignments import feedback
-from server.assignments.feedback import Stage, stage_of
+from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Sitting
 from server.assignments.rules import Rules
-from server.assignments.states import Stage as Open
+from server.assignments.states import AssignmentStage as Open
 from server.desk.assignments.schemas import OwnTest, StageView
 from server.desk.assignments.views import stage_view, when
 
@@ -30,32 +30,34 @@ class OwnSitting:
 
 def view(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> OwnSitting:
     """Pure."""
-    at = stage_of(assignment, rules, sitting, now)
+    at = sitting_stage(assignment, rules, sitting, now)
     link = LINKS.get(at, "")
-    if at is Stage.may_begin and rules.excused:
+    if at is SittingStage.may_begin and rules.excused:
         link = ""
     shown = _stage(at, sitting)
-    ends = when(feedback.end_of(rules, sitting)) if sitting is not None and at is Stage.running else when(None)
-    href = feedback.href_of(assignment.class_id, assignment.id)
-    return OwnSitting(shown, OwnTest(href, link, at is Stage.running, ends))
+    ends = (
+        when(feedback.sitting_end(rules, sitting)) if sitting is not None and at is SittingStage.running else when(None)
+    )
+    href = feedback.sitting_path(assignment.class_id, assignment.id)
+    return OwnSitting(shown, OwnTest(href, link, at is SittingStage.running, ends))
 
 
 LINKS = {
-    Stage.may_begin: "Commencer le contrôle",
-    Stage.running: "Reprendre le contrôle",
-    Stage.over: "Rendu",
-    Stage.shown: "Les résultats du contrôle",
+    SittingStage.may_begin: "Commencer le contrôle",
+    SittingStage.running: "Reprendre le contrôle",
+    SittingStage.over: "Rendu",
+    SittingStage.shown: "Les résultats du contrôle",
 }
 
 
-def _stage(at: Stage, sitting: Sitting | None) -> StageView:
-    if at is Stage.before:
+def _stage(at: SittingStage, sitting: Sitting | None) -> StageView:
+    if at is SittingStage.before:
         return stage_view(Open.upcoming)
-    if at is Stage.may_begin:
+    if at is SittingStage.may_begin:
         return stage_view(Open.open)
-    if at is Stage.running:
+    if at is SittingStage.running:
         return StageView("open", "▶", "vous composez")
-    if at is Stage.over:
+    if at is SittingStage.over:
         by_student = sitting is not None and sitting.ended_by == EndedBy.student
         return StageView("closed", CLOSED, "rendu" if by_student else "temps écoulé")
-    return StageView("closed", CLOSED, "fermé" if at is Stage.missed else "résultats publiés")
+    return StageView("closed", CLOSED, "fermé" if at is SittingStage.missed else "résultats publiés")

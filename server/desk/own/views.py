@@ -10,12 +10,12 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import mine, papers
-from server.assignments.mine import Mine
-from server.assignments.models import Assigned, Mode, Sitting
-from server.assignments.rules import FULL, Rules
-from server.assignments.states import Stage
+from server.assignments.mine import StudentAssignment
+from server.assignments.models import Mode, Sitting, WeightedExercise
+from server.assignments.rules import MAX_POINTS, Rules
+from server.assignments.states import AssignmentStage
 from server.classes import repository
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
 from server.course import Course
 from server.database import utc_now
@@ -31,7 +31,7 @@ from server.marks import service as marks
 from server.marks.means import format_points
 from server.marks.schemas import ActiveOverride, ExerciseMark, OwnMark
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.text.plain import visible
 from server.web import school_time
 from server.web.views import exercise_href
@@ -56,15 +56,15 @@ class _Known:
     watched: bool
 
 
-def own_page(db: Session, course: Course, place: Place, account: Account) -> OwnPage:
+def own_page(db: Session, course: Course, place: ClassAccess, account: Account) -> OwnPage:
     """Of a member who is none of the staff."""
     membership = place.membership
     assert membership is not None  # who has no seat is an administrator, who sees the class as its staff do
-    may_see, may_leave = place.may(Right.see_assignments), place.may(Right.leave_class)
+    may_see, may_leave = place.has(Right.see_assignments), place.has(Right.leave_class)
     return _page(db, course, place, account, membership, may_see=may_see, may_leave=may_leave)
 
 
-def watched_page(db: Session, course: Course, place: Place, account: Account, student: Member) -> OwnPage:
+def watched_page(db: Session, course: Course, place: ClassAccess, account: Account, student: Member) -> OwnPage:
     """The page of a student, as their teacher looks at it: the same, with nothing to press."""
     return _page(db, course, place, account, student.membership, watched=student)
 
@@ -72,7 +72,7 @@ def watched_page(db: Session, course: Course, place: Place, account: Account, st
 def _page(
     db: Session,
     course: Course,
-    place: Place,
+    place: ClassAccess,
     account: Account,
     seat: Membership,
     *,
@@ -81,16 +81,16 @@ def _page(
     watched: Member | None = None,
 ) -> OwnPage:
     now = utc_now()
-    found = mine.of_class(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
+    found = mine.load_class_assignments(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
     known = _known(db, course, place, seat.account_id, found, now, watched=watched is not None) if found else None
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
     shown = [] if known is None else [(one, _assignment(course, one, known, suffix)) for one in found]
-    own = OwnSeat(views.ROLES[Seat(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
+    own = OwnSeat(views.ROLES[ClassRole(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
     running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN), key=_urgency)
     return OwnPage(
         head=views.head(course, place, "/eleves" if watched else ""),
         seat=own,
-        staff=views.staff_rows(repository.staff(db, place.school_class.id), place, account),
+        staff=views.staff_rows(repository.load_staff(db, place.school_class.id), place, account),
         current=tuple(view for _, view in running if view.stage.kind != ALL_DONE.kind),
         done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
@@ -104,12 +104,19 @@ def _page(
 
 
 def _known(
-    db: Session, course: Course, place: Place, account_id: UUID, found: Sequence[Mine], now: datetime, *, watched: bool
+    db: Session,
+    course: Course,
+    place: ClassAccess,
+    account_id: UUID,
+    found: Sequence[StudentAssignment],
+    now: datetime,
+    *,
+    watched: bool,
 ) -> _Known:
     """What a student may know, asked of their account whoever looks: who watches sees no more."""
     own = marks.load_own_marks(db, course, place.school_class, account_id, now)
     held = gradebook.load_withholding_times(db, account_id)
-    sat = papers.all_sittings(db, account_id) if any(one.assignment.mode == Mode.test for one in found) else ()
+    sat = papers.load_account_sittings(db, account_id) if any(one.assignment.mode == Mode.test for one in found) else ()
     return _Known(
         marks={one.assignment.id: one for one in own.marks},
         sittings={one.assignment_id: one for one, _ in sat},
@@ -120,27 +127,29 @@ def _known(
     )
 
 
-def _urgency(pair: tuple[Mine, OwnAssignment]) -> tuple[bool, bool, str]:
+def _urgency(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool, str]:
     """Whoever sits a test finishes it; then what is due first."""
     view = pair[1]
     date = view.due.iso or (view.closes.iso if view.is_test else "")
     return not (view.test and view.test.running), not date, date
 
 
-def _assignment(course: Course, one: Mine, known: _Known, suffix: str) -> OwnAssignment:
+def _assignment(course: Course, one: StudentAssignment, known: _Known, suffix: str) -> OwnAssignment:
     rules, assignment = one.rules, one.assignment
     sitting = known.sittings.get(assignment.id)
     test = tests.view(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
     stage = stage_view(one.stage) if test is None else test.stage
     exercises = (
         None
-        if one.secret and sitting is None
+        if one.hides_exercises and sitting is None
         else tuple(_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
     )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
     done = sum(row.kind == "done" for row in exercises or ())
     left = any(row.kind not in {"done", "excused"} for row in exercises or ())
-    all_done = test is None and one.stage in {Stage.open, Stage.late} and bool(exercises) and not left
+    all_done = (
+        test is None and one.stage in {AssignmentStage.open, AssignmentStage.late} and bool(exercises) and not left
+    )
     href = f"/classes/{assignment.class_id}/devoirs/{assignment.id}/pourquoi{suffix}"
     return OwnAssignment(
         id=str(assignment.id),
@@ -174,7 +183,9 @@ def _late(rules: Rules) -> str:
     return "" if rules.due_at is None or ends_first else words.late_of(rules)
 
 
-def _exercise(course: Course, one: Mine, row: Assigned, known: _Known, *, over: bool) -> OwnExercise:
+def _exercise(
+    course: Course, one: StudentAssignment, row: WeightedExercise, known: _Known, *, over: bool
+) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
     own = known.marks.get(one.assignment.id)
@@ -195,7 +206,7 @@ def _set_by_hand(found: ActiveOverride) -> tuple[str, str, str]:
     """The same as `standing`, of a mark that a teacher has set."""
     if found.points is None:
         return "excused", "–", "dispensé"
-    full = found.points >= FULL - WHOLE
+    full = found.points >= MAX_POINTS - WHOLE
     return ("done", "✓", "réussi") if full else ("begun", "½", f"{mark(found.points)} / 20")
 
 
@@ -211,13 +222,13 @@ def standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     counted = found.counted
     if counted is None:  # the best before the due date, where all came after it
         return "begun", "½", "rien avant la date de remise"
-    if counted.full_points >= FULL - WHOLE:
-        told = "réussi" if counted.points >= FULL - WHOLE else f"réussi : {mark(counted.points)} / 20"
+    if counted.full_points >= MAX_POINTS - WHOLE:
+        told = "réussi" if counted.points >= MAX_POINTS - WHOLE else f"réussi : {mark(counted.points)} / 20"
         return "done", "✓", told
     return "begun", "½", f"{mark(counted.points)} / 20"
 
 
-def _next(running: Sequence[tuple[Mine, OwnAssignment]]) -> NextThing | None:
+def _next(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextThing | None:
     """The test that is open; the first exercise that is not solved, of the assignment that is due first."""
     for one, view in running:
         if one.rules.excused and not (view.test and view.test.running):

@@ -8,15 +8,15 @@ from fastapi import File, Form, Request, UploadFile
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import keeping as assignments
-from server.audit.members import noted
+from server.audit.members import recording_membership_changes
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root import service_address
 from server.base.routing import Room
 from server.classes import copying, service
-from server.classes.dependencies import ClassesOf
-from server.classes.models import Seat
-from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
+from server.classes.dependencies import ClassServiceOf
+from server.classes.models import ClassRole
+from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
@@ -26,7 +26,7 @@ from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import editions, school_time
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
@@ -41,8 +41,8 @@ ACTIONS = {
 }  # fmt: skip
 NOBODY = "Cochez d’abord des élèves."
 NOTHING = "Collez une liste, ou choisissez un fichier."
-SEATS = {"assistant": Seat.assistant, "enseignant": Seat.teacher}
-LASTS = tuple(zip(CODE_LASTS, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
+SEATS = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
+LASTS = tuple(zip(CODE_LIFETIMES, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
 
 
 @router.post("/classes/{class_id}/eleves")
@@ -54,13 +54,13 @@ def settle(
     eleve: Ids = None,
     groupe: Field = "",
 ) -> Response:
-    place = rights.require(db, account, Right.keep_list, class_id)
+    place = rights.require_right(db, account, Right.manage_roster, class_id)
     if action not in ACTIONS:
         raise NotFound(UNKNOWN_ACTION)
     if not eleve:
         raise Invalid(NOBODY)
-    with noted(db, place.school_class.id, account.id):
-        service.settle(db, place.school_class, eleve, ACTIONS[action], groupe)
+    with recording_membership_changes(db, place.school_class.id, account.id):
+        service.change_students(db, place.school_class, eleve, ACTIONS[action], groupe)
     return go(f"{views.href_of(place.school_class)}/eleves")
 
 
@@ -68,13 +68,13 @@ def settle(
 def list_form(request: Request, class_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.keep_list, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.manage_roster, class_id)
     service.require_open(place.school_class)
     return _list_form(request, reader.account, reader.course, place)
 
 
 def _list_form(
-    request: Request, account: Account, course: CourseOf, place: Place, text: str = "", problem: str = ""
+    request: Request, account: Account, course: CourseOf, place: ClassAccess, text: str = "", problem: str = ""
 ) -> HTMLResponse:
     head, status = views.head(course, place, "/eleves"), 422 if problem else 200
     return page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
@@ -87,7 +87,7 @@ def import_list(
     account: SignedIn,
     database: DatabaseOf,
     course: CourseOf,
-    classes: ClassesOf,
+    classes: ClassServiceOf,
     texte: Field = "",
     attendu: Field = "",
     reprendre: Field = "",
@@ -98,7 +98,7 @@ def import_list(
     With `reprendre`, goes back to the list.
     """
     with database.read() as db:
-        place = rights.require(db, account, Right.keep_list, class_id)
+        place = rights.require_right(db, account, Right.manage_roster, class_id)
     if reprendre:
         return _list_form(request, account, course, place, texte)
     content = fichier.file.read() if fichier is not None and fichier.filename else texte.encode()
@@ -106,11 +106,11 @@ def import_list(
         if not content.strip():
             raise Invalid(NOTHING)
         if attendu:
-            around = partial(noted, class_id=place.school_class.id, by=account.id)
+            around = partial(recording_membership_changes, class_id=place.school_class.id, by=account.id)
             _, written = classes.import_list(place.school_class.id, account, content, attendu, around)
             if written:
                 return go(f"{views.href_of(place.school_class)}/eleves")
-        plan, text = classes.preview(place.school_class, account, content)
+        plan, text = classes.preview_import(place.school_class, account, content)
     except Invalid as refused:
         return _list_form(request, account, course, place, texte, refused.detail)
     view = views.import_page(course, place, plan, text)
@@ -124,10 +124,10 @@ def hand_passwords(
     choix: Field = "",
 ) -> HTMLResponse:  # fmt: skip
     """Slips to print: for those who were chosen, else for all whose account has no password yet."""
-    place = rights.require(db, account, Right.hand_passwords, class_id)
+    place = rights.require_right(db, account, Right.hand_out_passwords, class_id)
     if choix and not eleve:
         raise Invalid(NOBODY)
-    given, refused = service.slips(db, place.school_class, eleve or None, settings)
+    given, refused = service.create_password_slips(db, place.school_class, eleve or None, settings)
     view = views.slips_page(course, place, given, refused, settings.first_password_days, service_address(request))
     return page(request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view)
 
@@ -136,12 +136,17 @@ def hand_passwords(
 def settings_form(request: Request, class_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.set_up, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.configure_class, class_id)
     return _settings(request, reader.account, reader.db, reader.course, place)
 
 
 def _settings(
-    request: Request, account: Account, db: Db, course: CourseOf, place: Place, refused: ServiceError | None = None
+    request: Request,
+    account: Account,
+    db: Db,
+    course: CourseOf,
+    place: ClassAccess,
+    refused: ServiceError | None = None,
 ) -> HTMLResponse:
     view = views.settings_page(db, course, place, account, service_address(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
@@ -153,10 +158,10 @@ def set_up(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
     approbation: Field = "",
 ) -> Response:  # fmt: skip
-    place = rights.require(db, account, Right.set_up, class_id)
+    place = rights.require_right(db, account, Right.configure_class, class_id)
     service.require_open(place.school_class)
     try:
-        place.school_class.name = name_of_class(name)
+        place.school_class.name = validate_class_name(name)
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
     place.school_class.approval = bool(approbation)
@@ -165,10 +170,10 @@ def set_up(
 
 @router.post("/classes/{class_id}/code")
 def set_code(
-    class_id: str, account: SignedIn, db: Db, action: Field = "renouveler", duree: Field = DEFAULT_LASTING
+    class_id: str, account: SignedIn, db: Db, action: Field = "renouveler", duree: Field = DEFAULT_CODE_LIFETIME
 ) -> Response:
     """Renews the code, or closes it."""
-    place = rights.require(db, account, Right.set_up, class_id)
+    place = rights.require_right(db, account, Right.configure_class, class_id)
     if action == "fermer":
         service.close_code(place.school_class)
     elif action == "renouveler":
@@ -184,18 +189,18 @@ def set_staff(
     role: Field = "assistant", retirer: Annotated[UUID | None, Form()] = None,
 ) -> Response:  # fmt: skip
     """Has somebody teach or help in the class, or no more."""
-    place = rights.require(db, account, Right.set_up, class_id)
+    place = rights.require_right(db, account, Right.configure_class, class_id)
     if role not in SEATS:
         raise NotFound(UNKNOWN_ACTION)
     try:
-        with noted(db, place.school_class.id, account.id):
+        with recording_membership_changes(db, place.school_class.id, account.id):
             if retirer is not None:
-                service.unseat(db, place.school_class, retirer)
+                service.remove_staff(db, place.school_class, retirer)
             else:
-                service.seat_staff(db, place.school_class, login, SEATS[role])
+                service.add_staff(db, place.school_class, login, SEATS[role])
     except ServiceError as refused:
         return _settings(request, account, db, course, place, refused)
-    mine = rights.may(db, account, Right.set_up, place.school_class.id)
+    mine = rights.has_right(db, account, Right.configure_class, place.school_class.id)
     return go(f"{views.href_of(place.school_class)}/reglages#equipe" if mine else "/classes")
 
 
@@ -208,14 +213,14 @@ def copy(
 
     `edition`: into another edition of its module; `eleves`: with the students.
     """
-    place = rights.require(db, account, Right.set_up, class_id)
-    rights.require_on_server(account, Right.create)
+    place = rights.require_right(db, account, Right.configure_class, class_id)
+    rights.require_server_right(account, Right.create_class)
     try:
         days = shift.days(db, place.school_class, semaines, rentree)
         module = editions.chosen(course, place.school_class.module, edition)
-        made = copying.copy(db, place.school_class, account, name, module=module, with_students=eleves)
+        made = copying.copy_class(db, place.school_class, account, name, module=module, with_students=eleves)
         moved, there = partial(school_time.moved, days=days), partial(editions.there, course, module=module)
-        assignments.copy(db, place.school_class, made, account.id, moved, there)
+        assignments.copy_assignments(db, place.school_class, made, account.id, moved, there)
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
     return go(views.href_of(made))
@@ -224,7 +229,7 @@ def copy(
 @router.post("/classes/{class_id}/archiver")
 def archive(class_id: str, account: SignedIn, db: Db, archiver: Annotated[bool, Form()]) -> Response:
     """Archives the class, or opens it again."""
-    place = rights.require(db, account, Right.set_up, class_id)
+    place = rights.require_right(db, account, Right.configure_class, class_id)
     if archiver:
         service.archive(place.school_class)
     else:

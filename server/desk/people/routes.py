@@ -5,14 +5,14 @@ from typing import Annotated
 from fastapi import Query, Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.audit.members import noted
+from server.audit.members import recording_membership_changes
 from server.base.errors import Invalid
 from server.base.request import client_address
 from server.base.root import service_address
 from server.base.routing import Room
 from server.classes import service
-from server.classes.dependencies import ClassesOf
-from server.classes.schemas import own_name
+from server.classes.dependencies import ClassServiceOf
+from server.classes.schemas import validate_guest_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
@@ -20,7 +20,7 @@ from server.desk.asking import Group, log_in_first
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
 from server.desk.own import views as own_views
 from server.desk.schemas import JoinForm, JoinPage
-from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
+from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import Reading
@@ -52,9 +52,9 @@ def _mine(
 def create(
     request: Request, account: SignedIn, db: Db, course: CourseOf, name: Field = "", module: Field = ""
 ) -> Response:
-    rights.require_on_server(account, Right.create)
+    rights.require_server_right(account, Right.create_class)
     try:
-        made = service.create(db, account, name, find_module(course, module).slug)
+        made = service.create_class(db, account, name, find_module(course, module).slug)
     except Invalid as refused:
         return _mine(request, db, course, account, name, refused.detail)
     return go(views.href_of(made))
@@ -68,9 +68,14 @@ def to_code(code: Code = "") -> Response:
 
 @router.get("/rejoindre/{code}")
 def join_form(
-    request: Request, code: str, account: OptionalAccount, classes: ClassesOf, course: CourseOf, database: DatabaseOf
+    request: Request,
+    code: str,
+    account: OptionalAccount,
+    classes: ClassServiceOf,
+    course: CourseOf,
+    database: DatabaseOf,
 ) -> HTMLResponse:
-    found = classes.look_up(code, by=account, address=client_address(request))
+    found = classes.find_by_code(code, by=account, address=client_address(request))
     with database.read() as db:
         view = views.join_page(db, course, found, account)
     return _join_form(request, account, view)
@@ -86,8 +91,8 @@ def join(
     request: Request,
     code: str,
     account: OptionalAccount,
-    accounts: AccountsOf,
-    classes: ClassesOf,
+    accounts: AccountServiceOf,
+    classes: ClassServiceOf,
     course: CourseOf,
     database: DatabaseOf,
     given: Field = "",
@@ -98,15 +103,15 @@ def join(
     named = None
     if account is None or account.is_guest:
         try:
-            named = own_name(given, family)
+            named = validate_guest_name(given, family)
         except Invalid as refused:
-            found = classes.look_up(code, by=account, address=address)
+            found = classes.find_by_code(code, by=account, address=address)
             with database.read() as db:
                 view = views.join_page(db, course, found, account)
             return _join_form(request, account, view, JoinForm(given, family, refused.detail))
     if account is None:
-        classes.look_up(code, by=None, address=address)
-    joined = classes.join(code, account_or_guest(request, account, accounts), address=address, named=named)
+        classes.find_by_code(code, by=None, address=address)
+    joined = classes.join_class(code, account_or_guest(request, account, accounts), address=address, named=named)
     return go(views.href_of(joined.school_class))
 
 
@@ -123,8 +128,8 @@ def one(
     """The board, for who teaches or helps; else one's own page."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_class, class_id)
-    if place.may(Right.read_work):
+    place = rights.require_right(reader.db, reader.account, Right.see_class, class_id)
+    if place.has(Right.read_work):
         asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
         board = board_page(reader, place, asked, service_address(request))
         return page(request, "classes/board.html", reader.account, page=board)
@@ -136,7 +141,7 @@ def one(
 def people(request: Request, class_id: str, reader: Reading, groupe: Group = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
     view = views.people_page(reader.db, reader.course, place, reader.account, service_address(request), groupe)
     return page(request, "classes/people.html", reader.account, page=view)
 
@@ -145,7 +150,7 @@ def people(request: Request, class_id: str, reader: Reading, groupe: Group = "")
 def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.see_code, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.see_code, class_id)
     code = views.code_view(place.school_class, service_address(request))
     head = views.head(reader.course, place)
     return page(request, "classes/wall.html", reader.account, head=head, code=code)
@@ -153,7 +158,7 @@ def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Respon
 
 @router.post("/classes/{class_id}/quitter")
 def leave(class_id: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require(db, account, Right.leave_class, class_id)
-    with noted(db, place.school_class.id, account.id):
-        service.leave(db, place.school_class, account.id)
+    place = rights.require_right(db, account, Right.leave_class, class_id)
+    with recording_membership_changes(db, place.school_class.id, account.id):
+        service.leave_class(db, place.school_class, account.id)
     return go("/classes")

@@ -30,7 +30,7 @@ def days(db: Session, original: SchoolClass, weeks: str, first_day: str) -> int:
         wanted = date.fromisoformat(first_day.strip())
     except ValueError as error:
         raise Invalid(NO_DAY.format(text=first_day.strip()[:40])) from error
-    rows = repository.of_class(db, original.id)
+    rows = repository.load_class_assignments(db, original.id)
     if not rows:
         return 0
     moved = (wanted - school_time.local(rows[0].opens_at).date()).days

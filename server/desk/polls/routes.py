@@ -20,6 +20,6 @@ router = Room(include_in_schema=False)
 def predictions(request: Request, class_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = polls_page(reader.db, reader.course, place)
     return page(request, "classes/polls.html", reader.account, page=view)

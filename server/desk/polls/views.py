@@ -12,12 +12,12 @@ from server.desk.polls.schemas import LessonPolls, OptionRow, PollRow, PollsPage
 from server.desk.views import head
 from server.polls import repository, service
 from server.polls.schemas import Poll, Said
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 
 PATH = "/previsions"
 
 
-def polls_page(db: Session, course: Course, place: Place) -> PollsPage:
+def polls_page(db: Session, course: Course, place: ClassAccess) -> PollsPage:
     """Two queries, however many questions and students there are."""
     module = course.modules.get(place.school_class.module)
     lessons: tuple[LessonPolls, ...] = ()

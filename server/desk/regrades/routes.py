@@ -21,9 +21,9 @@ from server.desk.regrades.views import progress_text, regrade_href, regrade_page
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.regrades import applying, service
-from server.regrades.dependencies import RegradesOf
-from server.regrades.models import Policy, Regrade
-from server.regrades.schemas import Advance, Wanted
+from server.regrades.dependencies import RegradeServiceOf
+from server.regrades.models import Regrade, RegradePolicy
+from server.regrades.schemas import RegradeInput, RegradeProgress
 from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import EventsOf
@@ -39,28 +39,30 @@ Text = Annotated[str, Query(max_length=200)]
 
 
 @router.get("/classes/{class_id}/recalculs")
-def regrades(request: Request, class_id: str, reader: Reading, store: RegradesOf, exercice: Text = "") -> Response:
+def regrades(
+    request: Request, class_id: str, reader: Reading, store: RegradeServiceOf, exercice: Text = ""
+) -> Response:
     """`exercice` is chosen in the form, for who comes from a page about it."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.regrade, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
     view = regrades_page(reader.db, reader.course, place, store)
     return page(request, "classes/regrades.html", reader.account, page=view, chosen=Chosen(exercice))
 
 
 @router.post("/classes/{class_id}/recalculs")
 def prepare(
-    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, store: RegradesOf,
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, store: RegradeServiceOf,
     exercice: Field = "",
     regle: Field = "keep_best",
     devoir: Field = "",
     eleve: Field = "",
 ) -> Response:  # fmt: skip
-    place = rights.require(db, account, Right.regrade, class_id)
+    place = rights.require_right(db, account, Right.regrade, class_id)
     try:
-        if regle not in set(Policy):
+        if regle not in set(RegradePolicy):
             raise NotFound(NOT_OFFERED)
-        wanted = Wanted(exercice, Policy(regle), _chosen(devoir), _chosen(eleve))
+        wanted = RegradeInput(exercice, RegradePolicy(regle), _chosen(devoir), _chosen(eleve))
         made = store.start(db, place.school_class, account.id, wanted)
     except ServiceError as refused:
         chosen = Chosen(exercice, regle, devoir, eleve, refused.detail)
@@ -81,8 +83,8 @@ def _chosen(name: str) -> UUID | None:
 def one(request: Request, class_id: str, regrade_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.regrade, class_id)
-    regrade = service.find(reader.db, place.school_class.id, regrade_id)
+    place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
+    regrade = service.find_regrade(reader.db, place.school_class.id, regrade_id)
     view = regrade_page(reader.db, reader.course, place, regrade)
     return page(request, "classes/regrade.html", reader.account, page=view, problem="")
 
@@ -93,8 +95,8 @@ def settle(
     action: Annotated[str, Form()] = "",
 ) -> Response:  # fmt: skip
     """Applies it, undoes it, or stops it."""
-    place = rights.require(db, account, Right.regrade, class_id)
-    regrade = service.find(db, place.school_class.id, regrade_id)
+    place = rights.require_right(db, account, Right.regrade, class_id)
+    regrade = service.find_regrade(db, place.school_class.id, regrade_id)
     try:
         require_open(place.school_class)
         _do(action, db, course, regrade, account)
@@ -113,11 +115,11 @@ def _refused(request: Request, account: Account, view: object, refused: ServiceE
 def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:
     """Raises NotFound or Conflict."""
     if action == "appliquer":
-        applying.apply(db, course, regrade.id, account.id)
+        applying.apply_regrade(db, course, regrade.id, account.id)
     elif action == "annuler":
-        applying.undo(db, course, regrade.id, account.id)
+        applying.undo_regrade(db, course, regrade.id, account.id)
     elif action == "arreter":
-        service.stop(db, regrade.id)
+        service.stop_regrade(db, regrade.id)
     else:
         raise NotFound(UNKNOWN_ACTION)
 
@@ -128,7 +130,7 @@ async def events(
 ) -> StreamingResponse:
     """How far it is, until it is over."""
 
-    def read() -> Advance:
+    def read() -> RegradeProgress:
         return _advance(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
@@ -137,15 +139,15 @@ async def events(
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
-def _advance(database: Database, account: Account | None, class_id: str, regrade_id: str) -> Advance:
+def _advance(database: Database, account: Account | None, class_id: str, regrade_id: str) -> RegradeProgress:
     if account is None:
         raise NotFound(service.UNKNOWN)
     with database.read() as db:
-        place = rights.require(db, account, Right.regrade, class_id)
-        return service.advance(db, service.find(db, place.school_class.id, regrade_id))
+        place = rights.require_right(db, account, Right.regrade, class_id)
+        return service.load_progress(db, service.find_regrade(db, place.school_class.id, regrade_id))
 
 
-def _told(advance: Advance) -> str:
+def _told(advance: RegradeProgress) -> str:
     return json.dumps(
         {
             "done": advance.done,

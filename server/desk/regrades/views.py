@@ -11,59 +11,59 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Kind
 from server.assignments import repository as assignments
 from server.classes import repository as classes
-from server.classes.models import Seat, Status
+from server.classes.models import ClassRole, Status
 from server.course import Course
 from server.desk.regrades.schemas import ChangeRow, Group, OutdatedRow, RegradePage, RegradeRow, RegradesPage, Tone
 from server.desk.views import head
 from server.marks import repository as marks
 from server.regrades import service
-from server.regrades.models import Policy, Regrade, Scope
-from server.regrades.schemas import Advance, Change, Fate, Outdated, State
-from server.regrades.service import Regrades
-from server.rights.service import Place
+from server.regrades.models import Regrade, RegradePolicy, RegradeScope
+from server.regrades.schemas import MarkChange, MarkOutcome, OutdatedExercise, RegradeProgress, RegradeState
+from server.regrades.service import RegradeService
+from server.rights.service import ClassAccess
 from server.web import regraded
 from server.web.words import moment, moment_text, plural, points
 
 PATH = "/recalculs"
 DUST = 1e-6
-POLICIES: Mapping[Policy, str] = {
-    Policy.keep_best: "garder la meilleure note",
-    Policy.renew: "remplacer la note",
+POLICIES: Mapping[RegradePolicy, str] = {
+    RegradePolicy.keep_best: "garder la meilleure note",
+    RegradePolicy.renew: "remplacer la note",
 }
-STATES: Mapping[State, tuple[str, Literal["", "good", "warn"]]] = {
-    State.running: ("en cours", "warn"),
-    State.ready: ("prête, pas encore appliquée", "warn"),
-    State.applied: ("appliquée", "good"),
-    State.undone: ("annulée", ""),
-    State.stopped: ("arrêtée", ""),
+STATES: Mapping[RegradeState, tuple[str, Literal["", "good", "warn"]]] = {
+    RegradeState.running: ("en cours", "warn"),
+    RegradeState.ready: ("prête, pas encore appliquée", "warn"),
+    RegradeState.applied: ("appliquée", "good"),
+    RegradeState.undone: ("annulée", ""),
+    RegradeState.stopped: ("arrêtée", ""),
 }
 GONE_STUDENT, GONE_ASSIGNMENT = "un élève dont le compte n’existe plus", "un devoir supprimé"
 BY_HAND = "note modifiée à la main : elle reste celle qui compte, et sera à revoir"
 NOBODY = "Élève sorti de la classe"
 #: Of each fate, for one student and for several: what it is while it is to come, and once it is applied.
-COMING: Mapping[Fate, tuple[str, str]] = {
-    Fate.loses: ("élève perdrait des points", "élèves perdraient des points"),
-    Fate.gains: ("élève gagnerait des points", "élèves gagneraient des points"),
-    Fate.kept: (
+COMING: Mapping[MarkOutcome, tuple[str, str]] = {
+    MarkOutcome.loses: ("élève perdrait des points", "élèves perdraient des points"),
+    MarkOutcome.gains: ("élève gagnerait des points", "élèves gagneraient des points"),
+    MarkOutcome.kept: (
         "élève garderait sa note, que la nouvelle version baisserait",
         "élèves garderaient leur note, que la nouvelle version baisserait",
     ),
-    Fate.same: ("élève aurait la même note", "élèves auraient la même note"),
+    MarkOutcome.same: ("élève aurait la même note", "élèves auraient la même note"),
 }
-APPLIED: Mapping[Fate, tuple[str, str]] = {
-    Fate.loses: ("élève a perdu des points", "élèves ont perdu des points"),
-    Fate.gains: ("élève a gagné des points", "élèves ont gagné des points"),
-    Fate.kept: (
+APPLIED: Mapping[MarkOutcome, tuple[str, str]] = {
+    MarkOutcome.loses: ("élève a perdu des points", "élèves ont perdu des points"),
+    MarkOutcome.gains: ("élève a gagné des points", "élèves ont gagné des points"),
+    MarkOutcome.kept: (
         "élève a gardé sa note, que la nouvelle version baissait",
         "élèves ont gardé leur note, que la nouvelle version baissait",
     ),
-    Fate.same: ("élève a la même note", "élèves ont la même note"),
+    MarkOutcome.same: ("élève a la même note", "élèves ont la même note"),
 }
-SIGNS: Mapping[Fate, tuple[str, Tone]] = {
-    Fate.loses: ("▼", "bad"),
-    Fate.gains: ("▲", "good"),
-    Fate.kept: ("=", "plain"),
-    Fate.same: ("=", "plain"),
+SIGNS: Mapping[MarkOutcome, tuple[str, Tone]] = {
+    MarkOutcome.loses: ("▼", "bad"),
+    MarkOutcome.gains: ("▲", "good"),
+    MarkOutcome.kept: ("=", "plain"),
+    MarkOutcome.same: ("=", "plain"),
 }
 
 
@@ -71,7 +71,7 @@ def regrade_href(regrade: Regrade) -> str:
     return f"/classes/{regrade.class_id}{PATH}/{regrade.id}"
 
 
-def regrades_page(db: Session, course: Course, place: Place, regrades: Regrades) -> RegradesPage:
+def regrades_page(db: Session, course: Course, place: ClassAccess, regrades: RegradeService) -> RegradesPage:
     school_class = place.school_class
     titles = regrades.exercises(school_class)
     names = _Names(db, course, school_class.id)
@@ -81,11 +81,11 @@ def regrades_page(db: Session, course: Course, place: Place, regrades: Regrades)
         exercises=tuple(titles.items()),
         assignments=tuple((str(name), title) for name, title in names.assignments.items()),
         students=tuple((str(name), names.people[name]) for name in names.active),
-        rows=tuple(names.row(one, state) for one, state in service.history(db, school_class.id)),
+        rows=tuple(names.row(one, state) for one, state in service.load_history(db, school_class.id)),
     )
 
 
-def _outdated(one: Outdated, title: str) -> OutdatedRow:
+def _outdated(one: OutdatedExercise, title: str) -> OutdatedRow:
     attempts = plural(one.attempts, "copie", "copies")
     was = "a été corrigée" if one.attempts < 2 else "ont été corrigées"
     words = f"{attempts} de {plural(one.students, 'élève')} {was} par une version plus ancienne"
@@ -98,20 +98,20 @@ class _Names:
     def __init__(self, db: Session, course: Course, class_id: UUID) -> None:
         self._course = course
         self.overridden: frozenset[UUID] = frozenset()
-        everyone = classes.members(db, class_id)
-        students = [one for one in everyone if one.seat is Seat.student]
+        everyone = classes.load_members(db, class_id)
+        students = [one for one in everyone if one.role is ClassRole.student]
         self.people = {one.id: one.name for one in everyone}
         self.active = [one.id for one in students if one.status is Status.active]
-        self.assignments = {one.id: one.title for one in assignments.of_class(db, class_id)}
+        self.assignments = {one.id: one.title for one in assignments.load_class_assignments(db, class_id)}
 
-    def row(self, regrade: Regrade, advance: Advance) -> RegradeRow:
+    def row(self, regrade: Regrade, advance: RegradeProgress) -> RegradeRow:
         exercise = self._course.exercises.get(regrade.exercise)
         words, tone = STATES[advance.state]
         return RegradeRow(
             href=regrade_href(regrade),
             title=exercise.title if exercise else regrade.exercise,
             scope=self._scope(regrade),
-            policy=POLICIES[Policy(regrade.policy)],
+            policy=POLICIES[RegradePolicy(regrade.policy)],
             when=moment(regrade.created_at),
             when_text=moment_text(regrade.created_at),
             state=words,
@@ -119,21 +119,21 @@ class _Names:
         )
 
     def _scope(self, regrade: Regrade) -> str:
-        if regrade.scope == Scope.assignment:
+        if regrade.scope == RegradeScope.assignment:
             title = self.assignments.get(regrade.assignment_id) if regrade.assignment_id else None
             return f"devoir « {title} »" if title else GONE_ASSIGNMENT
-        if regrade.scope == Scope.student:
+        if regrade.scope == RegradeScope.student:
             return (self.people.get(regrade.student_id) if regrade.student_id else None) or GONE_STUDENT
         return "toute la classe"
 
 
-def regrade_page(db: Session, course: Course, place: Place, regrade: Regrade) -> RegradePage:
-    found = service.preview(db, regrade)
+def regrade_page(db: Session, course: Course, place: ClassAccess, regrade: Regrade) -> RegradePage:
+    found = service.preview_regrade(db, regrade)
     names = _Names(db, course, regrade.class_id)
     set_by_hand = marks.load_overrides(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
     names.overridden = frozenset(student for student, _ in set_by_hand)
     exercise = course.exercises.get(regrade.exercise)
-    advance = found.advance
+    advance = found.progress
     return RegradePage(
         head=head(course, place, PATH),
         regrade=names.row(regrade, advance),
@@ -147,21 +147,21 @@ def regrade_page(db: Session, course: Course, place: Place, regrade: Regrade) ->
     )
 
 
-def progress_text(advance: Advance) -> str:
+def progress_text(advance: RegradeProgress) -> str:
     return f"{advance.graded} sur {plural(advance.total, 'copie', 'copies')}"
 
 
-def _groups(changes: Sequence[Change], names: _Names, advance: Advance, kind: Kind) -> Iterator[Group]:
-    words = APPLIED if advance.state is State.applied else COMING
+def _groups(changes: Sequence[MarkChange], names: _Names, advance: RegradeProgress, kind: Kind) -> Iterator[Group]:
+    words = APPLIED if advance.state is RegradeState.applied else COMING
     for fate, (sign, tone) in SIGNS.items():
-        rows = tuple(_change(one, names, kind) for one in changes if one.fate is fate)
+        rows = tuple(_change(one, names, kind) for one in changes if one.outcome is fate)
         if rows:
             title = plural(len(rows), *words[fate])
-            yield Group(fate.value, title, sign, tone, fate is Fate.same, rows)
+            yield Group(fate.value, title, sign, tone, fate is MarkOutcome.same, rows)
 
 
-def _change(one: Change, names: _Names, kind: Kind) -> ChangeRow:
-    shown = one.anew if one.fate is Fate.kept else one.after
+def _change(one: MarkChange, names: _Names, kind: Kind) -> ChangeRow:
+    shown = one.new_only if one.outcome is MarkOutcome.kept else one.after
     before, after = regraded.pair(one.before, shown)
     difference = _signed((shown or 0.0) - (one.before or 0.0))
     return ChangeRow(
@@ -169,7 +169,7 @@ def _change(one: Change, names: _Names, kind: Kind) -> ChangeRow:
         before=before,
         after=after,
         difference=difference,
-        why=regraded.sentences(one.why, kind),
+        why=regraded.sentences(one.differences, kind),
         notes=(*_notes(one), *((BY_HAND,) if one.student in names.overridden else ())),
         attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
     )
@@ -181,12 +181,12 @@ def _signed(difference: float) -> str:
     return f"{'+' if difference > 0 else '−'}{points(abs(difference))}"
 
 
-def _notes(one: Change) -> Iterator[str]:
+def _notes(one: MarkChange) -> Iterator[str]:
     if one.waiting:
         yield f"{plural(one.waiting, 'copie attend', 'copies attendent')} encore"
     if one.failed:
         failed = plural(one.failed, "copie n’a pas pu être recorrigée", "copies n’ont pas pu être recorrigées")
         yield f"{failed} (incident de notre côté) : l’ancienne correction reste"
-    if one.since:
-        sent = plural(one.since, "essai envoyé", "essais envoyés")
+    if one.sent_since:
+        sent = plural(one.sent_since, "essai envoyé", "essais envoyés")
         yield f"{sent} depuis : la version actuelle s’y applique déjà"

@@ -35,10 +35,10 @@ def sit(
     account = reader.account
     if account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, account, Right.sit_tests, class_id)
+    place = rights.require_right(reader.db, account, Right.sit_tests, class_id)
     now = utc_now()
     test = sittings.find_test(reader.db, place.school_class.id, assignment_id)
-    own = sittings.own(reader.db, test, account.id, groups_of(place), now)
+    own = sittings.load_student_test(reader.db, test, account.id, groups_of(place), now)
     if own.is_to_collect:
         with database.write() as db:
             collecting.collect_one(db, test, account.id, now)
@@ -48,15 +48,15 @@ def sit(
 
 @router.post(f"{TEST}/commencer")
 def begin(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require(db, account, Right.sit_tests, class_id)
+    place = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
-    sittings.begin(db, test, account.id, groups_of(place), utc_now())
+    sittings.begin_sitting(db, test, account.id, groups_of(place), utc_now())
     return go(page_of(test))
 
 
 @router.post(f"{TEST}/rendre")
 def hand_in(class_id: str, assignment_id: str, account: SignedIn, db: Db, collecting: CollectingOf) -> Response:
-    place = rights.require(db, account, Right.sit_tests, class_id)
+    place = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
     collecting.hand_in(db, test, account.id, utc_now())
     return go(page_of(test))
@@ -65,7 +65,7 @@ def hand_in(class_id: str, assignment_id: str, account: SignedIn, db: Db, collec
 @router.post(f"{TEST}/publier")
 def release(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Response:
     """The results of a test are shown to who is done with it. It is not undone: they may have been read."""
-    place = rights.require(db, account, Right.release_feedback, class_id)
+    place = rights.require_right(db, account, Right.release_feedback, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
-    service.release(db, test, account.id, utc_now())
+    service.release_feedback(db, test, account.id, utc_now())
     return go(f"/classes/{place.school_class.id}/devoirs/{test.id}")

@@ -9,26 +9,26 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, papers, repository
 from server.assignments.models import Assignment, EndedBy
-from server.assignments.sittings import Own
+from server.assignments.sittings import StudentTest
 from server.database import utc_now
 from server.desk.schemas import ReleaseView, SatExercise, SittingPage
 from server.desk.views import head
 from server.gradebook import service as gradebook
 from server.identity.models import Account
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.views import Reader, exercise_href
 from server.web.words import moment, moment_text, plural
 
 
-def groups_of(place: Place) -> Sequence[str]:
+def groups_of(place: ClassAccess) -> Sequence[str]:
     return place.membership.groups if place.membership is not None else ()
 
 
 def page_of(test: Assignment) -> str:
-    return feedback.href_of(test.class_id, test.id)
+    return feedback.sitting_path(test.class_id, test.id)
 
 
-def sitting_page(reader: Reader, place: Place, own: Own, account: Account, now: datetime) -> SittingPage:
+def sitting_page(reader: Reader, place: ClassAccess, own: StudentTest, account: Account, now: datetime) -> SittingPage:
     test, rules = own.assignment, own.rules
     ends = own.ends_at if own.sitting is not None else rules.end_of_sitting(max(now, rules.opens_at))
     minutes = None if rules.duration is None else round(rules.duration.total_seconds() / 60)
@@ -55,11 +55,11 @@ def _both(name: str, when: datetime | None) -> dict[str, str]:
     }
 
 
-def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise, ...]:
+def _exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SatExercise, ...]:
     """Those that this server has; what was sent counts since the sitting began."""
-    assigned = repository.exercises(reader.db, [own.assignment.id])[own.assignment.id]
+    assigned = repository.load_exercises(reader.db, [own.assignment.id])[own.assignment.id]
     known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
-    saved = papers.saved_at(reader.db, own.assignment.id, account.id)
+    saved = papers.load_save_times(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
     since = {exercise.id: began for exercise in known}
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
@@ -79,7 +79,7 @@ def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise,
 
 def release_view(db: Session, test: Assignment) -> ReleaseView:
     """For the page of a test, as its teacher sees it."""
-    begun, ended = papers.counts(db, test.id)
+    begun, ended = papers.count_sittings(db, test.id)
     waits = not begun and test.opens_at > utc_now()
     return ReleaseView(
         action=f"{page_of(test).removesuffix('/composer')}/publier",

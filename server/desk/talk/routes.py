@@ -40,7 +40,7 @@ def questions(
 ) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = views.questions_page(reader, place, etat, number)
     return page(request, "classes/questions.html", reader.account, page=view)
 
@@ -50,7 +50,7 @@ def word_form(request: Request, class_id: str, reader: Reading, exercice: Name =
     """The words that were said; the form of another, on an exercise, to who has one mistake now or to all."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.comment, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.comment, class_id)
     view = views.words_page(reader, place, exercice, erreur)
     return page(request, "classes/words.html", reader.account, page=view)
 
@@ -67,15 +67,15 @@ def say(
     texte: Field = "",
     lien: Field = "",
 ) -> Response:
-    place = rights.require(reader.db, account, Right.comment, class_id)
+    place = rights.require_right(reader.db, account, Right.comment, class_id)
     module, _, slug = exercice.partition("/")
     exercise = exercise_of(reader, place, module, slug)
     try:
         link = views.good_link(reader.course, place, lien)
-        words.tell(reader.db, account, place.school_class, exercise.id, erreur or None, texte, link, settings)
+        words.send_note(reader.db, account, place.school_class, exercise.id, erreur or None, texte, link, settings)
     except (Invalid, Conflict, TooMany) as refused:
         reader.db.rollback()
-        again = rights.require(reader.db, account, Right.comment, class_id)
+        again = rights.require_right(reader.db, account, Right.comment, class_id)
         view = views.words_page(reader, again, exercise.id, erreur, lien, Draft(texte, refused.detail))
         return page(request, "classes/words.html", account, status=int(refused.status), page=view)
     return go(f"{href_of(place.school_class)}/mots#dits")

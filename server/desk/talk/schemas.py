@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from server.comments.beside import Beside
+from server.comments.beside import SideBySide
 from server.desk.schemas import ClassHead
 from server.web.threads import Draft, ThreadView, WriterView
 
@@ -65,7 +65,7 @@ class Change:
     """What an attempt changed since the one before."""
 
     number: int
-    beside: Beside
+    beside: SideBySide
     earlier: str
     later: str
 

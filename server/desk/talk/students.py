@@ -34,7 +34,7 @@ Number = Annotated[int, Query(ge=1, le=MOST)]
 def student(request: Request, class_id: str, student: UUID, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = work_views.student_page(reader, work_views.student_of(reader, place, student))
     return page(request, "classes/student.html", reader.account, page=view)
 
@@ -69,7 +69,7 @@ def _work(
     status: int = 200,
 ) -> HTMLResponse:
     class_id, student, module, slug = where
-    place = rights.require(reader.db, account, right, class_id)
+    place = rights.require_right(reader.db, account, right, class_id)
     exercise = work_views.exercise_of(reader, place, module, slug)
     of_whom = work_views.student_of(reader, place, student)
     view = work_views.work_page(reader, of_whom, exercise, account, chosen, number, draft)
@@ -91,16 +91,16 @@ def comment(
     garder: Field = "",
 ) -> Response:
     """Says something of a student's work in an exercise, whatever the attempt."""
-    place = rights.require(reader.db, account, Right.comment, class_id)
+    place = rights.require_right(reader.db, account, Right.comment, class_id)
     exercise = work_views.exercise_of(reader, place, module, slug)
     of_whom = work_views.student_of(reader, place, student)
     try:
-        text = words.with_phrase(reader.db, account, words.phrase_id(phrase), texte)
-        thread = service.begin_whole(reader.db, account, student, exercise.id, text, settings)
+        text = words.prepend_phrase(reader.db, account, words.parse_phrase_id(phrase), texte)
+        thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
     except (Invalid, Conflict, TooMany) as refused:
         reader.db.rollback()
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
         return _work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
-        words.keep(reader.db, account, texte, exercise.id, None)
+        words.keep_phrase(reader.db, account, texte, exercise.id, None)
     return go(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")

@@ -6,13 +6,13 @@ from urllib.parse import quote
 
 from server.base.errors import Invalid
 from server.comments import service, words_repository
-from server.comments.models import State
-from server.comments.schemas import Question, Told
+from server.comments.models import ThreadState
+from server.comments.schemas import SentNote, ThreadSummary
 from server.course import Course, Exercise, Module
 from server.desk.talk.schemas import FilterView, QuestionRow, QuestionsPage, ToldRow, WordForm, WordsPage
 from server.desk.talk.work_views import exercise_of
 from server.desk.views import head, href_of
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web.news import title_of_link
 from server.web.threads import Draft, about, label_of, short
 from server.web.threads import href_of as href_of_thread
@@ -20,21 +20,21 @@ from server.web.views import Reader, exercise_href, in_order, lesson_href, on_th
 from server.web.words import moment, moment_text
 
 #: In the address of the page; the first is what it shows unasked.
-FILTERS: dict[str, tuple[State | None, str]] = {
-    "ouvertes": (State.open, "À répondre"),
-    "repondues": (State.answered, "Répondus"),
-    "reglees": (State.settled, "Réglés"),
+FILTERS: dict[str, tuple[ThreadState | None, str]] = {
+    "ouvertes": (ThreadState.open, "À répondre"),
+    "repondues": (ThreadState.answered, "Répondus"),
+    "reglees": (ThreadState.settled, "Réglés"),
     "toutes": (None, "Tous les fils"),
 }
 UNASKED = "ouvertes"
 ELSEWHERE = "Choisissez une page ou un exercice de ce module."
 
 
-def questions_page(reader: Reader, place: Place, wanted: str, number: int) -> QuestionsPage:
+def questions_page(reader: Reader, place: ClassAccess, wanted: str, number: int) -> QuestionsPage:
     """`wanted` is one of FILTERS."""
     school_class = place.school_class
     state, _ = FILTERS[wanted]
-    found = service.questions(reader.db, school_class, state, number)
+    found = service.load_thread_page(reader.db, school_class, state, number)
     href = f"{href_of(school_class)}/questions"
     page = f"{href}?etat={wanted}&page="
     total = sum(found.counts.values())
@@ -44,13 +44,13 @@ def questions_page(reader: Reader, place: Place, wanted: str, number: int) -> Qu
             FilterView(f"{label} ({found.counts[one] if one else total})", f"{href}?etat={name}", name == wanted)
             for name, (one, label) in FILTERS.items()
         ),
-        rows=tuple(_question(reader.course, place, one) for one in found.lines),
+        rows=tuple(_question(reader.course, place, one) for one in found.threads),
         newer=f"{page}{number - 1}" if number > 1 else "",
         older=f"{page}{number + 1}" if found.more else "",
     )
 
 
-def _question(course: Course, place: Place, one: Question) -> QuestionRow:
+def _question(course: Course, place: ClassAccess, one: ThreadSummary) -> QuestionRow:
     thread = one.thread
     return QuestionRow(
         href=href_of_thread(thread),
@@ -73,13 +73,13 @@ def _title(course: Course, exercise: str) -> str:
 
 
 def words_page(
-    reader: Reader, place: Place, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
+    reader: Reader, place: ClassAccess, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
 ) -> WordsPage:
     """`exercise` and `mistake`, where they are not empty, are what the next word is about. Raises NotFound."""
     school_class = place.school_class
     module = reader.course.modules.get(school_class.module)
     chosen = exercise_of(reader, place, *exercise.split("/", 1)) if "/" in exercise else None
-    now = words_repository.mistakes_now(reader.db, school_class.id, chosen.id) if chosen else []
+    now = words_repository.load_current_misconceptions(reader.db, school_class.id, chosen.id) if chosen else []
     titles = {name: title for name, title, _ in now}
     href = f"{href_of(school_class)}/mots?exercice="
     return WordsPage(
@@ -93,13 +93,13 @@ def words_page(
         form=_form(reader, place, module, chosen, mistake, titles, link, draft or Draft())
         if chosen and module
         else None,
-        told=tuple(_told(reader.course, one) for one in words_repository.told_in(reader.db, school_class.id)),
+        told=tuple(_told(reader.course, one) for one in words_repository.load_class_notes(reader.db, school_class.id)),
     )
 
 
 def _form(
     reader: Reader,
-    place: Place,
+    place: ClassAccess,
     module: Module,
     exercise: Exercise,
     mistake: str,
@@ -108,8 +108,8 @@ def _form(
     draft: Draft,
 ) -> WordForm:
     class_id = place.school_class.id
-    concerned = words_repository.concerned(reader.db, class_id, exercise.id, mistake or None)
-    members = words_repository.members(reader.db, class_id, concerned)
+    concerned = words_repository.load_student_ids_with_misconception(reader.db, class_id, exercise.id, mistake or None)
+    members = words_repository.load_some_members(reader.db, class_id, concerned)
     return WordForm(
         exercise=exercise.id,
         exercise_title=exercise.title,
@@ -128,7 +128,7 @@ def _links(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...
     return tuple(group for group in (("Pages du cours", lessons), ("Exercices", exercises)) if group[1])
 
 
-def good_link(course: Course, place: Place, link: str) -> str:
+def good_link(course: Course, place: ClassAccess, link: str) -> str:
     """Where a word may send students: a page or an exercise of the class's module, or nowhere. Raises Invalid."""
     module = course.modules.get(place.school_class.module)
     known = {address for _, group in _links(module) for address, _ in group} if module else set()
@@ -137,7 +137,7 @@ def good_link(course: Course, place: Place, link: str) -> str:
     return link
 
 
-def _told(course: Course, one: Told) -> ToldRow:
+def _told(course: Course, one: SentNote) -> ToldRow:
     note = one.note
     return ToldRow(
         exercise=_title(course, note.exercise),

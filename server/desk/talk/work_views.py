@@ -8,18 +8,18 @@ from uuid import UUID
 
 from server.base.errors import NotFound
 from server.classes import repository as classes
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
 from server.classes.service import NOT_A_MEMBER
 from server.comments import service
-from server.comments.beside import beside
+from server.comments.beside import compare_side_by_side
 from server.course import Exercise
 from server.desk.talk.schemas import Change, StandingRow, StudentHead, StudentPage, TriedRow, WorkPage
 from server.desk.views import head, href_of
 from server.gradebook import student_work
 from server.gradebook.student_work import AttemptSummary, ExerciseWork
 from server.identity.models import Account
-from server.rights.service import Place
+from server.rights.service import ClassAccess
 from server.web import verdicts
 from server.web.threads import Draft, thread_views, writer
 from server.web.views import Reader, exercise_href, in_order
@@ -36,7 +36,7 @@ STATES = {"done": ("✓", "réussi"), "trying": ("✗", "pas encore réussi"), "
 class Student:
     """A student of a class, and until when their work is read there (None: it still is)."""
 
-    def __init__(self, place: Place, member: Member) -> None:
+    def __init__(self, place: ClassAccess, member: Member) -> None:
         self.place, self.member = place, member
         left = member.membership.left_at if member.status is Status.left else None
         ends = [one for one in (left, place.school_class.archived_at) if one is not None]
@@ -56,11 +56,11 @@ class Student:
         return StudentHead(self.member.name, self.href, self.member.groups, gone)
 
 
-def student_of(reader: Reader, place: Place, student: UUID) -> Student:
+def student_of(reader: Reader, place: ClassAccess, student: UUID) -> Student:
     """Who is, or was, a student of this class. Raises NotFound."""
-    membership: Membership | None = classes.membership(reader.db, place.school_class.id, student)
+    membership: Membership | None = classes.find_membership(reader.db, place.school_class.id, student)
     was_in = membership is not None and not (membership.status == Status.left and membership.left_at is None)
-    if membership is None or membership.role != Seat.student or membership.status == Status.pending or not was_in:
+    if membership is None or membership.role != ClassRole.student or membership.status == Status.pending or not was_in:
         raise NotFound(NOT_A_MEMBER)
     account = reader.db.get(Account, student)
     assert account is not None  # a membership goes with its account
@@ -71,7 +71,7 @@ def student_page(reader: Reader, student: Student) -> StudentPage:
     school_class = student.place.school_class
     module = reader.course.modules.get(school_class.module)
     tried = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
-    asking = service.asking(reader.db, student.member.id, student.until)
+    asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = in_order(module) if module else []
     rows = tuple(_standing(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
     return StudentPage(
@@ -101,7 +101,7 @@ def _standing(student: Student, exercise: Exercise, tried: ExerciseWork | None, 
     )
 
 
-def exercise_of(reader: Reader, place: Place, module: str, slug: str) -> Exercise:
+def exercise_of(reader: Reader, place: ClassAccess, module: str, slug: str) -> Exercise:
     """An exercise of the class's module. Raises NotFound."""
     exercise = reader.course.exercises.get(f"{module}/{slug}")
     if exercise is None or module != place.school_class.module:
@@ -127,7 +127,7 @@ def work_page(
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     shown = chosen or (tried[0].number if tried else 0)
     latest = tried[0].diagnosis if tried else None
-    talks = service.of_exercise(*found)
+    talks = service.load_exercise_conversations(*found)
     address = f"{href}?page="
     return WorkPage(
         head=head(reader.course, student.place, "/eleves"),
@@ -147,7 +147,7 @@ def work_page(
     )
 
 
-def _word_href(place: Place, exercise: Exercise, mistake: str | None) -> str:
+def _word_href(place: ClassAccess, exercise: Exercise, mistake: str | None) -> str:
     about = f"&erreur={quote(mistake, safe='')}" if mistake else ""
     return f"{href_of(place.school_class)}/mots?exercice={quote(exercise.id, safe='')}{about}#ecrire"
 
@@ -177,4 +177,4 @@ def _change(reader: Reader, student: Student, exercise: Exercise, number: int) -
         return None
     before, after = pair
     hrefs = [f"/soumissions/{one.id}" for one in pair]
-    return Change(number, beside(before.code, after.code), *hrefs)
+    return Change(number, compare_side_by_side(before.code, after.code), *hrefs)

@@ -49,7 +49,7 @@ def accounts(database: Database, count: int) -> dict[str, str]:
             account = Account(role=Role.student, name=f"Élève {number}", login=f"eleve{number}")
             db.add(account)
             db.flush()
-            found[str(account.id)] = tokens.create(db, account, "essai", settings)[1]
+            found[str(account.id)] = tokens.create_token(db, account, "essai", settings)[1]
     return found
 
 

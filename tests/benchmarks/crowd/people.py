@@ -8,7 +8,7 @@ from uuid import UUID, uuid4
 
 from sqlalchemy import insert
 
-from server.classes.models import Membership, Seat, Status
+from server.classes.models import ClassRole, Membership, Status
 from server.course import Course
 from server.database import Database, table_of, utc_now
 from server.identity.models import Account, BrowserSession, Role
@@ -76,7 +76,7 @@ def _seated(database: Database, class_id: UUID, start: int, size: int, hashed: s
             person = Person(login=login) if login else Person(cookie=new_token())
             values = {"role": Role.student, "name": f"Élève {number}", "login": login, "password_hash": hashed}
             accounts.append({"id": name, **values})
-            seats.append({"class_id": class_id, "account_id": name, "role": Seat.student, "status": Status.active})
+            seats.append({"class_id": class_id, "account_id": name, "role": ClassRole.student, "status": Status.active})
             people.append((name, person))
         db.execute(insert(table_of(Account)), accounts)
         db.execute(insert(table_of(Membership)), seats)

@@ -20,7 +20,7 @@ from server.assignments.models import AssignedExercise, Assignment, Mode
 from server.base.settings import Settings
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes import repository as classes
-from server.classes.models import Seat
+from server.classes.models import ClassRole
 from server.database import Database
 from server.demo.loading import Loaded, load
 from server.gradebook.models import Grading
@@ -153,14 +153,14 @@ def _one_of_each(database: Database, loaded: Loaded) -> None:
 
 def _found(server: Server, database: Database, class_id: UUID) -> Walk:
     with database.read() as db:
-        people = classes.members(db, class_id)
+        people = classes.load_members(db, class_id)
         given = db.scalars(select(Assignment).where(Assignment.class_id == class_id)).all()
         homes = db.scalars(select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == EXERCISE)).all()
         home = next(one for one in given if one.id in homes and one.mode != Mode.test)
         test = max((one for one in given if one.mode == Mode.test), key=lambda one: one.opens_at)
         at_work = db.scalars(select(Submission.account_id).where(Submission.exercise == EXERCISE)).first()
         student = db.get_one(Account, at_work)
-        teacher = db.get_one(Account, next(one.id for one in people if one.membership.role == Seat.teacher))
+        teacher = db.get_one(Account, next(one.id for one in people if one.membership.role == ClassRole.teacher))
         values = {
             "class_id": class_id,
             "aid": home.id,

@@ -23,8 +23,8 @@ from server.base.request import COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.board.live import LiveBoards
 from server.classes.codes import new_code
-from server.classes.models import Membership, SchoolClass, Seat
-from server.comments.models import Message, Note, NoteReader, State, Thread
+from server.classes.models import ClassRole, Membership, SchoolClass
+from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
 from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
@@ -40,7 +40,7 @@ from tests.support.service import EXERCISE, Site, fake_verdict
 TABLE = (ROOT / "server" / "rights" / "README.md").read_text(encoding="utf-8").split("## Routes")[1]
 PEOPLE = ("visitor", "stranger", "student", "assistant", "teacher", "other teacher", "administrator")
 ROLES = {"teacher": Role.teacher, "other teacher": Role.teacher, "administrator": Role.administrator}
-SEATS = {"student": Seat.student, "assistant": Seat.assistant, "teacher": Seat.teacher}
+SEATS = {"student": ClassRole.student, "assistant": ClassRole.assistant, "teacher": ClassRole.teacher}
 API = "/api/v1"
 WATCHED = "/statusz"  # read with a token, as the API is
 LEADS_TO_LOG_IN = "log in"
@@ -164,7 +164,12 @@ class Stage:
             db.add(self.sent)
             ada = self.accounts["student"].id
             self.thread = Thread(
-                account_id=ada, exercise=EXERCISE, work_at=utc_now(), by_staff=False, state=State.open, check_title=""
+                account_id=ada,
+                exercise=EXERCISE,
+                work_at=utc_now(),
+                by_staff=False,
+                state=ThreadState.open,
+                check_title="",
             )
             self.note = Note(class_id=self.made.id, exercise=EXERCISE, text="Bonjour")
             db.add_all([self.thread, self.note])
@@ -172,7 +177,7 @@ class Stage:
             db.add(NoteReader(note_id=self.note.id, account_id=ada))
             db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
             self._give(db)
-            self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
+            self.link = links.create_password_link(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
             db.flush()
