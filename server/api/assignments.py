@@ -17,12 +17,12 @@ from server.api.assignment_schemas import (
     WeightedIn,
 )
 from server.api.documentation import problems
-from server.assignments import exempting, keeping, mine, repository
-from server.assignments.exempting import explain_rules, find_exemption
-from server.assignments.mine import StudentAssignment
+from server.assignments import editing, exemption_service, repository, student_assignments
+from server.assignments.exemption_service import explain_rules, find_exemption
 from server.assignments.models import Assignment, Exemption, LatePolicy
 from server.assignments.rules import rules_in_force
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
+from server.assignments.student_assignments import StudentAssignment
 from server.base import root
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
@@ -77,7 +77,7 @@ def _own(one: StudentAssignment) -> AssignmentOut:
     told = {name: getattr(rules, name) for name in ("opens_at", "due_at", "closes_at", "time_factor", "excused")}
     if one.hides_exercises:
         told["exercises"] = None
-    return _out(one.assignment, keeping.assignment_input(one.assignment, one.exercises), **told)
+    return _out(one.assignment, editing.assignment_input(one.assignment, one.exercises), **told)
 
 
 @router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -86,8 +86,8 @@ def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: Cours
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _lateness(body.late)
     told |= {"exercises": _weighted(body.exercises), "opens_at": body.opens_at or utc_now()}
-    made = keeping.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
-    return _out(made, keeping.load_assignment_input(db, made))
+    made = editing.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
+    return _out(made, editing.load_assignment_input(db, made))
 
 
 @router.get(ALL, responses=problems(401, 403, 404))
@@ -96,10 +96,13 @@ def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[Assignm
     place = rights.require_right(db, account, Right.see_assignments, class_id)
     if not place.has(Right.see_students):
         seat = _seat(place)
-        return [_own(one) for one in mine.load_class_assignments(db, seat.class_id, account.id, seat.groups, utc_now())]
+        return [
+            _own(one)
+            for one in student_assignments.load_class_assignments(db, seat.class_id, account.id, seat.groups, utc_now())
+        ]
     rows = repository.load_class_assignments(db, place.school_class.id)
     exercises = repository.load_exercises(db, [one.id for one in rows])
-    return [_out(one, keeping.assignment_input(one, exercises.get(one.id, ()))) for one in rows]
+    return [_out(one, editing.assignment_input(one, exercises.get(one.id, ()))) for one in rows]
 
 
 def _seat(place: ClassAccess) -> Membership:
@@ -112,10 +115,10 @@ def _seat(place: ClassAccess) -> Membership:
 def read(class_id: str, aid: str, account: ApiAccount, db: Db) -> AssignmentOut:
     """One assignment; a student's with their own dates."""
     place = rights.require_right(db, account, Right.see_assignments, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid)
+    assignment = editing.find_assignment(db, place.school_class, aid)
     if place.has(Right.see_students):
-        return _out(assignment, keeping.load_assignment_input(db, assignment))
-    return _own(mine.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
+        return _out(assignment, editing.load_assignment_input(db, assignment))
+    return _own(student_assignments.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
 
 
 @router.patch(ONE, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -124,8 +127,8 @@ def change(
 ) -> AssignmentOut:
     """Changes what is sent, and leaves the rest. What students have sent stays."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
-    before = keeping.load_assignment_input(db, assignment)
+    assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
+    before = editing.load_assignment_input(db, assignment)
     told: dict[str, Any] = {**before.columns(), "exercises": before.exercises}
     told |= {name: getattr(body, name) for name in body.model_fields_set}
     if "late" in body.model_fields_set:
@@ -133,16 +136,16 @@ def change(
     if "exercises" in body.model_fields_set:
         told["exercises"] = _weighted(body.exercises)
     told["opens_at"] = told["opens_at"] or utc_now()
-    keeping.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
-    return _out(assignment, keeping.load_assignment_input(db, assignment))
+    editing.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
+    return _out(assignment, editing.load_assignment_input(db, assignment))
 
 
 @router.delete(ONE, status_code=204, responses=problems(401, 403, 404, 409))
 def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
     """Takes the assignment back, with its exceptions. What students have sent stays."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    keeping.delete_assignment(
-        db, place.school_class, account.id, keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    editing.delete_assignment(
+        db, place.school_class, account.id, editing.find_assignment(db, place.school_class, aid, to_change=True)
     )
     return Response(status_code=204)
 
@@ -151,13 +154,13 @@ def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
 def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: Db) -> ExceptionOut:
     """Has something differ for a student or a group."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
     effect = ExemptionInput(
         body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, body.reason.strip()
     )
     whom = ExemptionTarget((body.student,) if body.student else (), body.group or "")
     members = classes.load_members(db, place.school_class.id)
-    (made,) = exempting.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
+    (made,) = exemption_service.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
     return _exception(made)
 
 
@@ -181,7 +184,7 @@ def _exception(one: Exemption) -> ExceptionOut:
 def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> list[ExceptionOut]:
     """All that were made, oldest first; those revoked too."""
     place = rights.require_right(db, account, Right.see_students, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid)
+    assignment = editing.find_assignment(db, place.school_class, aid)
     return [_exception(one) for one in repository.load_all_exemptions(db, assignment.id)]
 
 
@@ -189,8 +192,10 @@ def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> lis
 def revoke(class_id: str, aid: str, eid: str, account: ApiAccount, db: Db) -> Response:
     """Takes an exception back; it stays in the list, revoked."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
-    exempting.revoke_exemption(db, place.school_class, account.id, assignment, find_exemption(db, assignment, eid))
+    assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
+    exemption_service.revoke_exemption(
+        db, place.school_class, account.id, assignment, find_exemption(db, assignment, eid)
+    )
     return Response(status_code=204)
 
 
@@ -204,7 +209,7 @@ def read_rules(
 ) -> RulesOut:
     """The rules in force for a student, and why; one's own, for who is one."""
     place = rights.require_right(db, account, Right.see_assignments, class_id)
-    assignment = keeping.find_assignment(db, place.school_class, aid)
+    assignment = editing.find_assignment(db, place.school_class, aid)
     seat = _student(db, place, account, student)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
@@ -241,8 +246,8 @@ def _student(db: Db, place: ClassAccess, account: Account, name: str) -> Members
         if wanted != str(account.id):
             raise Forbidden(OTHERS)
         return _seat(place)
-    members = exempting.active_students(classes.load_members(db, place.school_class.id))
+    members = exemption_service.active_students(classes.load_members(db, place.school_class.id))
     for one in members:
         if str(one.id) == wanted:
             return one.membership
-    raise NotFound(exempting.NO_STUDENT)
+    raise NotFound(exemption_service.NO_STUDENT)

@@ -7,7 +7,7 @@ from uuid import UUID
 from pydantic import ConfigDict, Field
 
 from server.api.schemas import Strict
-from server.comments.carrying import LineFate
+from server.comments.line_tracking import LineFate
 from server.comments.models import CHECK_LENGTH, TEXT_LENGTH, ThreadState
 
 Line = Annotated[int, Field(ge=1, le=10**6)]

@@ -8,7 +8,7 @@ from server.api.documentation import problems
 from server.base.dependencies import SettingsOf
 from server.base.errors import NotFound
 from server.comments import service
-from server.comments.carrying import LineRange
+from server.comments.line_tracking import LineRange
 from server.comments.models import Thread, ThreadState
 from server.comments.schemas import WHOLE_WORK, Conversation, ThreadTarget
 from server.database.dependencies import Db

@@ -16,8 +16,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import held, repository
-from server.assignments.held import AssignedExerciseRow
+from server.assignments import feedback_repository, repository
+from server.assignments.feedback_repository import AssignedExerciseRow
 from server.assignments.models import Assignment, EndedBy, Mode, Sitting, Visibility
 from server.assignments.rules import Rules, rules_in_force
 from server.database import utc_now
@@ -147,7 +147,7 @@ def _remembered(db: Session, account_id: UUID, exercise: str | None) -> Mapping[
 def load_holds_by_student(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, FeedbackHolds]:
     """Of many in one exercise, those from whom something is held back; two queries."""
     now = utc_now()
-    rows = held.load_rows_of_students(db, accounts, exercise, now) if accounts else ()
+    rows = feedback_repository.load_rows_of_students(db, accounts, exercise, now) if accounts else ()
     differences = repository.load_exemptions(db, {row.assignment.id for row in rows}) if rows else {}
     grouped: dict[UUID, list[tuple[AssignedExerciseRow, Rules]]] = defaultdict(list)
     for row in rows:
@@ -162,7 +162,7 @@ def forget_holds(db: Session) -> None:
 
 
 def _by_exercise(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Mapping[str, FeedbackHolds]:
-    rows = held.load_student_rows(db, account_id, exercise, now)
+    rows = feedback_repository.load_student_rows(db, account_id, exercise, now)
     if not rows:
         return {}
     differences = repository.load_exemptions(db, {row.assignment.id for row in rows})

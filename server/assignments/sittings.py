@@ -13,7 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, papers, repository
+from server.assignments import feedback, repository, sitting_repository
 from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force
@@ -67,7 +67,7 @@ def load_student_test(
 ) -> StudentTest:
     differences = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     rules = rules_in_force(assignment, differences, account_id, groups)
-    sitting = papers.load_sitting(db, assignment.id, account_id)
+    sitting = sitting_repository.load_sitting(db, assignment.id, account_id)
     return StudentTest(assignment, rules, sitting, sitting_stage(assignment, rules, sitting, now))
 
 
@@ -78,7 +78,7 @@ def begin_sitting(
     refusal = CANNOT_BEGIN.get(load_student_test(db, assignment, account_id, groups, now).stage)
     if refusal:
         raise NotNow(refusal)
-    papers.insert_sitting(db, assignment.id, account_id, now)
+    sitting_repository.insert_sitting(db, assignment.id, account_id, now)
 
 
 def require_may_submit(db: Session, account_id: UUID, exercise: str, now: datetime) -> FeedbackHolds:
@@ -108,14 +108,14 @@ def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: 
     kept = _kept_running(db, found.running_tests, account_id)
     if not kept:
         raise NotNow(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
-    papers.upsert_saved_work(db, kept, account_id, exercise, source, now)
+    sitting_repository.upsert_saved_work(db, kept, account_id, exercise, source, now)
 
 
 def _kept_running(db: Session, tests: Collection[HoldingTest], account_id: UUID) -> list[UUID]:
     """Locks these sittings; those that are not handed in. One that time had ended, and that has more now, goes on."""
     kept = []
     for test in sorted(tests, key=lambda test: test.assignment_id):
-        sitting = papers.lock_sitting(db, test.assignment_id, account_id)
+        sitting = sitting_repository.lock_sitting(db, test.assignment_id, account_id)
         if sitting is not None and sitting.ended_by != EndedBy.student:
             sitting.handed_in_at = sitting.ended_by = None
             kept.append(test.assignment_id)
@@ -125,8 +125,8 @@ def _kept_running(db: Session, tests: Collection[HoldingTest], account_id: UUID)
 def load_last_saved_work(db: Session, account_id: UUID, exercise: str) -> SavedWork | None:
     """What stands in the tests that this account sits at present."""
     running = [test.assignment_id for test in feedback.load_holds(db, account_id, exercise).running_tests]
-    return papers.load_last_saved_work(db, running, account_id, exercise) if running else None
+    return sitting_repository.load_last_saved_work(db, running, account_id, exercise) if running else None
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    papers.move_sittings(db, guest_id, account_id)
+    sitting_repository.move_sittings(db, guest_id, account_id)

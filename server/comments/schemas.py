@@ -8,7 +8,7 @@ from datetime import datetime
 from uuid import UUID
 
 from server.base.errors import Invalid
-from server.comments.carrying import LineFate, LineRange
+from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import TEXT_LENGTH, Message, Note, Phrase, Thread, ThreadState
 
 EMPTY = "Écrivez d’abord votre message."

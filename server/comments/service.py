@@ -16,9 +16,9 @@ from server.base.identities import identity_of
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
-from server.comments import repository, words_repository
-from server.comments.carrying import GONE, LineFate, LineRange, TrackedLines, track_lines
+from server.comments import notes_repository, repository
 from server.comments.difference import diff_lines, split_lines
+from server.comments.line_tracking import GONE, LineFate, LineRange, TrackedLines, track_lines
 from server.comments.models import TITLE_LENGTH, Message, Thread, ThreadState
 from server.comments.schemas import (
     AccountComments,
@@ -262,13 +262,13 @@ def load_account_comments(db: Session, account_id: UUID) -> AccountComments:
     return AccountComments(
         conversations=[Conversation(one, messages.get(one.id, ()), lines=_lines(one)) for one in threads],
         staff_messages=repository.load_staff_messages(db, account_id),
-        phrases=words_repository.load_all_phrases(db, account_id),
-        received_notes=words_repository.load_all_received_notes(db, account_id),
-        sent_notes=words_repository.load_sent_notes(db, account_id),
+        phrases=notes_repository.load_all_phrases(db, account_id),
+        received_notes=notes_repository.load_all_received_notes(db, account_id),
+        sent_notes=notes_repository.load_sent_notes(db, account_id),
     )
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """What a guest has asked and was told is their account's."""
     repository.move_threads(db, guest_id, account_id)
-    words_repository.move_notes(db, guest_id, account_id)
+    notes_repository.move_notes(db, guest_id, account_id)

@@ -12,7 +12,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import exempting, keeping, papers
+from server.assignments import editing, exemption_service, sitting_repository
 from server.assignments import service as assignments
 from server.assignments.models import Assignment, EndedBy, LatePolicy, Mode
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
@@ -20,9 +20,9 @@ from server.base.settings import Settings
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
+from server.comments import notes, notes_repository
 from server.comments import service as comments
-from server.comments import words, words_repository
-from server.comments.carrying import LineRange
+from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course import Course, Exercise, Module
 from server.demo.people import GROUPS
@@ -92,11 +92,11 @@ def _test(
 
 
 def _made(db: Session, room: Classroom, wanted: AssignmentInput) -> Assignment:
-    return keeping.create_assignment(db, room.course, room.made, room.teacher.id, wanted)
+    return editing.create_assignment(db, room.course, room.made, room.teacher.id, wanted)
 
 
 def _exempt(db: Session, room: Classroom, one: Assignment, whom: ExemptionTarget, wanted: ExemptionInput) -> None:
-    exempting.grant_exemptions(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
+    exemption_service.grant_exemptions(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
 
 
 def _members(db: Session, room: Classroom) -> Sequence[Member]:
@@ -108,10 +108,10 @@ def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -
     end = test.opens_at + LASTING
     came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
     for pupil in came:
-        papers.insert_sitting(db, test.id, room.students[pupil], test.opens_at)
-        sitting = papers.load_sitting(db, test.id, room.students[pupil])
+        sitting_repository.insert_sitting(db, test.id, room.students[pupil], test.opens_at)
+        sitting = sitting_repository.load_sitting(db, test.id, room.students[pupil])
         assert sitting is not None
-        papers.end_sitting(db, sitting, end, EndedBy.time)
+        sitting_repository.end_sitting(db, sitting, end, EndedBy.time)
     assignments.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
@@ -134,12 +134,12 @@ def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings)
                 reason="Le raisonnement a été expliqué à l’oral.",
             )
             comments.begin_thread(db, room.teacher, attempt, ThreadTarget(LineRange(1, 1)), LINE, settings)
-            words.keep_phrase(db, room.teacher, PHRASE, step.exercise, None)
+            notes.keep_phrase(db, room.teacher, PHRASE, step.exercise, None)
         thread = comments.begin_thread(db, author, attempt, WHOLE_WORK, OPEN if place == 1 else ANSWERED, settings)
         if place != 1:
             comments.reply_to_thread(db, room.teacher, thread, ANSWER, settings)
     if latest:
         exercise = latest[-1].exercise
-        known = words_repository.load_current_misconceptions(db, room.made.id, exercise)
+        known = notes_repository.load_current_misconceptions(db, room.made.id, exercise)
         misconception = known[0][0] if known else None
-        words.send_note(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)
+        notes.send_note(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)

@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
-from server.assignments import keeping
+from server.assignments import editing
 from server.classes import repository
 from server.classes.codes import format_code
 from server.classes.importing import ImportPlan
@@ -228,7 +228,7 @@ def settings_page(db: Session, course: Course, place: ClassAccess, account: Acco
 
 def _choice(db: Session, course: Course, school_class: SchoolClass, edition: Module) -> EditionChoice:
     there = partial(editions.there, course, module=edition.slug)
-    left = () if edition.slug == school_class.module else keeping.uncopied_exercises(db, school_class, there)
+    left = () if edition.slug == school_class.module else editing.uncopied_exercises(db, school_class, there)
     return EditionChoice(
         slug=edition.slug,
         title=f"{edition.label} — {edition.title}",

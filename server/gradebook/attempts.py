@@ -12,7 +12,7 @@ from uuid import UUID
 from sqlalchemy import Select, bindparam, select
 from sqlalchemy.orm import Session
 
-from server.assignments import held
+from server.assignments import feedback_repository
 from server.database import ask, loaded, prepared, table_of, utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
@@ -22,7 +22,7 @@ _SENT = tuple(_submissions.c)
 #: All but what it has drawn, which is long, and asked for by itself.
 _COUNTING = tuple(one for one in _gradings.c if one.name not in {"figures", "films"})
 _NAMES = tuple(one.name for one in _SENT), tuple(one.name for one in _COUNTING)
-WHOLE = select(*_SENT, *_COUNTING, held.has_holds_clause(_submissions)).select_from(
+WHOLE = select(*_SENT, *_COUNTING, feedback_repository.has_holds_clause(_submissions)).select_from(
     _submissions.outerjoin(_gradings, _gradings.c.id == _submissions.c.grading_id)
 )
 ATTEMPT = WHOLE.where(_submissions.c.id == bindparam("submission"))

@@ -10,8 +10,8 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
 from server.base.routing import Room
-from server.comments import service, words, words_repository
-from server.comments.carrying import LineRange
+from server.comments import notes, notes_repository, service
+from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
@@ -85,14 +85,14 @@ def _said(db: Db, account: Account, author: UUID, text: str, phrase: str) -> str
     """Phrases are for who reads the work of others. Raises NotFound."""
     if account.id == author:
         return text
-    return words.prepend_phrase(db, account, words.parse_phrase_id(phrase), text)
+    return notes.prepend_phrase(db, account, notes.parse_phrase_id(phrase), text)
 
 
 def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) -> None:
     """Keeps what a teacher has typed, for this exercise and the mistake that was found in the attempt."""
     if wanted and text.strip() and account.id != attempt.submission.account_id:
         diagnosis = attempt.grading.diagnosis if attempt.grading else None
-        words.keep_phrase(db, account, text, attempt.submission.exercise, diagnosis)
+        notes.keep_phrase(db, account, text, attempt.submission.exercise, diagnosis)
 
 
 @router.post("/{module:module}/exercices/{slug}/questions")
@@ -175,7 +175,7 @@ def _back(thread_id: str, wanted: str) -> Response:
 @router.post("/mots/{note_id}/lu")
 def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
     """That a student has read a word for them."""
-    words.mark_note_read(db, account, note_id)
+    notes.mark_note_read(db, account, note_id)
     return go(local(retour))
 
 
@@ -184,11 +184,11 @@ def phrases(request: Request, reader: Reading, course: CourseOf) -> Response:
     """The phrases that one keeps."""
     if reader.account is None:
         return go("/connexion?suite=/compte/phrases")
-    kept = talk.phrase_rows(words_repository.load_all_phrases(reader.db, reader.account.id), course)
+    kept = talk.phrase_rows(notes_repository.load_all_phrases(reader.db, reader.account.id), course)
     return page(request, "phrases.html", reader.account, phrases=kept)
 
 
 @router.post("/compte/phrases/{phrase_id}/effacer")
 def forget_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
-    words.delete_phrase(db, account, phrase_id)
+    notes.delete_phrase(db, account, phrase_id)
     return go("/compte/phrases")

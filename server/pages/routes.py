@@ -18,7 +18,7 @@ from server.base.provided import needed
 from server.base.request import SAFE_METHODS, client_address
 from server.base.routing import Room
 from server.comments import service as comments
-from server.comments.carrying import LineRange
+from server.comments.line_tracking import LineRange
 from server.comments.models import CHECK_LENGTH
 from server.comments.schemas import Conversation
 from server.course import Exercise

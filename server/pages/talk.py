@@ -8,8 +8,8 @@ from uuid import UUID
 
 from markupsafe import Markup
 
-from server.comments import service, words_repository
-from server.comments.carrying import LineFate, LineRange
+from server.comments import notes_repository, service
+from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Phrase, Thread
 from server.comments.schemas import Conversation, UnreadThread
 from server.course import Course, Exercise
@@ -211,7 +211,7 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
     ]
     told = [
         word_view(word, reader.course)
-        for word in words_repository.load_received_notes(reader.db, account.id, exercise.id)
+        for word in notes_repository.load_received_notes(reader.db, account.id, exercise.id)
     ]
     return ExerciseTalk(
         news=news_views(found, reader.course),

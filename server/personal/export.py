@@ -10,9 +10,9 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import feedback, papers
+from server.assignments import feedback, sitting_repository
 from server.assignments import repository as assignments
-from server.assignments.exempting import exemption_effects
+from server.assignments.exemption_service import exemption_effects
 from server.assignments.feedback import FeedbackHolds
 from server.audit import repository as audit
 from server.audit.models import AuditAction, AuditEvent
@@ -185,11 +185,11 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
                 "handed_in_at": _time(one.handed_in_at),
                 "ended_by": one.ended_by,
             }
-            for one, title in papers.load_account_sittings(db, account_id)
+            for one, title in sitting_repository.load_account_sittings(db, account_id)
         ],
         "saved": [
             {"exercise": one.exercise, "saved_at": _time(one.saved_at), "text": one.source.decode(errors="replace")}
-            for one in papers.load_all_saved_work(db, account_id)
+            for one in sitting_repository.load_all_saved_work(db, account_id)
         ],
     }
 

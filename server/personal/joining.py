@@ -4,7 +4,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import exempting, sittings
+from server.assignments import exemption_service, sittings
 from server.audit import repository as audit
 from server.classes import service as classes
 from server.comments import service as comments
@@ -20,7 +20,7 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     gradebook.adopt_attempts(db, guest_id, account_id)
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
-    exempting.adopt(db, guest_id, account_id)
+    exemption_service.adopt(db, guest_id, account_id)
     marks.adopt_overrides(db, guest_id, account_id)
     polls.move(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

@@ -57,7 +57,7 @@ class RegradeItem(Base):
     """An attempt to be graded anew. `before_id` is the grading that counted, `after_id` the new one once it is there.
 
     `position` is its place among those of the regrade; `counting`: it was its author's best or last attempt. `why` is
-    what differs between the two verdicts (`server.regrades.why.Reason`). `moved`: the new grading counts.
+    what differs between the two verdicts (`server.regrades.differences.Reason`). `moved`: the new grading counts.
     """
 
     __tablename__ = "regrade_item"

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from uuid import UUID
 
 from server.assignments.counting import ScoredAttempt
+from server.regrades.differences import FAILED, VerdictDifference
 from server.regrades.models import RegradePolicy
 from server.regrades.schemas import MarkChange, MarkOutcome, RegradedAttempt
-from server.regrades.why import FAILED, VerdictDifference
 
 DUST = 1e-6
 #: From a student's attempts to what counts of them: which, and its points out of 20.

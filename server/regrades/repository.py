@@ -13,9 +13,9 @@ from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
 from server.database import ask, prepared, table_of
 from server.gradebook.models import Grading
+from server.regrades.differences import VerdictDifference
 from server.regrades.models import Regrade, RegradeItem
 from server.regrades.schemas import AppliedRegrade, OutdatedExercise, RegradedAttempt
-from server.regrades.why import VerdictDifference
 from server.submissions.models import Submission
 
 _items = table_of(RegradeItem)

@@ -7,8 +7,8 @@ from datetime import datetime
 from enum import StrEnum
 from uuid import UUID
 
+from server.regrades.differences import VerdictDifference
 from server.regrades.models import Regrade, RegradePolicy
-from server.regrades.why import VerdictDifference
 
 
 @dataclass(frozen=True)

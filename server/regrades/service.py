@@ -18,7 +18,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import counting, papers, rules
+from server.assignments import counting, rules, sitting_repository
 from server.assignments import repository as assignments
 from server.assignments.counting import ScoredAttempt
 from server.assignments.models import Assignment, AttemptSelection, Mode
@@ -35,6 +35,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.queue.port import Queue, Sender
 from server.regrades import repository
+from server.regrades.differences import FAILED, VerdictDifference, compare_verdicts
 from server.regrades.models import Regrade, RegradePolicy, RegradeScope
 from server.regrades.preview import CountedMark, Marker, best_mark, compute_changes
 from server.regrades.schemas import (
@@ -47,7 +48,6 @@ from server.regrades.schemas import (
     RegradeProgress,
     RegradeState,
 )
-from server.regrades.why import FAILED, VerdictDifference, compare_verdicts
 from server.submissions.service import needs_of
 
 #: The kind of the job that grades the next attempt of a regrade; its key is the regrade's id.
@@ -176,7 +176,7 @@ def _by_rules(db: Session, assignment: Assignment) -> Marker:
     """As in the gradebook: of a test, what was sent while its student sat it."""
     differences = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
     labels = {one.id: one.groups for one in classes.load_members(db, assignment.class_id)}
-    sittings = papers.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else None
+    sittings = sitting_repository.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else None
 
     def mark(student: UUID, attempts: Sequence[ScoredAttempt]) -> CountedMark:
         mine = rules.rules_in_force(assignment, differences, student, labels.get(student, ()))

@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, papers, repository
+from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force
 from server.classes import repository as classes
@@ -45,7 +45,7 @@ class Collecting:
     def collect(self, database: Database, now: datetime) -> int:
         """Ends every sitting whose time is over; how many. What fails is left for the next time."""
         with database.read() as db:
-            waiting = papers.load_unfinished_sittings(db)
+            waiting = sitting_repository.load_unfinished_sittings(db)
             differences = repository.load_exemptions(db, {one.assignment.id for one in waiting}) if waiting else {}
         ended = 0
         for one in waiting:
@@ -69,7 +69,7 @@ class Collecting:
         return True
 
     def _locked(self, db: Session, assignment: Assignment, account_id: UUID) -> tuple[Sitting | None, Rules]:
-        sitting = papers.lock_sitting(db, assignment.id, account_id)
+        sitting = sitting_repository.lock_sitting(db, assignment.id, account_id)
         membership = classes.find_membership(db, assignment.class_id, account_id)
         told = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
         return sitting, rules_in_force(assignment, told, account_id, membership.groups if membership else ())
@@ -80,9 +80,9 @@ class Collecting:
     def _end(self, db: Session, assignment: Assignment, sitting: Sitting, when: datetime, by: EndedBy) -> None:
         account = identity.find_account(db, sitting.account_id)
         assert account is not None  # a sitting goes with its account
-        for saved in papers.load_saved_work(db, assignment.id, account.id):
+        for saved in sitting_repository.load_saved_work(db, assignment.id, account.id):
             self._send(db, account, saved, when)
-        papers.end_sitting(db, sitting, when, by)
+        sitting_repository.end_sitting(db, sitting, when, by)
 
     def _send(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
         """What is saved, unless it was sent, or something else was sent after it was saved."""

@@ -9,10 +9,10 @@ from typing import Literal
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, mine, papers
-from server.assignments.mine import StudentAssignment
+from server.assignments import feedback, sitting_repository, student_assignments
 from server.assignments.models import Mode, Sitting
-from server.assignments.states import AssignmentStage
+from server.assignments.stages import AssignmentStage
+from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
@@ -49,8 +49,8 @@ def soon(
     if account is None:
         return ()
     now = utc_now()
-    running = [one for one in mine.load_open_assignments(db, account.id, now) if _is_of(one, module)]
-    found = mine.due_soon([one for one in running if one.assignment.mode != Mode.test], now, SOON)
+    running = [one for one in student_assignments.load_open_assignments(db, account.id, now) if _is_of(one, module)]
+    found = student_assignments.due_soon([one for one in running if one.assignment.mode != Mode.test], now, SOON)
     views = [*_tests(db, account, running, now), *(_view(one, progress) for one in found)]
     return tuple(view for view in views if view.left)[:MOST]
 
@@ -58,7 +58,9 @@ def soon(
 def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime) -> Iterator[DueView]:
     """Those that one sits first. Who has handed in has nothing left to do there, nor who is excused."""
     tests = [one for one in running if one.assignment.mode == Mode.test]
-    sat = {one.assignment_id: one for one, _ in papers.load_account_sittings(db, account.id)} if tests else {}
+    sat = (
+        {one.assignment_id: one for one, _ in sitting_repository.load_account_sittings(db, account.id)} if tests else {}
+    )
     for wanted in (feedback.SittingStage.running, feedback.SittingStage.may_begin):
         for one in tests:
             sitting = sat.get(one.assignment.id)
@@ -91,7 +93,7 @@ def of_exercise(db: Session, account: Account | None, exercise: str) -> tuple[Du
     """
     if account is None:
         return ()
-    found = mine.load_open_assignments(db, account.id, utc_now(), exercise)
+    found = student_assignments.load_open_assignments(db, account.id, utc_now(), exercise)
     asking = [one for one in found if not one.rules.excused and one.assignment.mode != Mode.test]
     return tuple(_view(one, {}) for one in asking)[:MOST]
 

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Kind as Answered
 from server.regrades import service
-from server.regrades.why import DifferenceKind, VerdictDifference
+from server.regrades.differences import DifferenceKind, VerdictDifference
 from server.web.verdicts import title_of
 from server.web.words import mark, moment, moment_text, points
 

@@ -8,8 +8,8 @@ from typing import Literal
 
 from sqlalchemy.orm import Session
 
-from server.comments import words
-from server.comments.carrying import LineFate, LineRange
+from server.comments import notes
+from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
@@ -159,7 +159,7 @@ def writer(
     """`diagnosis` is that of the attempt that is written of: it decides which phrases come first."""
     if not staff:
         return WriterView(False, (), back)
-    phrases = words.suggest_phrases(db, account, exercise, diagnosis)
+    phrases = notes.suggest_phrases(db, account, exercise, diagnosis)
     views = tuple(
         PhraseView(str(one.id), one.text, diagnosis is not None and one.misconception == diagnosis) for one in phrases
     )

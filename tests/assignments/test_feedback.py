@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from server.assignments.feedback import FeedbackHolds, SittingStage, compute_holds, sitting_stage
-from server.assignments.held import AssignedExerciseRow
+from server.assignments.feedback_repository import AssignedExerciseRow
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting, Visibility
 from server.assignments.rules import rules_in_force
 

@@ -8,7 +8,7 @@ from server.assignments.models import Assignment, AttemptSelection, Exemption, L
 from server.audit import service as audit
 from server.audit.models import ACTION_LABELS, AuditAction, AuditEvent
 from server.audit.schemas import AuditFilter
-from server.audit.words import FIELDS, VALUES, describe_changes
+from server.audit.wording import FIELDS, VALUES, describe_changes
 from server.database import Database
 from server.identity.models import Role
 from tests.support.classes import new_class, seat

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.comments import difference as module
-from server.comments.beside import MAX_LINE_LENGTH, MAX_ROWS, compare_side_by_side
-from server.comments.carrying import LineFate, LineRange, TrackedLines, track_lines
 from server.comments.difference import MAX_DIFF_LINES, MAX_EQUAL_PAIRS, diff_lines, split_lines
+from server.comments.line_tracking import LineFate, LineRange, TrackedLines, track_lines
+from server.comments.side_by_side import MAX_LINE_LENGTH, MAX_ROWS, compare_side_by_side
 
 TEXTS = st.lists(st.sampled_from(["", "a", "b", "c", "d", "e = 1"]), max_size=12)
 BEFORE = ["import numpy", "", "def f(x):", "    y = x + 1", "    return y", "", "def g(x):", "    return x"]

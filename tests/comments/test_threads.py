@@ -14,8 +14,8 @@ from server.base.errors import Conflict, Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.classes import service as classes
 from server.classes.models import ClassRole, SchoolClass
-from server.comments import repository, service, words, words_repository
-from server.comments.carrying import LineFate, LineRange
+from server.comments import notes, notes_repository, repository, service
+from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phrase, Thread, ThreadState
 from server.comments.schemas import WHOLE_WORK, Conversation, ThreadTarget
 from server.database import Database, utc_now
@@ -227,13 +227,13 @@ def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: 
     thread = room.say(room.ada, room.send())
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        words.keep_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
-        words.send_note(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
+        notes.keep_phrase(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
+        notes.send_note(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
         identity.delete_account(db, room.teacher.id)
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [(said.name, said.message.as_staff) for said in talk.messages] == [("Ada", False), ("", True)]
-        assert [one.author for one in words_repository.load_received_notes(db, room.ada.id)] == [""]
+        assert [one.author for one in notes_repository.load_received_notes(db, room.ada.id)] == [""]
     assert room.count(Phrase) == 0
     with room.database.write() as db:
         identity.delete_account(db, room.ada.id)
@@ -254,12 +254,12 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
     thread = room.say(guest, room.send(by=guest))
     room.reply(room.teacher, thread)
     with room.database.write() as db:
-        words.send_note(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
+        notes.send_note(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
         adopt(db, guest.id, room.ada.id)
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]
-        assert len(words_repository.load_received_notes(db, room.ada.id)) == 1
+        assert len(notes_repository.load_received_notes(db, room.ada.id)) == 1
         assert len(repository.load_unread_threads(db, room.ada.id)) == 1
 
 
@@ -275,10 +275,10 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
     room.send(by=dan, diagnosis="signe")
     with room.database.write() as db:
         classes.leave_class(db, room.made, dan.id)
-        note, count = words.send_note(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
+        note, count = notes.send_note(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
     assert count == 1
     with room.database.read() as db:
-        assert words_repository.load_current_misconceptions(db, room.made.id, EXERCISE) == [
+        assert notes_repository.load_current_misconceptions(db, room.made.id, EXERCISE) == [
             ("autre", "Erreur", 1),
             ("signe", "Erreur", 1),
         ]
@@ -290,22 +290,22 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
         assert (sums.attempts, sums.best, sums.mistake) == (2, 0.5, "Erreur")
         assert not student_work.load_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
-        assert [one.seen_at for one in words_repository.load_received_notes(db, bob.id, EXERCISE)] == [None]
-        assert not words_repository.load_received_notes(db, cleo.id)
-        words.mark_note_read(db, bob, note.id)
+        assert [one.seen_at for one in notes_repository.load_received_notes(db, bob.id, EXERCISE)] == [None]
+        assert not notes_repository.load_received_notes(db, cleo.id)
+        notes.mark_note_read(db, bob, note.id)
         for stranger in (cleo, room.other):
             with pytest.raises(NotFound):
-                words.mark_note_read(db, stranger, note.id)
-        assert not words_repository.load_received_notes(db, bob.id, unread=True)
-        assert [(told.readers, told.seen) for told in words_repository.load_class_notes(db, room.made.id)] == [(1, 1)]
+                notes.mark_note_read(db, stranger, note.id)
+        assert not notes_repository.load_received_notes(db, bob.id, unread=True)
+        assert [(told.readers, told.seen) for told in notes_repository.load_class_notes(db, room.made.id)] == [(1, 1)]
         with pytest.raises(Conflict):
-            words.send_note(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
+            notes.send_note(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
 
 
 def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) -> None:
     with room.database.write() as db:
         kept = {
-            text: words.keep_phrase(db, room.teacher, text, exercise, misconception)
+            text: notes.keep_phrase(db, room.teacher, text, exercise, misconception)
             for text, exercise, misconception in [
                 ("partout", None, None),
                 ("ailleurs", "l20/autre", "autre"),
@@ -313,17 +313,17 @@ def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) ->
                 ("signe", EXERCISE, "signe"),
             ]
         }
-        assert words.keep_phrase(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
-        words.prepend_phrase(db, room.teacher, kept["partout"].id, "")
-        assert words.prepend_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
+        assert notes.keep_phrase(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
+        notes.prepend_phrase(db, room.teacher, kept["partout"].id, "")
+        assert notes.prepend_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
     with room.database.write() as db:
-        found = [one.text for one in words.suggest_phrases(db, room.teacher, EXERCISE, "signe")]
+        found = [one.text for one in notes.suggest_phrases(db, room.teacher, EXERCISE, "signe")]
         assert found == ["signe", "ici", "partout", "ailleurs"]
-        assert words.suggest_phrases(db, room.teacher, "l20/autre", "autre")[0].text == "ailleurs"
-        assert not words.suggest_phrases(db, room.other, EXERCISE, "signe")
+        assert notes.suggest_phrases(db, room.teacher, "l20/autre", "autre")[0].text == "ailleurs"
+        assert not notes.suggest_phrases(db, room.other, EXERCISE, "signe")
         with pytest.raises(NotFound):
-            words.prepend_phrase(db, room.other, kept["signe"].id, "")
+            notes.prepend_phrase(db, room.other, kept["signe"].id, "")
         with pytest.raises(NotFound):
-            words.delete_phrase(db, room.other, kept["signe"].id)
-        words.delete_phrase(db, room.teacher, kept["signe"].id)
+            notes.delete_phrase(db, room.other, kept["signe"].id)
+        notes.delete_phrase(db, room.teacher, kept["signe"].id)
     assert room.count(Phrase) == 3

@@ -7,11 +7,11 @@ from threading import Event, Thread
 
 import pytest
 
-from server.assignments import keeping
+from server.assignments import editing
 from server.assignments.schemas import Weighted
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
-from server.comments import words_repository
+from server.comments import notes_repository
 from server.course import Course
 from server.database import Database
 from server.identity import links
@@ -30,7 +30,7 @@ def test_a_name_that_no_database_can_look_for_is_nobody_s(database: Database) ->
             behaviour.find_group(db, made, EXERCISE, ZERO)
         with pytest.raises(NotFound):
             links.find_account_by_login(db, ZERO)
-        assert not words_repository.load_student_ids_with_misconception(db, made.id, EXERCISE, ZERO)
+        assert not notes_repository.load_student_ids_with_misconception(db, made.id, EXERCISE, ZERO)
 
 
 def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_other(
@@ -45,11 +45,11 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
         there.wait(10)
         try:
             with database.write() as db:
-                found = keeping.find_assignment(db, made, one.id, to_change=True)
+                found = editing.find_assignment(db, made, one.id, to_change=True)
                 if delete:
-                    return keeping.delete_assignment(db, made, teacher.id, found)
-                wanted = replace(keeping.load_assignment_input(db, found), title="Le mien")
-                keeping.update_assignment(db, course, made, teacher.id, found, wanted)
+                    return editing.delete_assignment(db, made, teacher.id, found)
+                wanted = replace(editing.load_assignment_input(db, found), title="Le mien")
+                editing.update_assignment(db, course, made, teacher.id, found, wanted)
         except Exception as error:
             failed.append(error)
 
@@ -57,10 +57,10 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
     for thread in others:
         thread.start()
     with database.write() as db:
-        found = keeping.find_assignment(db, made, one.id, to_change=True)
-        more = (*keeping.load_assignment_input(db, found).exercises, Weighted("l20/kabsch"))
-        keeping.update_assignment(
-            db, course, made, teacher.id, found, replace(keeping.load_assignment_input(db, found), exercises=more)
+        found = editing.find_assignment(db, made, one.id, to_change=True)
+        more = (*editing.load_assignment_input(db, found).exercises, Weighted("l20/kabsch"))
+        editing.update_assignment(
+            db, course, made, teacher.id, found, replace(editing.load_assignment_input(db, found), exercises=more)
         )
         there.set()
         for thread in others:

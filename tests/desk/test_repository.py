@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import timedelta
 
-from server.assignments import keeping
+from server.assignments import editing
 from server.assignments.schemas import AssignmentInput, Weighted
 from server.classes.models import ClassRole, Status
 from server.database import Database, utc_now
@@ -38,7 +38,7 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
                 first = solved if done else None
                 db.add(Standing(account_id=account.id, exercise=exercise, first_success_at=first, **row))
         given = [
-            keeping.create_assignment(
+            editing.create_assignment(
                 db, the_course(), made, teacher.id, AssignmentInput(str(names), tuple(map(Weighted, names)), now)
             )
             for names in (BOTH, BOTH[:1], BOTH[1:])

@@ -21,7 +21,7 @@ from server.audit.models import AuditAction, AuditEvent
 from server.base.errors import Conflict
 from server.base.provided import provided_to
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.comments import words
+from server.comments import notes
 from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.grading.task import SentFile
@@ -592,7 +592,7 @@ def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Ro
     def tell() -> int:
         with room.site.database.write() as db:
             teacher = db.merge(room.teacher.account)
-            return words.send_note(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
+            return notes.send_note(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
 
     with pytest.raises(Conflict, match="retient ce diagnostic"):
         tell()

@@ -10,7 +10,7 @@ from uuid import uuid4
 import pytest
 
 from server.classes.models import ClassRole, SchoolClass
-from server.comments import words
+from server.comments import notes
 from server.identity.models import Role
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient
@@ -184,7 +184,7 @@ def test_a_question_on_the_whole_and_a_word_to_several(school: School) -> None:
     assert "Par où commencer ?" in get(school.staff, f"/fils/{thread_of(asked.headers['location'])}")
     with school.site.database.write() as db:
         args = (EXERCISE, None, "Relisez **tout** `a < b`.", "/l20/lire/localiser", school.site.settings)
-        note, _ = words.send_note(db, school.teacher.account, school.made, *args)
+        note, _ = notes.send_note(db, school.teacher.account, school.made, *args)
     told = get(school.student, PAGE)
     assert "Relisez **tout** <code>a &lt; b</code>." in told
     assert 'class="button" href="/l20/lire/localiser"' in told

@@ -22,8 +22,8 @@ from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.cli import main
+from server.comments import notes
 from server.comments import service as comments
-from server.comments import words
 from server.comments.schemas import ThreadTarget
 from server.course import Course
 from server.database import Database, utc_now
@@ -341,8 +341,8 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
             db, account, find_attempt(db, account, sent.id), ThreadTarget(check="a"), "Pourquoi ?", ada.settings
         )
         comments.reply_to_thread(db, teacher, asked, "Relisez.", ada.settings)
-        words.keep_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
-        words.send_note(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
+        notes.keep_phrase(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
+        notes.send_note(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
     files = archive(ada.client.get("/compte/donnees"))
     told = read(files, "messages.json")
     (thread,) = told["threads"]

@@ -8,8 +8,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, papers, repository
-from server.assignments.exempting import (
+from server.assignments import feedback, repository, sitting_repository
+from server.assignments.exemption_service import (
     NO_STUDENT,
     ExplainedValue,
     active_students,
@@ -151,7 +151,9 @@ def why_page(db: Session, course: Course, place: ClassAccess, one: Assignment, s
         line=line_of(rules),
         people=tuple((str(each.id), each.name) for each in active_students(members)),
         for_staff=staff,
-        sitting=_sitting(papers.load_sitting(db, one.id, seat.account_id), rules) if one.mode == Mode.test else "",
+        sitting=_sitting(sitting_repository.load_sitting(db, one.id, seat.account_id), rules)
+        if one.mode == Mode.test
+        else "",
     )
 
 

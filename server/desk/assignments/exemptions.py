@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Query, Request
 from fastapi.responses import Response
 
-from server.assignments import exempting, keeping
+from server.assignments import editing, exemption_service
 from server.base.errors import FieldsRefused, Forbidden
 from server.base.routing import Room
 from server.classes import repository as classes
@@ -37,7 +37,7 @@ def exemptions(request: Request, class_id: str, aid: str, reader: Reading, tri: 
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    found = editing.find_assignment(reader.db, place.school_class, aid)
     view = exemption_views.exemptions_page(reader.db, reader.course, place, found, tri)
     return page(request, "classes/exemptions.html", reader.account, page=view)
 
@@ -47,7 +47,7 @@ def export(request: Request, class_id: str, aid: str, reader: Reading, tri: Word
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    found = editing.find_assignment(reader.db, place.school_class, aid)
     headers = {"Content-Disposition": 'attachment; filename="amenagements.csv"', "Cache-Control": "private, no-store"}
     content = exemption_views.as_csv(reader.db, place, found, tri)
     return Response(content, media_type="text/csv; charset=utf-8", headers=headers)
@@ -58,12 +58,12 @@ def grant(
     request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    found = editing.find_assignment(db, place.school_class, aid, to_change=True)
     values = assignment_forms.exemption_values(fields)
     try:
         whom, wanted = assignment_forms.exemption(fields)
         members = classes.load_members(db, place.school_class.id)
-        exempting.grant_exemptions(
+        exemption_service.grant_exemptions(
             db, place.school_class, account.id, found, members, whom, wanted, replacing=values.replace
         )
     except FieldsRefused as refused:
@@ -75,8 +75,10 @@ def grant(
 @router.post(f"{ONE}/amenagements/{{eid}}/retirer")
 def revoke(class_id: str, aid: str, eid: str, account: SignedIn, db: Db) -> Response:
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
-    exempting.revoke_exemption(db, place.school_class, account.id, found, exempting.find_exemption(db, found, eid))
+    found = editing.find_assignment(db, place.school_class, aid, to_change=True)
+    exemption_service.revoke_exemption(
+        db, place.school_class, account.id, found, exemption_service.find_exemption(db, found, eid)
+    )
     return go(f"{href_of(found)}/amenagements")
 
 
@@ -86,7 +88,7 @@ def why(request: Request, class_id: str, aid: str, reader: Reading, eleve: Word 
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
-    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    found = editing.find_assignment(reader.db, place.school_class, aid)
     if not place.has(Right.see_students):
         assert place.membership is not None  # who has no seat is an administrator
         if eleve and eleve.lower() != str(reader.account.id):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.assignments import keeping
+from server.assignments import editing
 from server.assignments.models import Assignment
 from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.base.errors import FieldsRefused
@@ -66,9 +66,9 @@ def create(
     try:
         wanted = assignment_forms.assignment(fields, None)
         if not fields.get("apercu"):
-            made = keeping.create_assignment(db, course, place.school_class, account.id, wanted)
+            made = editing.create_assignment(db, course, place.school_class, account.id, wanted)
             return go(assignment_views.href_of(made))
-        drawn = validate_assignment(wanted, keeping.assignable_exercises(course, place.school_class))
+        drawn = validate_assignment(wanted, editing.assignable_exercises(course, place.school_class))
         problems = {}
     except FieldsRefused as refused:
         problems = refused.problems
@@ -86,7 +86,7 @@ def one(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
-    found = keeping.find_assignment(reader.db, place.school_class, aid)
+    found = editing.find_assignment(reader.db, place.school_class, aid)
     if not place.has(Right.see_students):
         return go(f"{views.href_of(place.school_class)}#devoir-{found.id}")
     view = assignment_views.assignment_page(reader.db, reader.course, place, found)
@@ -99,8 +99,8 @@ def form(request: Request, class_id: str, aid: str, reader: Reading) -> Response
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(place.school_class)
-    found = keeping.find_assignment(reader.db, place.school_class, aid)
-    wanted = keeping.load_assignment_input(reader.db, found)
+    found = editing.find_assignment(reader.db, place.school_class, aid)
+    wanted = editing.load_assignment_input(reader.db, found)
     values = assignment_forms.values_of(wanted)
     view = assignment_views.form_page(reader.course, place, values, one=found, drawn=wanted)
     return page(request, "classes/assignment_form.html", reader.account, page=view)
@@ -112,17 +112,17 @@ def change(
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found = keeping.find_assignment(db, place.school_class, aid, to_change=True)
+    found = editing.find_assignment(db, place.school_class, aid, to_change=True)
     values = assignment_forms.assignment_values(fields)
     drawn: AssignmentInput | None = None
     try:
-        before = keeping.load_assignment_input(db, found)
+        before = editing.load_assignment_input(db, found)
         wanted = assignment_forms.assignment(fields, before)
         if not fields.get("apercu"):
-            keeping.update_assignment(db, course, place.school_class, account.id, found, wanted)
+            editing.update_assignment(db, course, place.school_class, account.id, found, wanted)
             return go(assignment_views.href_of(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        drawn = validate_assignment(wanted, known | dict(keeping.assignable_exercises(course, place.school_class)))
+        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(course, place.school_class)))
         problems = {}
     except FieldsRefused as refused:
         problems = refused.problems
@@ -133,6 +133,6 @@ def change(
 @router.post(f"{ONE}/supprimer")
 def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found: Assignment = keeping.find_assignment(db, place.school_class, aid, to_change=True)
-    keeping.delete_assignment(db, place.school_class, account.id, found)
+    found: Assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
+    editing.delete_assignment(db, place.school_class, account.id, found)
     return go(f"{views.href_of(place.school_class)}/devoirs")

@@ -8,11 +8,11 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import keeping, repository
+from server.assignments import editing, repository
 from server.assignments.models import Assignment, Mode
 from server.assignments.rules import Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
-from server.assignments.states import AssignmentStage, assignment_stage
+from server.assignments.stages import AssignmentStage, assignment_stage
 from server.classes import repository as classes
 from server.course import Course
 from server.database import utc_now
@@ -97,7 +97,7 @@ def _row(one: Assignment, exercises: int, exemptions: int, finished: int, now: d
 
 
 def assignment_page(db: Session, course: Course, place: ClassAccess, one: Assignment) -> AssignmentPage:
-    wanted = keeping.load_assignment_input(db, one)
+    wanted = editing.load_assignment_input(db, one)
     exempted = repository.count_exemptions(db, [one.id]).get(one.id, 0)
     finished = desk.finished(db, place.school_class.id, [one.id]).get(one.id, 0)
     return AssignmentPage(

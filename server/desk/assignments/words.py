@@ -8,7 +8,7 @@ from typing import Any
 
 from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
 from server.assignments.rules import Field, Rules
-from server.assignments.states import AssignmentStage
+from server.assignments.stages import AssignmentStage
 from server.web.words import moment_words, points
 
 MODES: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}

@@ -14,7 +14,7 @@ from server.audit import repository
 from server.audit import service as audit
 from server.audit.models import ACTION_LABELS, AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
-from server.audit.words import describe_changes
+from server.audit.wording import describe_changes
 from server.base.routing import Room
 from server.classes import repository as classes
 from server.classes.models import ClassRole

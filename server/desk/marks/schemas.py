@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from server.audit.words import ValueChange
+from server.audit.wording import ValueChange
 from server.desk.schemas import ClassHead
 
 

@@ -9,7 +9,7 @@ from server.assignments import feedback
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Sitting
 from server.assignments.rules import Rules
-from server.assignments.states import AssignmentStage as Open
+from server.assignments.stages import AssignmentStage as Open
 from server.desk.assignments.schemas import OwnTest, StageView
 from server.desk.assignments.views import stage_view, when
 

@@ -9,11 +9,11 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import mine, papers
-from server.assignments.mine import StudentAssignment
+from server.assignments import sitting_repository, student_assignments
 from server.assignments.models import Mode, Sitting, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules
-from server.assignments.states import AssignmentStage
+from server.assignments.stages import AssignmentStage
+from server.assignments.student_assignments import StudentAssignment
 from server.classes import repository
 from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
@@ -81,7 +81,11 @@ def _page(
     watched: Member | None = None,
 ) -> OwnPage:
     now = utc_now()
-    found = mine.load_class_assignments(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
+    found = (
+        student_assignments.load_class_assignments(db, seat.class_id, seat.account_id, seat.groups, now)
+        if may_see
+        else ()
+    )
     known = _known(db, course, place, seat.account_id, found, now, watched=watched is not None) if found else None
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
     shown = [] if known is None else [(one, _assignment(course, one, known, suffix)) for one in found]
@@ -116,7 +120,11 @@ def _known(
     """What a student may know, asked of their account whoever looks: who watches sees no more."""
     own = marks.load_own_marks(db, course, place.school_class, account_id, now)
     held = gradebook.load_withholding_times(db, account_id)
-    sat = papers.load_account_sittings(db, account_id) if any(one.assignment.mode == Mode.test for one in found) else ()
+    sat = (
+        sitting_repository.load_account_sittings(db, account_id)
+        if any(one.assignment.mode == Mode.test for one in found)
+        else ()
+    )
     return _Known(
         marks={one.assignment.id: one for one in own.marks},
         sittings={one.assignment_id: one for one, _ in sat},

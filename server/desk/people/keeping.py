@@ -7,7 +7,7 @@ from uuid import UUID
 from fastapi import File, Form, Request, UploadFile
 from fastapi.responses import HTMLResponse, Response
 
-from server.assignments import keeping as assignments
+from server.assignments import editing as assignments
 from server.audit.members import recording_membership_changes
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError

@@ -7,7 +7,7 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, papers, repository
+from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.sittings import StudentTest
 from server.database import utc_now
@@ -59,7 +59,7 @@ def _exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SatE
     """Those that this server has; what was sent counts since the sitting began."""
     assigned = repository.load_exercises(reader.db, [own.assignment.id])[own.assignment.id]
     known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
-    saved = papers.load_save_times(reader.db, own.assignment.id, account.id)
+    saved = sitting_repository.load_save_times(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
     since = {exercise.id: began for exercise in known}
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
@@ -79,7 +79,7 @@ def _exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SatE
 
 def release_view(db: Session, test: Assignment) -> ReleaseView:
     """For the page of a test, as its teacher sees it."""
-    begun, ended = papers.count_sittings(db, test.id)
+    begun, ended = sitting_repository.count_sittings(db, test.id)
     waits = not begun and test.opens_at > utc_now()
     return ReleaseView(
         action=f"{page_of(test).removesuffix('/composer')}/publier",

@@ -10,7 +10,7 @@ from fastapi.responses import Response
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
 from server.base.routing import Room
-from server.comments import words
+from server.comments import notes
 from server.comments.models import CHECK_LENGTH
 from server.desk.asking import log_in_first
 from server.desk.talk import views
@@ -72,7 +72,7 @@ def say(
     exercise = exercise_of(reader, place, module, slug)
     try:
         link = views.good_link(reader.course, place, lien)
-        words.send_note(reader.db, account, place.school_class, exercise.id, erreur or None, texte, link, settings)
+        notes.send_note(reader.db, account, place.school_class, exercise.id, erreur or None, texte, link, settings)
     except (Invalid, Conflict, TooMany) as refused:
         reader.db.rollback()
         again = rights.require_right(reader.db, account, Right.comment, class_id)

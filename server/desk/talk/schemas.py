@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from server.comments.beside import SideBySide
+from server.comments.side_by_side import SideBySide
 from server.desk.schemas import ClassHead
 from server.web.threads import Draft, ThreadView, WriterView
 

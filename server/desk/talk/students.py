@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
 from server.base.routing import Room
-from server.comments import service, words
+from server.comments import notes, service
 from server.desk.asking import log_in_first
 from server.desk.talk import work_views
 from server.identity.dependencies import SignedIn
@@ -95,12 +95,12 @@ def comment(
     exercise = work_views.exercise_of(reader, place, module, slug)
     of_whom = work_views.student_of(reader, place, student)
     try:
-        text = words.prepend_phrase(reader.db, account, words.parse_phrase_id(phrase), texte)
+        text = notes.prepend_phrase(reader.db, account, notes.parse_phrase_id(phrase), texte)
         thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
     except (Invalid, Conflict, TooMany) as refused:
         reader.db.rollback()
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
         return _work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
-        words.keep_phrase(reader.db, account, texte, exercise.id, None)
+        notes.keep_phrase(reader.db, account, texte, exercise.id, None)
     return go(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from urllib.parse import quote
 
 from server.base.errors import Invalid
-from server.comments import service, words_repository
+from server.comments import notes_repository, service
 from server.comments.models import ThreadState
 from server.comments.schemas import SentNote, ThreadSummary
 from server.course import Course, Exercise, Module
@@ -79,7 +79,7 @@ def words_page(
     school_class = place.school_class
     module = reader.course.modules.get(school_class.module)
     chosen = exercise_of(reader, place, *exercise.split("/", 1)) if "/" in exercise else None
-    now = words_repository.load_current_misconceptions(reader.db, school_class.id, chosen.id) if chosen else []
+    now = notes_repository.load_current_misconceptions(reader.db, school_class.id, chosen.id) if chosen else []
     titles = {name: title for name, title, _ in now}
     href = f"{href_of(school_class)}/mots?exercice="
     return WordsPage(
@@ -93,7 +93,7 @@ def words_page(
         form=_form(reader, place, module, chosen, mistake, titles, link, draft or Draft())
         if chosen and module
         else None,
-        told=tuple(_told(reader.course, one) for one in words_repository.load_class_notes(reader.db, school_class.id)),
+        told=tuple(_told(reader.course, one) for one in notes_repository.load_class_notes(reader.db, school_class.id)),
     )
 
 
@@ -108,8 +108,8 @@ def _form(
     draft: Draft,
 ) -> WordForm:
     class_id = place.school_class.id
-    concerned = words_repository.load_student_ids_with_misconception(reader.db, class_id, exercise.id, mistake or None)
-    members = words_repository.load_some_members(reader.db, class_id, concerned)
+    concerned = notes_repository.load_student_ids_with_misconception(reader.db, class_id, exercise.id, mistake or None)
+    members = notes_repository.load_some_members(reader.db, class_id, concerned)
     return WordForm(
         exercise=exercise.id,
         exercise_title=exercise.title,

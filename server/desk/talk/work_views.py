@@ -12,7 +12,7 @@ from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
 from server.classes.service import NOT_A_MEMBER
 from server.comments import service
-from server.comments.beside import compare_side_by_side
+from server.comments.side_by_side import compare_side_by_side
 from server.course import Exercise
 from server.desk.talk.schemas import Change, StandingRow, StudentHead, StudentPage, TriedRow, WorkPage
 from server.desk.views import head, href_of

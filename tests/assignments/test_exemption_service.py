@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from datetime import timedelta
 
-from server.assignments import exempting, keeping, mine, repository
-from server.assignments.exempting import explain_rules
+from server.assignments import editing, exemption_service, repository, student_assignments
+from server.assignments.exemption_service import explain_rules
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
-from server.assignments.states import AssignmentStage
+from server.assignments.stages import AssignmentStage
 from server.classes import repository as classes
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
@@ -27,23 +27,23 @@ def test_a_guest_s_exemption_follows_them_and_opens_earlier_for_them_alone(datab
     wanted = AssignmentInput("DM", (Weighted("l20/poses"),), now + 5 * DAY, now + 9 * DAY)
     early = ExemptionInput(opens_at=now - DAY, reason="part en stage")
     with database.write() as db:
-        given = keeping.create_assignment(db, the_course(), made, teacher.id, wanted)
+        given = editing.create_assignment(db, the_course(), made, teacher.id, wanted)
         members = classes.load_members(db, made.id)
-        exempting.grant_exemptions(db, made, teacher.id, given, members, ExemptionTarget((guest.id,)), early)
+        exemption_service.grant_exemptions(db, made, teacher.id, given, members, ExemptionTarget((guest.id,)), early)
     with database.read() as db:
         bob = next(one for one in classes.load_members(db, made.id) if one.name == "Bob")
-        assert mine.load_open_assignments(db, bob.id, now) == []
-        assert [one.stage for one in mine.load_class_assignments(db, made.id, bob.id, (), now)] == [
+        assert student_assignments.load_open_assignments(db, bob.id, now) == []
+        assert [one.stage for one in student_assignments.load_class_assignments(db, made.id, bob.id, (), now)] == [
             AssignmentStage.upcoming
         ]
     with database.write() as db:
         adopt(db, guest.id, ada.id)
         db.delete(db.get_one(Account, guest.id))
     with database.read() as db:
-        (found,) = mine.load_open_assignments(db, ada.id, now)
+        (found,) = student_assignments.load_open_assignments(db, ada.id, now)
         assert (found.stage, found.rules.due_at) == (AssignmentStage.open, wanted.due_at)
         told = explain_rules(found.rules, found.exemptions, ada.id)["opens_at"]
         assert [(one.origin, one.reason) for one in told] == [("student", "part en stage"), ("assignment", "")]
         assert [title for title, _ in repository.load_student_exemptions(db, ada.id, made.id)] == ["DM"]
-        assert mine.due_soon([found], now, 2 * DAY) == []
-        assert list(mine.due_soon([found], now, 9 * DAY)) == [found]
+        assert student_assignments.due_soon([found], now, 2 * DAY) == []
+        assert list(student_assignments.due_soon([found], now, 9 * DAY)) == [found]

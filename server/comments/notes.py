@@ -15,7 +15,7 @@ from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
 from server.classes.service import require_open
-from server.comments import words_repository as repository
+from server.comments import notes_repository as repository
 from server.comments.models import Note, Phrase
 from server.comments.schemas import validate_text
 from server.comments.service import TOO_FAST

@@ -11,7 +11,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, papers, repository
+from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, Mode
 from server.assignments.rules import CommonRules, rules_in_force
 from server.assignments.schemas import AssignmentInput
@@ -45,7 +45,7 @@ def _refusal(db: Session, assignment: Assignment, then: str) -> str:
     """Why what a test holds back cannot be let go of; empty where it holds nothing of anybody."""
     if assignment.mode != Mode.test:
         return ""
-    begun, ended = papers.count_sittings(db, assignment.id)
+    begun, ended = sitting_repository.count_sittings(db, assignment.id)
     if begun and assignment.released_at is None:
         return HOLDS.format(then=then)
     return SITS if begun > ended else ""
@@ -88,7 +88,7 @@ def _cut_off(
     now: datetime,
 ) -> bool:
     """Whether somebody sits it now by the one, whose time would be over by the other."""
-    for one in papers.load_unfinished_sittings(db, assignment_id):
+    for one in sitting_repository.load_unfinished_sittings(db, assignment_id):
         was, becomes = (
             rules_in_force(frame, told, one.sitting.account_id, one.groups) for frame, told in (before, after)
         )

@@ -12,7 +12,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import keeping_tests, repository
+from server.assignments import repository, safeguards
 from server.assignments.models import (
     AssignedExercise,
     Assignment,
@@ -110,13 +110,13 @@ def update_assignment(
 ) -> None:
     """What it had of exercises that have left the course may stay. Raises Conflict, FieldsRefused."""
     require_open(school_class)
-    keeping_tests.lock_test(db, assignment)
+    safeguards.lock_test(db, assignment)
     before = load_assignment_input(db, assignment)
     kept = {one.exercise: one.exercise for one in before.exercises}
     good = validate_assignment(wanted, kept | dict(assignable_exercises(course, school_class)))
     if good == before:
         return
-    keeping_tests.require_coherent(db, assignment, before, good, utc_now())
+    safeguards.require_coherent(db, assignment, before, good, utc_now())
     for name, value in good.columns().items():
         setattr(assignment, name, value)
     if good.exercises != before.exercises:
@@ -129,8 +129,8 @@ def update_assignment(
 def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
     """Its exemptions go with it; what students have sent stays. Raises Conflict, also while a test holds something."""
     require_open(school_class)
-    keeping_tests.lock_test(db, assignment)
-    keeping_tests.require_nothing_held(db, assignment)
+    safeguards.lock_test(db, assignment)
+    safeguards.require_nothing_held(db, assignment)
     before = _told(load_assignment_input(db, assignment))
     lost = len(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()))
     told = before | ({"exemptions": lost} if lost else {})

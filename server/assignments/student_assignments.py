@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from server.assignments import repository
 from server.assignments.models import Assignment, Exemption, Mode, WeightedExercise
 from server.assignments.rules import Rules, rules_in_force
-from server.assignments.states import AssignmentStage, assignment_stage
+from server.assignments.stages import AssignmentStage, assignment_stage
 
 
 @dataclass(frozen=True)

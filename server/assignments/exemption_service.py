@@ -13,7 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import keeping_tests, repository
+from server.assignments import repository, safeguards
 from server.assignments.models import Assignment, Exemption
 from server.assignments.rules import Field, Origin, Rules
 from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate_exemption
@@ -71,7 +71,7 @@ def grant_exemptions(
         if replacing and ({"account_id": one.account_id} in targets or {"label": one.label} in targets)
     ]
     kept = [one for one in before if one not in replaced]
-    keeping_tests.require_exempted_go_on(db, assignment, before, [*kept, *made], utc_now())
+    safeguards.require_exempted_go_on(db, assignment, before, [*kept, *made], utc_now())
     for one in replaced:
         _revoke(db, school_class, by, assignment, one)
     db.add_all(made)
@@ -121,7 +121,7 @@ def revoke_exemption(db: Session, school_class: SchoolClass, by: UUID, assignmen
         return
     before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     after = [each for each in before if each.id != one.id]
-    keeping_tests.require_exempted_go_on(db, assignment, before, after, utc_now())
+    safeguards.require_exempted_go_on(db, assignment, before, after, utc_now())
     _revoke(db, school_class, by, assignment, one)
 
 

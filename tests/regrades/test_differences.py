@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict, internal_error_verdict
-from server.regrades.why import VerdictDifference, compare_verdicts
+from server.regrades.differences import VerdictDifference, compare_verdicts
 from server.web.regraded import sentences
 
 
