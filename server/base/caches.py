@@ -1,31 +1,32 @@
-"""What was made lately and may soon be asked for again, up to a size."""
+"""A thread-safe LRU cache."""
 
 from collections.abc import Callable
 from threading import Lock
 from typing import Generic, TypeVar
 
-from cachetools import LRUCache
+import cachetools
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 
-class Lately(Generic[Key, Value]):
-    """The values used last, `most` of them or, where their `size` is given, `most` in all. For several threads.
+class LRUCache(Generic[Key, Value]):
+    """A cache of at most `max_size` entries, or of a total weight of `max_size` where `weigh` is given. Thread-safe.
 
-    A value that is larger than all that may be kept is not kept.
+    A value that outweighs the whole cache is not stored.
     """
 
-    def __init__(self, most: int, size: Callable[[Value], int] | None = None) -> None:
-        self._values: LRUCache[Key, Value] = LRUCache(most, getsizeof=size)
+    def __init__(self, max_size: int, weigh: Callable[[Value], int] | None = None) -> None:
+        self._values: cachetools.LRUCache[Key, Value] = cachetools.LRUCache(max_size, getsizeof=weigh)
         self._lock = Lock()
 
     def get(self, key: Key) -> Value | None:
+        """Return the cached value, or None."""
         with self._lock:
             return self._values.get(key)
 
     def put(self, key: Key, value: Value) -> Value:
-        """Gives the value back."""
+        """Store `value` and return it."""
         with self._lock:
             if self._values.getsizeof(value) <= self._values.maxsize:
                 self._values[key] = value

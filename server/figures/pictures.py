@@ -10,7 +10,7 @@ from typing import Protocol
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 from server.base.errors import Crowded, Failed
 from server.base.helper import UnansweredError
 from server.base.turns import FullError, Turns
@@ -52,7 +52,7 @@ class Pictures:
     def __init__(self, drawer: Drawer, store: Store, *, most_waiting: int = MOST_WAITING) -> None:
         self._drawer, self._store = drawer, store
         self._turns = Turns(1, most_waiting)
-        self._lately: Lately[str, bytes] = Lately(REMEMBERED_BYTES, len)
+        self._lately: LRUCache[str, bytes] = LRUCache(REMEMBERED_BYTES, len)
         self._coming: dict[str, _Coming] = {}
         self._warming: asyncio.Task[None] | None = None
 

@@ -20,7 +20,7 @@ from sqlalchemy import Integer, func, literal, select
 from sqlalchemy.orm import Session
 
 from server.assignments.counting import ScoredAttempt
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -73,7 +73,7 @@ class AttemptHistories:
     """An LRU cache of histories by account, bounded by the attempts of all of them."""
 
     def __init__(self, max_attempts: int) -> None:
-        self._histories: Lately[UUID, AccountHistory] = Lately(max_attempts, size=lambda history: history.size)
+        self._histories: LRUCache[UUID, AccountHistory] = LRUCache(max_attempts, weigh=lambda history: history.size)
 
     def load(self, db: Session, revisions: Revisions) -> Mapping[UUID, AccountHistory]:
         """Return the histories with these revisions, just loaded in the same transaction, or newer ones."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from uuid import UUID
 
 from graders.core.contract.verdict import Verdict
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 
 KEPT_CHARACTERS = 4_000_000  # of JSON: a thousand verdicts, 40,000 each at most where one is not extraordinary
 
@@ -19,7 +19,7 @@ class _Read(NamedTuple):
     length: int
 
 
-_KEPT: Lately[UUID, _Read] = Lately(KEPT_CHARACTERS, size=lambda read: read.length)
+_KEPT: LRUCache[UUID, _Read] = LRUCache(KEPT_CHARACTERS, weigh=lambda read: read.length)
 
 
 def read(grading_id: UUID, kept: Mapping[str, Any]) -> Verdict:

@@ -8,7 +8,7 @@ from collections.abc import Hashable
 from markupsafe import Markup
 
 from graders.core.contract.verdict import Verdict
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 from server.course import Exercise
 from server.gradebook.models import Grading
 from server.pages.schemas import WorkView
@@ -19,7 +19,7 @@ from server.web.schemas import ShownVerdict, VerdictView
 
 KEPT_CHARACTERS = 8_000_000  # of HTML: a few hundred verdicts, 40,000 each at most where one is not extraordinary
 
-_KEPT: Lately[Hashable, ShownVerdict] = Lately(KEPT_CHARACTERS, size=lambda shown: len(shown.html))
+_KEPT: LRUCache[Hashable, ShownVerdict] = LRUCache(KEPT_CHARACTERS, weigh=lambda shown: len(shown.html))
 
 
 def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView) -> ShownVerdict:

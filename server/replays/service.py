@@ -21,7 +21,7 @@ from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Value
 from graders.scene.prediction import Placed, Prediction
 from graders.scene.replay import Replay
 from graders.typography import french
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 from server.base.errors import Invalid, NotFound
 from server.course.code import MANIPULATIONS, load_file
 from server.course.editions import MODULE_SLUG
@@ -95,7 +95,7 @@ class Replays:
 
     def __init__(self, curriculum: Path | None = None, memory_bytes: int = MEMORY_BYTES) -> None:
         self._curriculum = curriculum
-        self._answers: Lately[Key, Answer] = Lately(memory_bytes, lambda answer: len(answer.compressed))
+        self._answers: LRUCache[Key, Answer] = LRUCache(memory_bytes, lambda answer: len(answer.compressed))
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""

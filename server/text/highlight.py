@@ -14,7 +14,7 @@ from pygments.lexers import get_lexer_by_name
 from pygments.token import STANDARD_TYPES, Text, _TokenType
 from pygments.util import ClassNotFound
 
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 
 FORMATTER = HtmlFormatter(nowrap=True)
 #: The classes that the style sheet has a colour for. Names, operators and commas have none: a lesson would have fifteen
@@ -30,7 +30,7 @@ COLOURED = frozenset(
 )
 MOST_DRAWN = 2_000_000  # characters of HTML
 #: The attempt that one looks at is looked at again, and the solution of an exercise by all.
-_drawn: Lately[tuple[str, str], str] = Lately(MOST_DRAWN, len)
+_drawn: LRUCache[tuple[str, str], str] = LRUCache(MOST_DRAWN, len)
 
 
 def highlight(code: str, language: str = "python") -> str:

@@ -10,7 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 
 KATEX = Path(__file__).parents[1] / "static" / "katex" / "katex.min.js"
 
@@ -75,7 +75,7 @@ def engine() -> Engine | None:
     return Engine(KATEX) if KATEX.is_file() else None
 
 
-drawn: Lately[Formula, str] = Lately(KEPT)
+drawn: LRUCache[Formula, str] = LRUCache(KEPT)
 
 
 def prepare(formulas: Iterable[Formula]) -> None:

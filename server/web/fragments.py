@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable
 
 from markupsafe import Markup
 
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 
 MAX_CACHED_CHARACTERS = 12_000_000  # thirty boards and eighty gradebooks of 35 students and 26 exercises
 
@@ -20,7 +20,7 @@ class FragmentCache:
     """An LRU cache of HTML, bounded by the characters of all fragments together."""
 
     def __init__(self, max_characters: int) -> None:
-        self._fragments: Lately[Hashable, Markup] = Lately(max_characters, size=len)
+        self._fragments: LRUCache[Hashable, Markup] = LRUCache(max_characters, weigh=len)
 
     def get_or_render(self, key: Hashable, render: Callable[[], str]) -> Markup:
         """Return the fragment stored under `key`, rendering it where there is none. Raise what `render` raises."""

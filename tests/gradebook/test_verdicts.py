@@ -10,7 +10,7 @@ import pytest
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Diagnosis, MalformedVerdictError, Verdict
 from server.assignments.feedback import FeedbackHold, FeedbackHolds
-from server.base.caches import Lately
+from server.base.caches import LRUCache
 from server.gradebook import verdicts
 
 CHECKS = (CheckResult("a", "A", True, 12, 12), CheckResult("b", "B", False, 0, 8, "Non.", hint="Relisez b."))
@@ -48,6 +48,6 @@ def test_what_is_no_verdict_is_refused_each_time() -> None:
 
 
 def test_what_is_kept_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verdicts, "_KEPT", Lately(1, size=lambda read: read.length))
+    monkeypatch.setattr(verdicts, "_KEPT", LRUCache(1, weigh=lambda read: read.length))
     grading, kept = uuid4(), FAILING.to_json()
     assert verdicts.read(grading, kept) is not verdicts.read(grading, kept)
