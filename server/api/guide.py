@@ -8,18 +8,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from server.api.words import ANYTHING, PARAMETERS, ROUTES, STATUSES, TYPES
 from server.base.root import service_address
-from server.base.routing import Room
 from server.course import Course
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import OptionalAccount
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Json = Mapping[str, Any]
 DEEPEST = 4  # objects inside objects of an answer that are spelt out

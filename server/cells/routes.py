@@ -3,13 +3,12 @@
 import asyncio
 from typing import Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from server.base.dependencies import SettingsOf
 from server.base.errors import NotFound
 from server.base.provided import provided
 from server.base.request import client_address
-from server.base.routing import Room
 from server.cells import service
 from server.cells.schemas import NewRun
 from server.cells.supervisor import Cells
@@ -17,7 +16,7 @@ from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import BrowserAccount
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 CellsOf = Annotated[Cells, Depends(provided(Cells))]
 NO_STORE = {"Cache-Control": "no-store"}
 #: A status that nobody reads: the reader has left.

@@ -21,7 +21,6 @@ from sqlalchemy.orm import Session, sessionmaker
 from server.base import traces
 from server.database.base import Base, table_of
 from server.database.beginning import DRIVER, writing
-from server.database.compiled import Compiled
 
 log = logging.getLogger(__name__)
 
@@ -64,7 +63,6 @@ def make_engine(url: str) -> Engine:
     else:
         Path(asked.database or "").parent.mkdir(parents=True, exist_ok=True)
         event.listen(engine, "connect", _prepare_sqlite)
-    engine.update_execution_options(compiled_cache=Compiled())
     return engine
 
 

@@ -3,13 +3,12 @@
 from secrets import compare_digest
 from typing import Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import JSONResponse
 
 from server.base.errors import Forbidden, NotFound, Unauthorised
 from server.base.logs import RECENT
 from server.base.provided import provided
-from server.base.routing import Room
 from server.base.settings import Settings
 from server.base.tally import VISITS
 from server.database.dependencies import Db
@@ -21,7 +20,7 @@ from server.health.readiness import CARRIER, Readiness
 from server.identity.dependencies import ApiAccount
 from server.submissions.events import Events
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(provided(Settings))]
 MetricsOf = Annotated[Metrics, Depends(provided(Metrics))]

@@ -6,12 +6,11 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.provided import provided
-from server.base.routing import Room
 from server.offline.schemas import OfflinePage
 from server.offline.service import Archives, Making
 from server.offline.site import folder
@@ -23,7 +22,7 @@ from server.web.views import module_link
 ArchivesOf = Annotated[Archives, Depends(provided(Archives))]
 REFRESH = 4  # seconds
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/{module:module}/hors-ligne")

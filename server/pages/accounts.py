@@ -1,11 +1,10 @@
 """Pages by which one comes and goes: sign up, log in, log out, one-time links."""
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
 from server.base.request import client_address, session_token
-from server.base.routing import Room
 from server.database.dependencies import Db
 from server.identity import links, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
@@ -14,7 +13,7 @@ from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService, OpenedSession
 from server.web.forms import Field, form, go, local
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/inscription")

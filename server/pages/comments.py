@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from uuid import UUID
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
-from server.base.routing import Room
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
@@ -29,7 +28,7 @@ from server.web.rendering import page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 REFUSALS = (Invalid, Conflict, TooMany)
 LINE = "Indiquez la ligne par son numéro."

@@ -5,10 +5,9 @@ from __future__ import annotations
 import gzip
 from uuid import UUID
 
-from fastapi import Request, Response
+from fastapi import APIRouter, Request, Response
 
 from server.base.request import client_address
-from server.base.routing import Room
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
 from server.figures.service import Wanted
@@ -16,7 +15,7 @@ from server.identity.dependencies import OptionalAccount
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")

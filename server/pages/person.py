@@ -3,14 +3,13 @@
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Depends, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.provided import provided
 from server.base.request import client_address, session_token
 from server.base.root import service_address
-from server.base.routing import Room
 from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -24,7 +23,7 @@ from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
 from server.web.forms import Field, form, go
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(provided(Settings))]
 

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
-from fastapi import Query, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
@@ -16,7 +16,6 @@ from server.base import root
 from server.base.errors import Invalid
 from server.base.provided import needed
 from server.base.request import SAFE_METHODS, client_address
-from server.base.routing import Room
 from server.comments import service as comments
 from server.comments.line_tracking import LineRange
 from server.comments.models import CHECK_LENGTH
@@ -54,7 +53,7 @@ MOVES_ON = 303
 MOST_PAGES = 10**9
 _database, _accounts = needed(Database), needed(AccountService)
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/static/{version}/{name:path}")

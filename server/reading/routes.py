@@ -6,14 +6,13 @@ from dataclasses import asdict, replace
 from http import HTTPStatus
 from typing import Annotated, Literal
 
-from fastapi import Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root
 from server.base.errors import NotFound
 from server.base.provided import provided
 from server.base.request import client_address
-from server.base.routing import Room
 from server.course.dependencies import CourseOf
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
@@ -32,7 +31,7 @@ FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Poli
 
 DownloadsOf = Annotated[Downloads, Depends(provided(Downloads))]
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/{module:module}")

@@ -6,7 +6,7 @@ import gzip
 from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from graders.scene.parameters import Values
@@ -14,14 +14,13 @@ from server.base.errors import ServiceError, TooMany
 from server.base.problems import as_json, of_error
 from server.base.provided import provided
 from server.base.request import client_address
-from server.base.routing import Room
 from server.base.turns import FullError, Turns
 from server.replays.service import Answer, Replays, Script
 from server.web.rendering import once
 
 MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 class Desk:

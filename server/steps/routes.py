@@ -2,16 +2,15 @@
 
 from typing import Annotated
 
-from fastapi import Depends, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from server.base.provided import provided
 from server.base.request import client_address
-from server.base.routing import Room
 from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.steps.schemas import NewCall, NewCell, NewReplay
 from server.steps.service import Steps
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 StepsOf = Annotated[Steps, Depends(provided(Steps))]
 NO_STORE = {"Cache-Control": "no-store"}
 

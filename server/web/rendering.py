@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from fastapi import Request, Response
 from fastapi.responses import HTMLResponse
-from jinja2 import FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from graders.typography import french
@@ -25,14 +25,13 @@ from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
 from server.web import assets, packing, school_time, words
-from server.web.escaping import Pages
 from server.web.schemas import AccountView, HereView
 
 
 @lru_cache(maxsize=1)
-def environment() -> Pages:
+def environment() -> Environment:
     """The one environment: everything is escaped, a name that is not in the context is an error."""
-    jinja = Pages(
+    jinja = Environment(
         loader=FileSystemLoader(TEMPLATES),
         auto_reload=False,  # each page would ask the disk of a dozen files whether they are still the same
         autoescape=True,

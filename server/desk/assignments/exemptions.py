@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import editing, exemption_service
 from server.base.errors import FieldsRefused, Forbidden
-from server.base.routing import Room
 from server.classes import repository as classes
 from server.classes.schemas import Member
 from server.course.dependencies import CourseOf
@@ -25,7 +24,7 @@ from server.web.dependencies import Reading
 from server.web.forms import FormFields, go
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 ONE = "/classes/{class_id}/devoirs/{aid}"
 OTHERS = "Les dates d’un autre élève ne se lisent pas."

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing
 from server.assignments.models import Assignment
 from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.base.errors import FieldsRefused
-from server.base.routing import Room
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
@@ -26,7 +25,7 @@ from server.web.dependencies import Reading
 from server.web.forms import FormFields, go
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 LIST, ONE = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
 

@@ -6,11 +6,10 @@ from collections.abc import AsyncIterator
 from functools import partial
 from typing import Annotated
 
-from fastapi import Header, Query, Request
+from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.routing import Room
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
 from server.board.schemas import Board
@@ -30,7 +29,7 @@ from server.submissions.events import STREAM_HEADERS
 from server.web.dependencies import Reading
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Text = Annotated[str, Query(max_length=200)]
 SIGN_OF_LIFE = ":\n\n"

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Depends, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.errors import Invalid, NotFound
-from server.base.routing import Room
 from server.behaviour import export, service
 from server.behaviour.models import BehaviourGroup
 from server.classes.service import require_open
@@ -26,7 +25,7 @@ from server.web.forms import Field, go
 from server.web.rendering import page
 from server.web.views import Reader, find_exercise
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 ADDRESS = "/classes/{class_id}/groupes/{module}/{slug}/{group}"
 NO_NAME = "Donnez d’abord un nom à ce groupe : c’est lui que l’archive emporte."

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import repository as assignments
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
-from server.base.routing import Room
 from server.classes import repository as classes
 from server.course import Course, Exercise
 from server.course.dependencies import CourseOf
@@ -28,7 +27,7 @@ from server.similarity import service
 from server.similarity.service import Comparison, Copy
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 NO_SUCH_EXERCISE = "Cet exercice n’est pas dans ce devoir."
 NO_ASSIGNMENT = "Ce devoir n’existe pas."

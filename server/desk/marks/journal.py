@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from urllib.parse import urlencode
 from uuid import UUID
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response, StreamingResponse
 
 from server.audit import repository
@@ -15,7 +15,6 @@ from server.audit import service as audit
 from server.audit.models import ACTION_LABELS, AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
 from server.audit.wording import describe_changes
-from server.base.routing import Room
 from server.classes import repository as classes
 from server.classes.models import ClassRole
 from server.course import Course
@@ -34,7 +33,7 @@ from server.web.dependencies import Reading
 from server.web.rendering import page
 from server.web.words import moment, moment_text
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 A_PAGE = 100
 HEADER = ("Date", "Par", "Changement", "Élève", "Objet", "Avant et après", "Motif")

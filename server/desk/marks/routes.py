@@ -2,12 +2,11 @@
 
 from typing import Annotated
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.identities import identity_of
-from server.base.routing import Room
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -31,7 +30,7 @@ from server.web.forms import Field, go
 from server.web.rendering import page
 from server.web.words import moment_text
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Name = Annotated[str, Query(max_length=300)]
 PageNumber = Annotated[int, Query(ge=1, le=10**6)]

@@ -1,9 +1,8 @@
 """The page of a class as one of its students sees it, looked at by who teaches them."""
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.base.routing import Room
 from server.desk.asking import log_in_first
 from server.desk.assignments.exemption_views import find_student
 from server.desk.own import views
@@ -12,7 +11,7 @@ from server.rights.models import Right
 from server.web.dependencies import Reading
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/eleves/{student}/comme")

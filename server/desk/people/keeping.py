@@ -4,7 +4,7 @@ from functools import partial
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import File, Form, Request, UploadFile
+from fastapi import APIRouter, File, Form, Request, UploadFile
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing as assignments
@@ -12,7 +12,6 @@ from server.audit.members import recording_membership_changes
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root import service_address
-from server.base.routing import Room
 from server.classes import copying, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
@@ -32,7 +31,7 @@ from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Ids = Annotated[list[UUID] | None, Form()]
 ACTIONS = {

@@ -2,14 +2,13 @@
 
 from typing import Annotated
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.audit.members import recording_membership_changes
 from server.base.errors import Invalid
 from server.base.request import client_address
 from server.base.root import service_address
-from server.base.routing import Room
 from server.classes import service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.schemas import validate_guest_name
@@ -28,7 +27,7 @@ from server.web.forms import Field, go
 from server.web.rendering import page
 from server.web.views import find_module
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Code = Annotated[str, Query(max_length=100)]
 EMPTY = JoinForm("", "", "")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.base.routing import Room
 from server.desk.asking import log_in_first
 from server.desk.polls.views import polls_page
 from server.rights import service as rights
@@ -13,7 +12,7 @@ from server.rights.models import Right
 from server.web.dependencies import Reading
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/previsions")

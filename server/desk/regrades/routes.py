@@ -5,12 +5,11 @@ from collections.abc import AsyncIterator
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Form, Query, Request
+from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import NotFound, ServiceError
-from server.base.routing import Room
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database import Database
@@ -32,7 +31,7 @@ from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 NOT_OFFERED = "Ce choix n’est pas proposé."
 Text = Annotated[str, Query(max_length=200)]

@@ -1,10 +1,9 @@
 """The page where a student sits a test, and the release of its results."""
 
-from fastapi import Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.assignments import service, sittings
-from server.base.routing import Room
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.asking import log_in_first
@@ -17,7 +16,7 @@ from server.web.dependencies import Reading
 from server.web.forms import go
 from server.web.rendering import page
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
-from server.base.routing import Room
 from server.comments import notes
 from server.comments.models import CHECK_LENGTH
 from server.desk.asking import log_in_first
@@ -24,7 +23,7 @@ from server.web.forms import Field, go
 from server.web.rendering import page
 from server.web.threads import Draft
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 Filter = Literal["ouvertes", "repondues", "reglees", "toutes"]
 Name = Annotated[str, Query(max_length=CHECK_LENGTH)]

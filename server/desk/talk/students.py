@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
-from server.base.routing import Room
 from server.comments import notes, service
 from server.desk.asking import log_in_first
 from server.desk.talk import work_views
@@ -24,7 +23,7 @@ from server.web.rendering import page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader
 
-router = Room(include_in_schema=False)
+router = APIRouter(include_in_schema=False)
 
 MOST = 10**6
 Number = Annotated[int, Query(ge=1, le=MOST)]
