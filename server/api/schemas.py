@@ -18,7 +18,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from graders.core.contract.outcomes import Outcome
-from server.sandbox.policy import ROWS, Policy
+from server.sandbox.policy import LIMIT_SPECS, Policy
 
 Json = Any
 Status = Literal["queued", "running", "done"]
@@ -171,7 +171,7 @@ else:
     LimitsOut = create_model(
         "LimitsOut",
         __base__=LimitsRead,
-        **{name: (type(value), Field(description=ROWS[name].words)) for name, value in asdict(Policy()).items()},
+        **{name: (type(value), Field(description=LIMIT_SPECS[name].label)) for name, value in asdict(Policy()).items()},
     )
 
 

@@ -19,7 +19,7 @@ from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitt
 from server.assignments.rules import Rules, rules_in_force
 from server.base.errors import NotFound, NotNow
 from server.base.identities import identity_of
-from server.sandbox.values import MENTION
+from server.sandbox.values import LIBRARY_MENTION
 
 NO_TEST = "Ce contrôle n’existe pas."
 NOT_SITTING = "Vous ne composez pas en ce moment dans cet exercice : il n’y a rien à enregistrer."
@@ -95,7 +95,7 @@ def require_may_submit(db: Session, account_id: UUID, exercise: str, now: dateti
 def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reused: Collection[str]) -> None:
     """Raises NotNow for a program that imports what a running test asks to write, and whose verdict no test holds: the
     course's own functions would be there to compare with."""
-    if MENTION not in source:
+    if LIBRARY_MENTION not in source:
         return
     for exercise in reused:
         if running := feedback.load_holds(db, account_id, exercise).running_tests:

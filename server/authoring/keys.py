@@ -20,7 +20,7 @@ from server.course.schemas import (
     PolicyEntry,
     TermEntry,
 )
-from server.sandbox.policy import ROWS, Policy
+from server.sandbox.policy import LIMIT_SPECS, Policy
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "added": Key("la ligne d’après", '"if distance < seuil:"'),
         "reason": Key("pourquoi c’est encore juste", '"L’énoncé accepte les deux inégalités."'),
     },
-    PolicyEntry: {name: Key(row.words.lower(), f"{getattr(Policy(), name)}") for name, row in ROWS.items()},
+    PolicyEntry: {name: Key(row.label.lower(), f"{getattr(Policy(), name)}") for name, row in LIMIT_SPECS.items()},
     shapes.GlossaryFile: {
         "terme": Key(
             "les mots, une table chacun", '[{ id = "pose", mot = "pose", definition = "D", page = "definitions" }]'

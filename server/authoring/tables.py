@@ -23,7 +23,7 @@ from graders.robotics import poses
 from server.authoring.keys import KEYS
 from server.base.paths import ROOT
 from server.course.kinds import KINDS
-from server.sandbox.policy import ROWS, Policy
+from server.sandbox.policy import LIMIT_SPECS, Policy
 
 PAGES = ROOT / "server" / "docs" / "auteurs"
 MARK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- fin -->)", re.DOTALL)
@@ -173,8 +173,8 @@ def _shrinkers() -> str:
 def _limits() -> str:
     default = Policy()
     rows = [
-        [f"`{name}`", row.words, str(getattr(default, name)), f"{row.least:g} à {row.most:g}"]
-        for name, row in ROWS.items()
+        [f"`{name}`", row.label, str(getattr(default, name)), f"{row.minimum:g} à {row.maximum:g}"]
+        for name, row in LIMIT_SPECS.items()
     ]
     return _table(["clé", "ce que c’est", "sans elle", "permis"], rows)
 

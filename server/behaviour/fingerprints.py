@@ -29,7 +29,7 @@ from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.queue.port import GiveUp, Lease, Queue, Sender
 from server.sandbox.policy import Policy
-from server.sandbox.values import MENTION, Shelf
+from server.sandbox.values import LIBRARY_MENTION, LibraryFile
 
 log = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
 
 #: Starts programs under a policy, with what they may import of earlier ones.
-StartProgram = Callable[[Policy, Sequence[Shelf]], Programs]
+StartProgram = Callable[[Policy, Sequence[LibraryFile]], Programs]
 
 
 def tighten_limits(policy: Policy) -> Policy:
@@ -134,7 +134,7 @@ class FingerprintTask:
         asked = repository.asked(db, _grading(lease), datetime.fromisoformat(lease.payload["since"]))
         if asked is None or self._versions.get(asked.exercise) != asked.version:
             return None
-        if MENTION not in asked.source:
+        if LIBRARY_MENTION not in asked.source:
             return asked
         return replace(
             asked,

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Outcome
 from server.cells import png
 from server.cells.schemas import FaultOut, RunOut
 from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, SandboxFault, Session
-from server.sandbox.install import import_set
+from server.sandbox.install import import_set_of
 from server.text.plain import visible
 
 KIB, MIB = 1 << 10, 1 << 20
@@ -49,7 +49,7 @@ class _Shown:
 def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
     """Raises SandboxFault when the fault is ours, and nothing else. The time told is without a template's start."""
     with suppress(SandboxFault):  # opening a session tries again, and tells
-        sandbox.warm(import_set(source, drawing=True))
+        sandbox.warm(import_set_of(source, drawing=True))
     start = time.monotonic()
     shown = _shown(sandbox, kit, source)
     return RunOut(
@@ -64,7 +64,7 @@ def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
 def _shown(sandbox: Sandbox, kit: str, source: bytes) -> _Shown:
     settings = Kit(kit, {"seed": SEED})
     try:
-        session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True, shows_last=True)
+        session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True, echo_last=True)
     except ProgramFault as unloaded:
         return _Shown(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
     figures, fault = _figures(session)

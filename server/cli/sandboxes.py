@@ -8,7 +8,7 @@ from graders.core.contract.kits import kits_of
 from graders.courses import CURRICULUM, rooms
 from server.cli import CannotRun
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
-from server.sandbox.install import import_set
+from server.sandbox.install import import_set_of
 
 Probing = Future[list[WallReport]]
 
@@ -44,7 +44,7 @@ def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
     def start() -> Sandbox:
         sandbox = Sandbox(_kits(exercise_id.partition("/")[0]))
         with suppress(SandboxFault):  # told when the program meets it
-            sandbox.warm(import_set(source))
+            sandbox.warm(import_set_of(source))
         return sandbox
 
     with ThreadPoolExecutor(1) as pool:

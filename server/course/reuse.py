@@ -16,7 +16,7 @@ from server.base.digest import digest
 from server.course import toml_file
 from server.course.models import Course, CourseFault, Exercise, Problem
 from server.course.toml_places import line_of
-from server.sandbox.values import Shelf
+from server.sandbox.values import LibraryFile
 
 #: The files of one student, by exercise ("l20/poses").
 Own = Mapping[str, bytes]
@@ -92,13 +92,13 @@ def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
     return Problem(path, line_of(toml_file.read_text(path), ("reuses",)), message)
 
 
-def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[Shelf, ...]:
+def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[LibraryFile, ...]:
     """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's."""
     return tuple(_shelves(course.reused(exercise), own))
 
 
-def _shelves(reused: Iterable[Exercise], own: Own) -> Iterator[Shelf]:
+def _shelves(reused: Iterable[Exercise], own: Own) -> Iterator[LibraryFile]:
     for one in reused:
         functions = tuple(function.name for function in one.functions)
         file = own.get(one.id)
-        yield Shelf(one.slug, functions, one.solution.encode() if file is None else file, compiled=file is None)
+        yield LibraryFile(one.slug, functions, one.solution.encode() if file is None else file, compiled=file is None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from server.sandbox.policy import ROWS, Policy, Row
+from server.sandbox.policy import LIMIT_SPECS, LimitSpec, Policy
 
 Text = Annotated[str, Field(min_length=1)]
 
@@ -77,8 +77,8 @@ class Overrides(Strict):
         return self.model_dump(exclude_none=True)
 
 
-def _overridable(name: str, row: Row) -> Any:
-    bounded: Any = Annotated[type(getattr(Policy(), name)), Field(ge=row.least, le=row.most)]
+def _overridable(name: str, row: LimitSpec) -> Any:
+    bounded: Any = Annotated[type(getattr(Policy(), name)), Field(ge=row.minimum, le=row.maximum)]
     return (bounded | None, None)
 
 
@@ -86,7 +86,7 @@ if TYPE_CHECKING:
     PolicyEntry = Overrides
 else:
     PolicyEntry = create_model(
-        "PolicyEntry", __base__=Overrides, **{name: _overridable(name, row) for name, row in ROWS.items()}
+        "PolicyEntry", __base__=Overrides, **{name: _overridable(name, row) for name, row in LIMIT_SPECS.items()}
     )
 
 

@@ -13,7 +13,7 @@ from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
 from server.database import utc_now
 from server.gradebook.models import Grading
-from server.sandbox.values import MENTION
+from server.sandbox.values import LIBRARY_MENTION
 from server.submissions.models import Submission
 from server.submissions.repository import Sent
 
@@ -31,7 +31,7 @@ def load_importable_files_now(db: Session, course: Course, account_id: UUID, exe
 
 def _used(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, when: datetime) -> Own:
     reused = [one.id for one in course.reused(exercise)]
-    if not reused or MENTION not in source:
+    if not reused or LIBRARY_MENTION not in source:
         return NOTHING_OWN
     last = _last(db, account_id, reused, when)
     rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(last)))

@@ -17,7 +17,7 @@ from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, GradingResult, Progress
 from server.gradebook.standings import CountedAttempt, StandingTotals
 from server.identity.models import Account
-from server.sandbox.values import MENTION
+from server.sandbox.values import LIBRARY_MENTION
 from server.submissions import deals
 from server.submissions import repository as stored
 from server.submissions.models import Submission
@@ -144,7 +144,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     """
     source = code.encode(errors="surrogatepass")
     known = feedback.load_holds(db, account.id, exercise_id)
-    if known.refusal or MENTION in source:
+    if known.refusal or LIBRARY_MENTION in source:
         return None
     file = repository.File(account.id, exercise_id, digest(code), source)
     return repository.sent_before(db, file, version, known.held_since)

@@ -20,7 +20,7 @@ from server import sandbox
 from server.course import reuse
 from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
-from server.sandbox import Calls, Frame, Kit, Policy, ProgramFault, Sandbox, Session, Shelf, judging_too_long
+from server.sandbox import CallBatch, Frame, Kit, LibraryFile, Policy, ProgramFault, Sandbox, Session, judging_too_long
 
 log = logging.getLogger(__name__)
 
@@ -72,7 +72,11 @@ class SandboxProgram:
             yield _answer(answer)
 
     def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        given = self._session.ahead if asked is self._ahead else self._session.together(list(map(_calls, asked)))
+        given = (
+            self._session.first_answers
+            if asked is self._ahead
+            else self._session.call_batches(list(map(_calls, asked)))
+        )
         for number, answers in given:
             if spent := self._patience.spent():
                 yield number, (spent,)
@@ -95,7 +99,7 @@ class SandboxPrograms:
     `library` is what the file may import from `mes_fonctions`.
     """
 
-    def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[Shelf] = ()) -> None:
+    def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[LibraryFile] = ()) -> None:
         self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
         self._library = tuple(library)
 
@@ -110,16 +114,16 @@ class SandboxPrograms:
         settings = self._kit(kit)
         try:
             session = self._sandbox.open(
-                source, kit=settings, policy=self._policy, filename=FILENAME, ahead=list(map(_calls, ahead))
+                source, kit=settings, policy=self._policy, filename=FILENAME, first_calls=list(map(_calls, ahead))
             )
         except ProgramFault as fault:
             raise student_fault(fault) from fault
         return SandboxProgram(session, self._patience, ahead)
 
 
-def _calls(asked: Foreseen) -> Calls:
+def _calls(asked: Foreseen) -> CallBatch:
     columns = asked.calls.columns if isinstance(asked.calls, Rows) else None
-    return Calls(asked.function, asked.calls, asked.faults, asked.keeping, columns)
+    return CallBatch(asked.function, asked.calls, asked.faults, asked.keeping, columns)
 
 
 def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:

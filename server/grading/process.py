@@ -94,7 +94,7 @@ def _run(
     gc.freeze()
     gc.enable()
     database = Database(settings.url)
-    with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:
+    with closing(database), Sandbox(course.kits, on_template_replaced=renewed) as sandbox:
         grader, calm = Grader(course, sandbox), Calm()
         if settings.warm_up:
             threading.Thread(target=_warm, args=(sandbox, course, calm), name="warm-up", daemon=True).start()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from server.base.sizes import NO_BREAK, size
 from server.course import Exercise
-from server.sandbox.policy import ROWS, Unit
+from server.sandbox.policy import LIMIT_SPECS, Unit
 from server.web.words import points
 
 _THIN = "\u202f"
@@ -36,4 +36,4 @@ READ: dict[Unit, Callable[[float], str]] = {
 
 def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
     """Name and value of each limit of the policy, for this exercise."""
-    return tuple((row.words, READ[row.unit](getattr(exercise.policy, name))) for name, row in ROWS.items())
+    return tuple((row.label, READ[row.unit](getattr(exercise.policy, name))) for name, row in LIMIT_SPECS.items())

@@ -7,12 +7,12 @@ from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
-from server.sandbox.values import Calls, Followed, Kit, Replies, Reply, Shelf, Usage
+from server.sandbox.values import CallBatch, Kit, LibraryFile, Replies, Reply, TraceResult, Usage
 
 __all__ = [
-    "Calls",
+    "CallBatch",
     "FaultKind",
-    "Followed",
+    "TraceResult",
     "Frame",
     "Kit",
     "Policy",
@@ -22,7 +22,7 @@ __all__ = [
     "Sandbox",
     "SandboxFault",
     "Session",
-    "Shelf",
+    "LibraryFile",
     "Usage",
     "Value",
     "WallReport",

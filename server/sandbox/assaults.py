@@ -11,8 +11,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
-from server.sandbox import trials
-from server.sandbox.cgroups import ALLOWANCE
+from server.sandbox import assault_programs
+from server.sandbox.cgroups import MEMORY_ALLOWANCE
 from server.sandbox.child.codec import Value
 from server.sandbox.policy import MIB, Policy
 
@@ -30,10 +30,10 @@ class Assault:
     wall: str
     detail: str
     source: str
-    mend: str
+    remedy: str
     required: bool = False
     namespaces: bool = False
-    hiders: frozenset[str] = frozenset()
+    masking_walls: frozenset[str] = frozenset()
     argument: Callable[[ExitStack], Value] = lambda _: None
     accomplice: str = ""
     controller: str = ""
@@ -41,20 +41,20 @@ class Assault:
 
     @property
     def policy(self) -> Policy:
-        return HURRIED if self.slow else POLICY
+        return SHORT_CPU_POLICY if self.slow else POLICY
 
 
 #: Only a slow assault is about time: another one that ran out of it, on a busy machine, would pass for stopped.
 POLICY = Policy(cpu_seconds=20.0, wall_seconds=60.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
 #: The kernel counts whole seconds of the processor, of which two end the program.
-HURRIED = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
+SHORT_CPU_POLICY = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
 #: What stands between a program and a file, a socket or a process whatever the namespaces are.
 _FILTERS = frozenset({"seccomp", "landlock"})
 _ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
 _ALL_BUT_CGROUP = frozenset({"seccomp", "rlimits"})
 
 
-def _canary(stack: ExitStack) -> Value:
+def _canary_file(stack: ExitStack) -> Value:
     """A readable file of the host."""
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="canari"))
     os.chmod(folder, 0o755)
@@ -63,13 +63,13 @@ def _canary(stack: ExitStack) -> Value:
     return path
 
 
-def _listener(stack: ExitStack) -> Value:
+def _listening_port(stack: ExitStack) -> Value:
     """The port of a server on this machine."""
     server = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
     return int(server.getsockname()[1])
 
 
-def _message_queue(stack: ExitStack) -> Value:
+def _message_queue_key(stack: ExitStack) -> Value:
     """The key of a System V message queue open to all, 0 when this kernel has none."""
     libc = ctypes.CDLL(None, use_errno=True)
     key = int.from_bytes(os.urandom(3)) + 1
@@ -80,19 +80,19 @@ def _message_queue(stack: ExitStack) -> Value:
     return key
 
 
-def _host(_: ExitStack) -> Value:
+def _host_name(_: ExitStack) -> Value:
     return os.uname().nodename
 
 
-def _machine(_: ExitStack) -> Value:
+def _machine_name(_: ExitStack) -> Value:
     return platform.machine().replace("arm64", "aarch64")
 
 
-def _twice_the_memory(_: ExitStack) -> Value:
-    return 2 * (POLICY.memory_bytes + POLICY.folder_bytes + ALLOWANCE)
+def _double_memory_limit(_: ExitStack) -> Value:
+    return 2 * (POLICY.memory_bytes + POLICY.folder_bytes + MEMORY_ALLOWANCE)
 
 
-def _beyond_the_time(_: ExitStack) -> Value:
+def _seconds_over_cpu_limit(_: ExitStack) -> Value:
     """Seconds of the processor, above those that end a hurried program."""
     return 2.2
 
@@ -108,44 +108,44 @@ _MEND_IDENTITY = "lancez le service en utilisateur ordinaire, ou dans un contene
 _MEND_OURS = "cette protection est posée par Balise elle-même : signalez ce défaut, et ne servez pas"
 
 ASSAULTS = (
-    Assault("espace-utilisateurs", "user", "trousseau de clés d'une autre copie", trials.KEYRING, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, argument=_machine, accomplice=trials.KEYRING),
-    Assault("espace-processus", "pid", "signal à un autre processus", trials.SIGNAL, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, accomplice=trials.WAIT),
-    Assault("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", trials.READ, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, argument=_canary),
-    Assault("espace-fichiers-écriture", "view", "écriture hors du dossier privé", trials.WRITE, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS),
-    Assault("dossier-privé", "view", "fichier laissé par une autre copie", trials.FIND, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, accomplice=trials.LEAVE),
-    Assault("espace-réseau", "network", "connexion à la machine", trials.CONNECT, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, argument=_listener),
-    Assault("espace-ipc", "ipc", "file de messages de la machine", trials.QUEUE, _MEND_NAMESPACES,
-            namespaces=True, hiders=_FILTERS, argument=_message_queue),
-    Assault("espace-uts", "uts", "nom de la machine", trials.HOST, _MEND_NAMESPACES, namespaces=True, argument=_host),
-    Assault("landlock-lecture", "landlock", "lecture hors des dossiers permis", trials.REACH, _MEND_LANDLOCK,
-            required=True, hiders=_ALL_BUT_LANDLOCK, argument=_canary),
-    Assault("landlock-écriture", "landlock", "création d'un fichier", trials.WRITE, _MEND_LANDLOCK,
-            required=True, hiders=_ALL_BUT_LANDLOCK),
-    Assault("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", trials.SYSTEM_CALLS,
+    Assault("espace-utilisateurs", "user", "trousseau de clés d'une autre copie", assault_programs.KEYRING, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, argument=_machine_name, accomplice=assault_programs.KEYRING),
+    Assault("espace-processus", "pid", "signal à un autre processus", assault_programs.SIGNAL, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, accomplice=assault_programs.WAIT),
+    Assault("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", assault_programs.READ, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, argument=_canary_file),
+    Assault("espace-fichiers-écriture", "view", "écriture hors du dossier privé", assault_programs.WRITE, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS),
+    Assault("dossier-privé", "view", "fichier laissé par une autre copie", assault_programs.FIND, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, accomplice=assault_programs.LEAVE),
+    Assault("espace-réseau", "network", "connexion à la machine", assault_programs.CONNECT, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, argument=_listening_port),
+    Assault("espace-ipc", "ipc", "file de messages de la machine", assault_programs.QUEUE, _MEND_NAMESPACES,
+            namespaces=True, masking_walls=_FILTERS, argument=_message_queue_key),
+    Assault("espace-uts", "uts", "nom de la machine", assault_programs.HOST, _MEND_NAMESPACES, namespaces=True, argument=_host_name),
+    Assault("landlock-lecture", "landlock", "lecture hors des dossiers permis", assault_programs.REACH, _MEND_LANDLOCK,
+            required=True, masking_walls=_ALL_BUT_LANDLOCK, argument=_canary_file),
+    Assault("landlock-écriture", "landlock", "création d'un fichier", assault_programs.WRITE, _MEND_LANDLOCK,
+            required=True, masking_walls=_ALL_BUT_LANDLOCK),
+    Assault("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", assault_programs.SYSTEM_CALLS,
             _MEND_SECCOMP, required=True),
-    Assault("seccomp-arrêt", "seccomp", "appels système qui arrêtent le programme (ptrace)", trials.KILLED,
+    Assault("seccomp-arrêt", "seccomp", "appels système qui arrêtent le programme (ptrace)", assault_programs.KILLED,
             _MEND_SECCOMP, required=True),
-    Assault("limite-mémoire", "rlimits", "allocation au-delà de la limite", trials.MEMORY, _MEND_OURS,
-            required=True, argument=_twice_the_memory),
-    Assault("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
-            required=True, argument=_beyond_the_time, slow=True),
-    Assault("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_IDENTITY,
-            hiders=_ALL_BUT_LANDLOCK),
-    Assault("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,
-            hiders=_ALL_BUT_CGROUP, argument=_twice_the_memory, controller="memory"),
-    Assault("cgroup-processus", "cgroup", "création d'un processus", trials.FORK, _MEND_CGROUP,
-            hiders=_ALL_BUT_CGROUP, controller="pids"),
-    Assault("capacités", "capabilities", "droits d'administration", trials.CAPABILITY, _MEND_OURS,
-            required=True, hiders=_FILTERS),
-    Assault("identité", "identity", "retour à root", trials.ROOT, _MEND_IDENTITY, required=True, hiders=_FILTERS),
-    Assault("inspection", "dumpable", "lecture du processus par un autre", trials.INSPECTION, _MEND_OURS,
-            required=True, hiders=_FILTERS),
-    Assault("environnement", "environment", "variables de la machine", trials.ENVIRONMENT, _MEND_OURS, required=True),
-    Assault("descripteurs", "descriptors", "descripteurs hérités", trials.DESCRIPTORS, _MEND_OURS, required=True),
+    Assault("limite-mémoire", "rlimits", "allocation au-delà de la limite", assault_programs.MEMORY, _MEND_OURS,
+            required=True, argument=_double_memory_limit),
+    Assault("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", assault_programs.TIME, _MEND_OURS,
+            required=True, argument=_seconds_over_cpu_limit, slow=True),
+    Assault("limite-processus", "rlimits", "création d'un processus", assault_programs.FORK, _MEND_IDENTITY,
+            masking_walls=_ALL_BUT_LANDLOCK),
+    Assault("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", assault_programs.RESIDENT, _MEND_CGROUP,
+            masking_walls=_ALL_BUT_CGROUP, argument=_double_memory_limit, controller="memory"),
+    Assault("cgroup-processus", "cgroup", "création d'un processus", assault_programs.FORK, _MEND_CGROUP,
+            masking_walls=_ALL_BUT_CGROUP, controller="pids"),
+    Assault("capacités", "capabilities", "droits d'administration", assault_programs.CAPABILITY, _MEND_OURS,
+            required=True, masking_walls=_FILTERS),
+    Assault("identité", "identity", "retour à root", assault_programs.ROOT, _MEND_IDENTITY, required=True, masking_walls=_FILTERS),
+    Assault("inspection", "dumpable", "lecture du processus par un autre", assault_programs.INSPECTION, _MEND_OURS,
+            required=True, masking_walls=_FILTERS),
+    Assault("environnement", "environment", "variables de la machine", assault_programs.ENVIRONMENT, _MEND_OURS, required=True),
+    Assault("descripteurs", "descriptors", "descripteurs hérités", assault_programs.DESCRIPTORS, _MEND_OURS, required=True),
 )  # fmt: skip

@@ -15,23 +15,23 @@ import numpy as np
 
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Array, Value
-from server.sandbox.child.plain import MAX_DIMENSIONS
-from server.sandbox.values import Calls
+from server.sandbox.child.wire_values import MAX_DIMENSIONS
+from server.sandbox.values import CallBatch
 
 #: A batch is closed by the call that brings it to so many bytes, or calls.
-_BYTES, _CALLS = 1 << 18, 128
+_MAX_BATCH_BYTES, _MAX_BATCH_CALLS = 1 << 18, 128
 #: Several batches are closed by the one that brings them to so many bytes.
-_PARCEL = 1 << 20
-NO_END = 1 << 31
+_MAX_GROUP_BYTES = 1 << 20
+NO_FAULT_LIMIT = 1 << 31
 _FLOATS = np.dtype(np.float64)
 Row = tuple[Value, ...]
 #: What calls must have in common to go by columns: of each argument, the shape; () is a float.
 Shapes = tuple[tuple[int, ...], ...]
 Columns = tuple[Array, ...]
-_FORM = attrgetter("dtype", "shape")
+_dtype_and_shape = attrgetter("dtype", "shape")
 
 
-def token() -> int:
+def random_token() -> int:
     return int.from_bytes(os.urandom(frames.TOKEN), "little")
 
 
@@ -57,12 +57,12 @@ class Batch:
 
     def add(self, arguments: Row) -> bool:
         """Adds a call; True when the batch should hold no more."""
-        shapes = _shapes(arguments)
+        shapes = _float_shapes(arguments)
         if not self._lengths:
             self._shapes = shapes
         self._lengths.append(len(arguments))
         if shapes is None or shapes != self._shapes:
-            self._give_up_columns()
+            self._fall_back_to_rows()
         if self._shapes is None:
             self._encode(arguments)
         else:
@@ -70,11 +70,11 @@ class Batch:
                 self._row_bytes = sum(one.nbytes if isinstance(one, np.ndarray) else 8 for one in arguments)
             self._rows.append(arguments)
             self.bytes += self._row_bytes
-        return self.bytes >= _BYTES or len(self._lengths) >= _CALLS
+        return self.bytes >= _MAX_BATCH_BYTES or len(self._lengths) >= _MAX_BATCH_CALLS
 
     def add_columns(self, calls: Sequence[Row], columns: Columns | None = None) -> bool:
         """Makes it of all of these, where they go by columns; otherwise adds none."""
-        self._columns = columns or _columns(calls)
+        self._columns = columns or _stack_columns(calls)
         if self._columns is None:
             return False
         self._lengths = [len(self._columns)] * len(calls)
@@ -85,7 +85,7 @@ class Batch:
     def calls(self) -> int:
         return len(self._lengths)
 
-    def _give_up_columns(self) -> None:
+    def _fall_back_to_rows(self) -> None:
         rows, self._rows, self._shapes, self.bytes = self._rows, [], None, sum(map(len, self._encoded))
         for row in rows:
             self._encode(row)
@@ -95,7 +95,7 @@ class Batch:
         self.bytes += len(self._encoded[-1])
 
     @property
-    def random(self) -> int:
+    def token_bytes(self) -> int:
         """Bytes that its tokens are made of: its own, then one for each call."""
         return frames.TOKEN * (1 + self.calls)
 
@@ -116,45 +116,45 @@ class Batch:
     def _parts(self) -> Iterator[bytes]:
         for row in self._encoded:
             yield frames.framed(0, frames.ARGUMENTS, row)
-        columns = _columns(self._rows) if self._rows else self._columns
+        columns = _stack_columns(self._rows) if self._rows else self._columns
         if columns is not None:
             yield frames.framed(0, frames.COLUMNS, codec.encode_columns(columns))
 
     @property
-    def waits(self) -> bool:
+    def has_pending(self) -> bool:
         """Are there answers to come?"""
         return self._answered < len(self._tokens) and self._faults > 0
 
     @property
-    def is_plain(self) -> bool:
+    def returns_only_values(self) -> bool:
         """Do answers hold nothing but what is returned, and are some to come?"""
-        return not self.return_arguments and self.waits
+        return not self.return_arguments and self.has_pending
 
-    def plain(self, most: int) -> tuple[int, ...]:
+    def pending_tokens(self, most: int) -> tuple[int, ...]:
         """The tokens of so many answers to come at most, where these hold nothing but what is returned."""
-        return self._tokens[self._answered : self._answered + most] if self.is_plain else ()
+        return self._tokens[self._answered : self._answered + most] if self.returns_only_values else ()
 
-    def end(self, answers: int) -> bytes:
+    def end_frame(self, answers: int) -> bytes:
         """What must come after so many answers: something if they are all that are to come."""
         last = self._answered + answers == len(self._tokens)
         return frames.framed(self.token, frames.DONE, b"") if last else b""
 
-    def came(self, answers: int) -> None:
+    def mark_answered(self, answers: int) -> None:
         """So many have come."""
         self._answered += answers
 
-    def next(self) -> tuple[int, int | None]:
+    def next_expected(self) -> tuple[int, int | None]:
         """Token of the next answer, and how many arguments must come back with it (None: they were not asked for)."""
         place = self._answered
         self._answered += 1
         return self._tokens[place], self._lengths[place] if self.return_arguments else None
 
-    def fault(self) -> None:
+    def count_fault(self) -> None:
         """The answer that has come is a fault."""
         self._faults -= 1
 
 
-def _shapes(arguments: Row) -> Shapes | None:
+def _float_shapes(arguments: Row) -> Shapes | None:
     """None for arguments that are not all floats and arrays of floats."""
     shapes: list[tuple[int, ...]] = []
     for one in arguments:
@@ -167,7 +167,7 @@ def _shapes(arguments: Row) -> Shapes | None:
     return tuple(shapes) or None
 
 
-def _columns(calls: Sequence[Row]) -> Columns | None:
+def _stack_columns(calls: Sequence[Row]) -> Columns | None:
     """Of each argument, all of its values; None where they are not all floats, or arrays of floats of one shape."""
     if not calls or len(set(map(len, calls))) > 1:
         return None
@@ -177,16 +177,16 @@ def _columns(calls: Sequence[Row]) -> Columns | None:
         if kinds == {float}:
             columns.append(np.array(column))
             continue
-        if kinds != {np.ndarray} or len(set(map(_FORM, column))) > 1:
+        if kinds != {np.ndarray} or len(set(map(_dtype_and_shape, column))) > 1:
             return None
-        dtype, shape = _FORM(column[0])
+        dtype, shape = _dtype_and_shape(column[0])
         if dtype != _FLOATS or not 0 < len(shape) < MAX_DIMENSIONS:
             return None
         columns.append(np.concatenate(column).reshape(len(column), *shape))
     return tuple(columns) or None
 
 
-def batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> Iterator[Batch]:
+def split_into_batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> Iterator[Batch]:
     """The calls by batches; they are drawn no further ahead than the batch that is made."""
     batch = Batch(function, return_arguments=return_arguments)
     for arguments in calls:
@@ -197,14 +197,14 @@ def batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> I
         yield batch
 
 
-class Parcel:
+class BatchGroup:
     """Batches that go to the program in one frame, each with the number of what asks for it."""
 
-    def __init__(self, asked: Sequence[Calls], begin: int) -> None:
+    def __init__(self, asked: Sequence[CallBatch], begin: int) -> None:
         self._asked, self.end, size = asked, begin, 0
         self.batches: list[tuple[int, Batch]] = []
-        while self.end < len(asked) and size < _PARCEL:
-            batch = _whole(asked[self.end])
+        while self.end < len(asked) and size < _MAX_GROUP_BYTES:
+            batch = _batch_of(asked[self.end])
             size += batch.bytes
             if batch.calls:
                 self.batches.append((self.end, batch))
@@ -212,24 +212,24 @@ class Parcel:
 
     def payload(self, wall: float | None) -> bytes:
         """What stands in one frame with other questions: the first has so much time, the others what is left of it."""
-        random, begin, pieces = os.urandom(sum(batch.random for _, batch in self.batches)), 0, []
+        random, begin, pieces = os.urandom(sum(batch.token_bytes for _, batch in self.batches)), 0, []
         for number, batch in self.batches:
-            faults, end = self._asked[number].faults, begin + batch.random
-            pieces.append(batch.payload(wall, NO_END if faults is None else faults, random[begin:end]))
+            faults, end = self._asked[number].max_faults, begin + batch.token_bytes
+            pieces.append(batch.payload(wall, NO_FAULT_LIMIT if faults is None else faults, random[begin:end]))
             wall, begin = None, end
         return b"".join(pieces)
 
 
-def parcels(asked: Sequence[Calls]) -> Iterator[Parcel]:
+def group_batches(asked: Sequence[CallBatch]) -> Iterator[BatchGroup]:
     """One frame for all, or more where there is much to send: each is made when its turn comes."""
     end = 0
     while end < len(asked):
-        parcel = Parcel(asked, end)
+        parcel = BatchGroup(asked, end)
         end = parcel.end
         yield parcel
 
 
-def _whole(asked: Calls) -> Batch:
+def _batch_of(asked: CallBatch) -> Batch:
     batch = Batch(asked.function, return_arguments=asked.return_arguments)
     if not batch.add_columns(asked.calls, asked.columns):
         for arguments in asked.calls:

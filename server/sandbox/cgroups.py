@@ -24,13 +24,13 @@ from server.sandbox.policy import MIB, Policy
 _log = logging.getLogger(__name__)
 _PREFIX = "balise"
 #: What a fork may own beside what its policy grants: copied pages of the template, its page tables, the reserve.
-ALLOWANCE = RESERVE + 48 * MIB
+MEMORY_ALLOWANCE = RESERVE + 48 * MIB
 #: A seat that holds on to more than that is not used again.
-_LEFT_OVER = 4 * MIB
-_PERIOD = 100_000
+_MAX_LEFTOVER_BYTES = 4 * MIB
+_CPU_PERIOD_US = 100_000
 #: More bytes than a file of the kernel's on a seat holds.
-_ACCOUNT = 4096
-_WANTED = frozenset({"memory", "pids", "cpu"})
+_STATS_BYTES = 4096
+_WANTED_CONTROLLERS = frozenset({"memory", "pids", "cpu"})
 _CLOSING_SECONDS = 5.0
 
 
@@ -44,31 +44,31 @@ class Hierarchy:
 
     def limits(self, policy: Policy) -> dict[str, str]:
         """Name and content of the files that hold the limits of a seat; a name with ``?`` may be absent."""
-        memory = str(policy.memory_bytes + policy.folder_bytes + ALLOWANCE)
-        quota = str(policy.threads * _PERIOD)
+        memory = str(policy.memory_bytes + policy.folder_bytes + MEMORY_ALLOWANCE)
+        quota = str(policy.threads * _CPU_PERIOD_US)
         if self.version == 1:
             files = {
                 "memory": {"memory.limit_in_bytes": memory, "?memory.swappiness": "0"},
                 "pids": {"pids.max": str(policy.threads)},
-                "cpu": {"cpu.cfs_period_us": str(_PERIOD), "cpu.cfs_quota_us": quota},
+                "cpu": {"cpu.cfs_period_us": str(_CPU_PERIOD_US), "cpu.cfs_quota_us": quota},
             }
         else:
             files = {
                 "memory": {"memory.max": memory, "?memory.swap.max": "0"},
                 "pids": {"pids.max": str(policy.threads)},
-                "cpu": {"cpu.max": f"{quota} {_PERIOD}"},
+                "cpu": {"cpu.max": f"{quota} {_CPU_PERIOD_US}"},
             }
         return {name: text for controller in sorted(self.controllers) for name, text in files[controller].items()}
 
     @property
-    def accounts(self) -> tuple[str, str]:
+    def memory_files(self) -> tuple[str, str]:
         """The files that tell what is charged to a seat, and how its processes have ended."""
         if self.version == 1:
             return "memory.usage_in_bytes", "memory.oom_control"
         return "memory.current", "memory.events"
 
 
-class Seat:
+class ControlGroup:
     """One group in each hierarchy. `descriptors` are where a process writes 0 to join it.
 
     What is asked of it after each process is read from files that stay open.
@@ -77,7 +77,7 @@ class Seat:
     def __init__(self, name: str, hierarchies: Sequence[Hierarchy]) -> None:
         self._name, self._hierarchies = name, hierarchies
         self._policy: Policy | None = None
-        self._deaths = 0
+        self._oom_kills = 0
         self.descriptors: tuple[int, ...] = ()
         self._accounts: tuple[int, ...] = ()
         try:
@@ -86,12 +86,12 @@ class Seat:
                 folder.mkdir()
                 self.descriptors += (os.open(folder / "cgroup.procs", os.O_WRONLY),)
                 if "memory" in hierarchy.controllers:
-                    self._accounts = tuple(os.open(folder / file, os.O_RDONLY) for file in hierarchy.accounts)
+                    self._accounts = tuple(os.open(folder / file, os.O_RDONLY) for file in hierarchy.memory_files)
         except OSError:
             self.remove()
             raise
 
-    def bind(self, policy: Policy) -> None:
+    def apply_limits(self, policy: Policy) -> None:
         """Gives the seat the limits of a policy. Raises OSError."""
         if policy == self._policy:
             return
@@ -102,18 +102,18 @@ class Seat:
                     path.write_text(text)
         self._policy = policy
 
-    def ran_out_of_memory(self) -> bool:
+    def was_oom_killed(self) -> bool:
         """Whether the kernel has ended a process here for lack of memory since it was asked, after each SIGKILL."""
         if not self._accounts:
             return False
-        lines = os.pread(self._accounts[1], _ACCOUNT, 0).splitlines()
-        before = self._deaths
-        self._deaths = sum(int(line.split()[1]) for line in lines if line.startswith(b"oom_kill "))
-        return self._deaths > before
+        lines = os.pread(self._accounts[1], _STATS_BYTES, 0).splitlines()
+        before = self._oom_kills
+        self._oom_kills = sum(int(line.split()[1]) for line in lines if line.startswith(b"oom_kill "))
+        return self._oom_kills > before
 
-    def clean(self) -> bool:
+    def is_reusable(self) -> bool:
         """Whether nothing of its last process weighs on the next."""
-        return not self._accounts or int(os.pread(self._accounts[0], _ACCOUNT, 0)) <= _LEFT_OVER
+        return not self._accounts or int(os.pread(self._accounts[0], _STATS_BYTES, 0)) <= _MAX_LEFTOVER_BYTES
 
     def remove(self) -> None:
         """Raises OSError while a process is still in it."""
@@ -128,20 +128,20 @@ class Seat:
                 (hierarchy.folder / self._name).rmdir()
 
 
-class Seats:
+class ControlGroupPool:
     """The seats of one pool; several threads may take and give back."""
 
     def __init__(self, hierarchies: Sequence[Hierarchy]) -> None:
         self._hierarchies = tuple(hierarchies)
         self._prefix = f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}"
         self._lock = threading.Lock()
-        self._free: list[Seat] = []
-        self._leaving: list[Seat] = []
+        self._free: list[ControlGroup] = []
+        self._leaving: list[ControlGroup] = []
         self._made = 0
         for hierarchy in self._hierarchies:
-            _sweep(hierarchy.folder)
+            _remove_orphans(hierarchy.folder)
 
-    def take(self, policy: Policy) -> Seat | None:
+    def acquire(self, policy: Policy) -> ControlGroup | None:
         """A seat with the limits of this policy; None on a machine without control groups."""
         if not self._hierarchies:
             return None
@@ -150,41 +150,41 @@ class Seats:
             self._made += seat is None
             name = f"{self._prefix}-{self._made}"
         try:
-            seat = seat or Seat(name, self._hierarchies)
-            seat.bind(policy)
+            seat = seat or ControlGroup(name, self._hierarchies)
+            seat.apply_limits(policy)
         except OSError as error:
             _log.warning("a child goes without a control group: %s", error)
             if seat:
-                self.drop(seat)
+                self.retire(seat)
             return None
         return seat
 
-    def give_back(self, seat: Seat) -> None:
+    def release(self, seat: ControlGroup) -> None:
         """Its process is gone."""
-        if not seat.clean():
-            self.drop(seat)
+        if not seat.is_reusable():
+            self.retire(seat)
             return
         with self._lock:
             self._free.append(seat)
 
-    def drop(self, seat: Seat) -> None:
+    def retire(self, seat: ControlGroup) -> None:
         """Not to be used again; it goes at once, or when the last process in it has ended."""
         with self._lock:
             self._leaving.append(seat)
-            self._leaving = [leaving for leaving in self._leaving if not _removed(leaving)]
+            self._leaving = [leaving for leaving in self._leaving if not _try_remove(leaving)]
 
     def close(self) -> None:
         """Removes all seats; waits for processes that are still ending."""
         with self._lock:
             left, self._free, self._leaving = self._free + self._leaving, [], []
         deadline = time.monotonic() + _CLOSING_SECONDS
-        while (left := [seat for seat in left if not _removed(seat)]) and time.monotonic() < deadline:
+        while (left := [seat for seat in left if not _try_remove(seat)]) and time.monotonic() < deadline:
             time.sleep(0.002)
         if left:
             _log.error("%d control groups could not be removed: %s…", len(left), self._prefix)
 
 
-def _removed(seat: Seat) -> bool:
+def _try_remove(seat: ControlGroup) -> bool:
     try:
         seat.remove()
     except OSError as error:
@@ -194,7 +194,7 @@ def _removed(seat: Seat) -> bool:
     return True
 
 
-def _sweep(folder: Path) -> None:
+def _remove_orphans(folder: Path) -> None:
     """Removes what a pool that was killed has left."""
     for path in folder.glob(f"{_PREFIX}-*-*-*"):
         owner = path.name.split("-")[1]
@@ -203,17 +203,17 @@ def _sweep(folder: Path) -> None:
                 path.rmdir()
 
 
-def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
+def usable_hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
     """Where seats can be made here, learnt by making one; and the first reason, where something is missing."""
     usable: list[Hierarchy] = []
     problems: list[str] = []
-    missing = set(_WANTED)
-    for candidate in _candidates():
+    missing = set(_WANTED_CONTROLLERS)
+    for candidate in _candidate_hierarchies():
         wanted = candidate.controllers & missing
         if not wanted:
             continue
         hierarchy = Hierarchy(candidate.folder, candidate.version, frozenset(wanted))
-        if problem := _problem(hierarchy):
+        if problem := _creation_problem(hierarchy):
             problems.append(problem)
             continue
         usable.append(hierarchy)
@@ -221,14 +221,14 @@ def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
     return tuple(usable), (problems or ["no cgroup file system"])[0] if missing else ""
 
 
-def _problem(hierarchy: Hierarchy) -> str:
+def _creation_problem(hierarchy: Hierarchy) -> str:
     """Why no seat can be made there; "" when one can."""
     try:
         if hierarchy.version == 2:
-            _delegate(hierarchy)
-        seat = Seat(f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}-0", [hierarchy])
+            _delegate_controllers(hierarchy)
+        seat = ControlGroup(f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}-0", [hierarchy])
         try:
-            seat.bind(Policy())
+            seat.apply_limits(Policy())
         finally:
             seat.remove()
     except OSError as error:
@@ -236,16 +236,16 @@ def _problem(hierarchy: Hierarchy) -> str:
     return ""
 
 
-def _delegate(hierarchy: Hierarchy) -> None:
+def _delegate_controllers(hierarchy: Hierarchy) -> None:
     """Has the folder hand its controllers to the groups below it. Raises OSError (EBUSY: processes live in it)."""
     control = hierarchy.folder / "cgroup.subtree_control"
     if not hierarchy.controllers <= set(control.read_text().split()):
         control.write_text(" ".join(f"+{name}" for name in sorted(hierarchy.controllers)))
 
 
-def _candidates(processes: Path = Path("/proc/self")) -> Iterator[Hierarchy]:
+def _candidate_hierarchies(processes: Path = Path("/proc/self")) -> Iterator[Hierarchy]:
     """Folders of this process's own groups, version 2 first (its own group, then the one above), and what is there."""
-    mounts = list(_mounts(processes / "mountinfo"))
+    mounts = list(_cgroup_mounts(processes / "mountinfo"))
     lines = [line.split(":", 2) for line in (processes / "cgroup").read_text().splitlines()]
     for _, names, path in sorted(lines, key=lambda line: line[1]):
         for kind, root, point, options in mounts:
@@ -261,7 +261,7 @@ def _candidates(processes: Path = Path("/proc/self")) -> Iterator[Hierarchy]:
                     yield Hierarchy(place, 2, frozenset((place / "cgroup.controllers").read_text().split()))
 
 
-def _mounts(mountinfo: Path) -> Iterator[tuple[str, str, Path, frozenset[str]]]:
+def _cgroup_mounts(mountinfo: Path) -> Iterator[tuple[str, str, Path, frozenset[str]]]:
     """Kind, root, place and options of each mount of a cgroup file system."""
     for line in mountinfo.read_text().splitlines():
         before, _, after = line.partition(" - ")

@@ -14,47 +14,47 @@ from server.sandbox.child.program import MAX_NAMES
 from server.sandbox.child.report import MAX_FRAMES, MAX_NAME, MAX_SOURCE, MAX_TEXT
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
-from server.sandbox.process import Ending
+from server.sandbox.process import ChildExit
 
 _KILLED_BY_TIME = (signal.SIGXCPU, signal.SIGALRM, signal.SIGPROF)
-_TOLD_BY_CHILD = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
+_CHILD_FAULT_KINDS = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
 _MAX_LINE = 10**6
 _LENGTHS = {"exception": MAX_NAME, "text": MAX_TEXT, "detail": MAX_TEXT}
 #: Below this share of its memory limit, a program is not what the kernel kills for lack of memory.
-_SUSPECT_SHARE = 0.25
-_LEVEL = re.compile(rf'^  File "(.+)", line (\d{{1,7}}) in (.{{1,{MAX_NAME}}})$', re.MULTILINE)
+_OOM_SHARE = 0.25
+_FRAME_LINE = re.compile(rf'^  File "(.+)", line (\d{{1,7}}) in (.{{1,{MAX_NAME}}})$', re.MULTILINE)
 
 
-def forged() -> ProgramFault:
-    return _fatal(FaultKind.INVALID_OUTPUT, messages.forged())
+def forged_answer_fault() -> ProgramFault:
+    return _fatal_fault(FaultKind.INVALID_OUTPUT, messages.forged())
 
 
-def too_much(what: str, policy: Policy) -> ProgramFault:
+def answers_too_big_fault(what: str, policy: Policy) -> ProgramFault:
     """The answers of a session are too big together; `what` is bytes or items."""
-    return _fatal(FaultKind.OUTPUT_LIMIT, messages.answers_too_big(what, policy))
+    return _fatal_fault(FaultKind.OUTPUT_LIMIT, messages.answers_too_big(what, policy))
 
 
-def late(policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
-    return _out_of_time("wall", policy, frames)
+def wall_timeout_fault(policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
+    return _timeout_fault("wall", policy, frames)
 
 
-def _fatal(kind: FaultKind, message: str) -> ProgramFault:
+def _fatal_fault(kind: FaultKind, message: str) -> ProgramFault:
     return ProgramFault(kind, messages.typeset(message), fatal=True)
 
 
-def _out_of_time(what: str, policy: Policy, frames: tuple[Frame, ...]) -> ProgramFault:
+def _timeout_fault(what: str, policy: Policy, frames: tuple[Frame, ...]) -> ProgramFault:
     line = frames[-1].line if frames else None
     message = messages.typeset(messages.timeout(what, policy, line, frames))
     return ProgramFault(FaultKind.TIMEOUT, message, line=line, frames=frames, fatal=True)
 
 
-def last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[Frame, ...]:
+def parse_last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[Frame, ...]:
     """The levels of the student's file in what the interpreter wrote down (innermost first); none if it did not.
 
     It is the student's process that wrote it: what is taken from it is numbers of lines, and bounded names.
     """
     frames = []
-    for entry in _LEVEL.finditer(words):
+    for entry in _FRAME_LINE.finditer(words):
         line = int(entry[2])
         if entry[1] == filename and 0 < line <= len(lines):
             frames.append(Frame(line, messages.clean(_unescaped(entry[3])), messages.clean(lines[line - 1].strip())))
@@ -66,35 +66,35 @@ def _unescaped(name: str) -> str:
     return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda escape: chr(int(escape[1] or escape[2], 16)), name)
 
 
-def ended(ending: Ending, policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
+def exit_fault(ending: ChildExit, policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
     """The fault of a program that died without an answer and that we did not kill; `frames`: where it last was.
 
     Raises TemplateFault for a program killed from outside: it cannot send itself SIGKILL, and had not taken the
     memory for which the kernel would have sent it.
     """
     if os.WIFEXITED(ending.status):
-        return _fatal(FaultKind.RUNTIME_ERROR, messages.ended(os.WEXITSTATUS(ending.status)))
+        return _fatal_fault(FaultKind.RUNTIME_ERROR, messages.exited(os.WEXITSTATUS(ending.status)))
     number = os.WTERMSIG(ending.status)
     if number == signal.SIGSYS:
-        return _fatal(FaultKind.FORBIDDEN_OPERATION, messages.forbidden("appel système", None, ()))
+        return _fatal_fault(FaultKind.FORBIDDEN_OPERATION, messages.forbidden("appel système", None, ()))
     if ending.out_of_memory:
-        return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
+        return _fatal_fault(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
     exhausted = number == signal.SIGKILL and ending.cpu_seconds >= policy.cpu_seconds
     if number in _KILLED_BY_TIME or exhausted:
-        return _out_of_time("cpu", policy, frames)
-    if number == signal.SIGKILL and ending.max_rss_bytes < policy.memory_bytes * _SUSPECT_SHARE:
+        return _timeout_fault("cpu", policy, frames)
+    if number == signal.SIGKILL and ending.max_rss_bytes < policy.memory_bytes * _OOM_SHARE:
         raise TemplateFault("a child was killed from outside")
     if number == signal.SIGKILL:  # the kernel's own answer to a lack of memory
-        return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
-    return _fatal(FaultKind.RUNTIME_ERROR, messages.killed(number))
+        return _fatal_fault(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
+    return _fatal_fault(FaultKind.RUNTIME_ERROR, messages.killed_by_signal(number))
 
 
-def told(fault: Any, policy: Policy) -> ProgramFault | None:
+def parse_fault(fault: Any, policy: Policy) -> ProgramFault | None:
     """The fault that a child reported; None when it is not in the form of one."""
     if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
         return None
-    kind, line, frames = fault["kind"], fault["line"], _frames(fault["frames"])
-    if not isinstance(kind, str) or kind not in _TOLD_BY_CHILD or frames is None:
+    kind, line, frames = fault["kind"], fault["line"], _parse_frames(fault["frames"])
+    if not isinstance(kind, str) or kind not in _CHILD_FAULT_KINDS or frames is None:
         return None
     if not _is_line(line):  # an honest program may be where there is none: that is no forgery
         line = None
@@ -112,7 +112,7 @@ def told(fault: Any, policy: Policy) -> ProgramFault | None:
     )
 
 
-def names(given: Any) -> frozenset[str] | None:
+def parse_function_names(given: Any) -> frozenset[str] | None:
     """The functions that a child says its file defines; None when it is not in the form of that."""
     if not isinstance(given, tuple) or len(given) > MAX_NAMES:
         return None
@@ -128,7 +128,7 @@ def _is_text(text: object, longest: int) -> bool:
     return isinstance(text, str) and len(text) <= longest
 
 
-def _frames(given: object) -> tuple[Frame, ...] | None:
+def _parse_frames(given: object) -> tuple[Frame, ...] | None:
     """The levels that have a line; None for what is not in the form of levels."""
     if not isinstance(given, tuple) or len(given) > MAX_FRAMES:
         return None
@@ -159,11 +159,11 @@ def _message(
     if kind in sentences:
         return sentences[kind]()
     if of_result:
-        return _of_result(kind, text, detail, policy)
+        return _result_message(kind, text, detail, policy)
     return messages.runtime_error(exception or "Erreur", text, line, frames)
 
 
-def _of_result(kind: FaultKind, culprit: str, detail: str, policy: Policy) -> str:
+def _result_message(kind: FaultKind, culprit: str, detail: str, policy: Policy) -> str:
     reason, where, function = detail.split("|", 2)
     if kind == FaultKind.OUTPUT_LIMIT:
         return messages.answer_too_big(reason, function, policy)

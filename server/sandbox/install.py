@@ -13,12 +13,12 @@ DRAWING = "matplotlib"
 #: What each import set needs; of the first two, the first one that a source does not go beyond is used.
 IMPORT_SETS = ("numpy", "scipy", DRAWING)
 #: What matplotlib needs beside numpy.
-_DRAWING_NEEDS = (
+_MATPLOTLIB_PACKAGES = (
     *("contourpy", "kiwisolver", "cycler", "PIL", "pyparsing", "packaging", "dateutil", "six", "fontTools"),
     "mpl_toolkits",
 )
 #: Folders of shared libraries that are not named after their package.
-_LIBRARIES = {"PIL": "pillow.libs"}
+_LIBRARY_FOLDERS = {"PIL": "pillow.libs"}
 
 
 @dataclass(frozen=True)
@@ -42,14 +42,14 @@ def installation(imports: str = "numpy") -> Installation:
         raise ModuleNotFoundError("numpy is not installed", name="numpy")
     places = {name: place for name, place in sets.items() if name != DRAWING or imports == DRAWING}
     if DRAWING in places:
-        places |= {name: place for name in _DRAWING_NEEDS if (place := _package(name))}
+        places |= {name: place for name in _MATPLOTLIB_PACKAGES if (place := _package(name))}
     sites = tuple(dict.fromkeys(os.path.dirname(place) for place in places.values()))
     packages = [path for name, place in places.items() for path in _with_libraries(name, place)]
     return Installation(sys.executable, sites, tuple(packages), tuple(sets))
 
 
 def _with_libraries(name: str, place: str) -> list[str]:
-    libraries = os.path.join(os.path.dirname(place), _LIBRARIES.get(name, f"{name}.libs"))
+    libraries = os.path.join(os.path.dirname(place), _LIBRARY_FOLDERS.get(name, f"{name}.libs"))
     return [place, libraries] if os.path.isdir(libraries) else [place]
 
 
@@ -62,7 +62,7 @@ def _package(name: str) -> str | None:
     return os.path.abspath(folder) if folder else None
 
 
-def import_set(source: bytes, *, drawing: bool = False) -> str:
+def import_set_of(source: bytes, *, drawing: bool = False) -> str:
     """The import set that a source asks for; matplotlib's only where `drawing` is allowed."""
     sets = installation().sets
     if drawing and DRAWING in sets and b"matplotlib" in source:

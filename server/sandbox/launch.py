@@ -25,22 +25,22 @@ _ENVIRONMENT = {
 
 
 #: A kit by its files (path → source), or by the source of the only one.
-Files = str | Mapping[str, str]
+KitFiles = str | Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Setting:
+class TemplateConfig:
     """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
 
-    kits: Mapping[str, Files]
+    kits: Mapping[str, KitFiles]
     imports: str
     namespaces: bool
-    lifted: frozenset[str] = frozenset()
+    lifted_walls: frozenset[str] = frozenset()
 
 
-def launch(setting: Setting, control: int, log: int) -> subprocess.Popen[bytes]:
+def launch(setting: TemplateConfig, control: int, log: int) -> subprocess.Popen[bytes]:
     """Starts the first process of a template; `control` is its end of the socket, `log` is where it complains."""
-    configuration = _configuration(setting)
+    configuration = _write_configuration(setting)
     try:
         return subprocess.Popen(
             _command(setting, control, configuration),
@@ -56,31 +56,31 @@ def launch(setting: Setting, control: int, log: int) -> subprocess.Popen[bytes]:
         os.close(configuration)
 
 
-def _environment(setting: Setting) -> dict[str, str]:
-    whole = "environment" in setting.lifted
+def _environment(setting: TemplateConfig) -> dict[str, str]:
+    whole = "environment" in setting.lifted_walls
     return {k: v for k, v in os.environ.items() if whole or k == "LD_LIBRARY_PATH"} | _ENVIRONMENT
 
 
-def _command(setting: Setting, control: int, configuration: int) -> list[str]:
+def _command(setting: TemplateConfig, control: int, configuration: int) -> list[str]:
     installed = installation(setting.imports)
     mode = "namespaces" if setting.namespaces else "plain"
     numbers = (str(control), str(configuration), str(os.getpid()))
     here = os.path.dirname(os.path.abspath(__file__))
-    lifted = " ".join(sorted(setting.lifted))
+    lifted = " ".join(sorted(setting.lifted_walls))
     return [installed.python, "-P", "-s", "-S", "-c", _BOOT, here, *numbers, mode, lifted, *installed.sites]
 
 
-def _files(name: str, files: Files) -> dict[str, Value]:
+def _kit_files(name: str, files: KitFiles) -> dict[str, Value]:
     return {f"{name}.py": files} if isinstance(files, str) else dict(files)
 
 
-def _configuration(setting: Setting) -> int:
+def _write_configuration(setting: TemplateConfig) -> int:
     installed = installation(setting.imports)
     message: dict[str, Value] = {
-        "kits": {name: _files(name, files) for name, files in setting.kits.items()},
+        "kits": {name: _kit_files(name, files) for name, files in setting.kits.items()},
         "imports": setting.imports,
         "namespaces": setting.namespaces,
-        "lifted": list(setting.lifted),
+        "lifted": list(setting.lifted_walls),
         "sites": list(installed.sites),
         "packages": list(installed.packages),
     }

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from server.sandbox.faults import Frame
 from server.sandbox.policy import GIB, KIB, MIB, Policy
 
-_NARROW = "\u00a0"
+_NO_BREAK_SPACE = "\u00a0"
 
 _SYNTAX = (
     (r"expected ':'", "il manque « : » à la fin de cette ligne"),
@@ -74,8 +74,8 @@ _SIGNALS = {
 
 def typeset(text: str) -> str:
     """Puts the no-break spaces of French typography."""
-    text = re.sub(r" ([:;?!»])", _NARROW + r"\1", text)
-    return text.replace("« ", "«" + _NARROW)
+    text = re.sub(r" ([:;?!»])", _NO_BREAK_SPACE + r"\1", text)
+    return text.replace("« ", "«" + _NO_BREAK_SPACE)
 
 
 def clean(text: str) -> str:
@@ -98,7 +98,7 @@ def seconds(duration: float) -> str:
     return f"{duration:.3g} s".replace(".", ",")
 
 
-def located(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
+def at_line(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
     """« Ligne 12, dans « f » (return a[3]) : … », or the sentence alone when the line is unknown."""
     if line is None:
         return sentence[:1].upper() + sentence[1:]
@@ -145,16 +145,16 @@ _IN_FRENCH = {"EOF when reading a line": "fin de l’entrée"}
 def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     sentence = f"{exception} ({_IN_FRENCH.get(text, text)})" if text else exception
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
-    return located(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
+    return at_line(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     if exception != "ModuleNotFoundError":
-        return located(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
-    return located(line, frames, f"le module « {module} » n’est pas disponible ici. {_about_module(module)}")
+        return at_line(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
+    return at_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")
 
 
-def _about_module(module: str) -> str:
+def _module_advice(module: str) -> str:
     root = module.partition(".")[0]
     if root in ("matplotlib", "pylab", "seaborn", "plotly"):
         return 'Rien ne se trace pendant l’évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
@@ -182,29 +182,29 @@ def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ..
         limit = f"votre programme a calculé pendant plus de {seconds(policy.cpu_seconds)}, la limite"
     else:
         limit = f"votre programme n’a pas répondu en {seconds(policy.wall_seconds)}, la limite"
-    return located(line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?")
+    return at_line(line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?")
 
 
 def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
     sentence = f"votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
     advice = "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
-    return located(line, frames, sentence + advice)
+    return at_line(line, frames, sentence + advice)
 
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     sentence = "opération interdite" + (f" [{text}]. " if text else ". ")
     advice = "Fichiers, réseau, processus et fils d’exécution sont hors d’atteinte : tout arrive par les arguments."
-    return located(line, frames, sentence + advice)
+    return at_line(line, frames, sentence + advice)
 
 
-def ended(code: int) -> str:
+def exited(code: int) -> str:
     return (
         f"Votre programme s’est arrêté de lui-même (code {code}) avant de répondre : "
         "n’appelez ni « os._exit » ni « exit », et renvoyez le résultat par « return »."
     )
 
 
-def killed(number: int) -> str:
+def killed_by_signal(number: int) -> str:
     name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
     why = _SIGNALS.get(signal.Signals(number)) if number in set(signal.Signals) else None
     return f"Votre programme a été arrêté par le système ({name}){' : ' + why if why else ''}."

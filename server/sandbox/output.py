@@ -10,44 +10,44 @@ import fcntl
 import io
 import os
 
-LAST_WORDS = 4096
+TRACEBACK_BYTES = 4096
 
 
-class Output:
+class CapturedOutput:
     """A memory file that cannot grow. The offset that it shares with the child tells how much of it is filled.
 
     `words` is a second descriptor on it, with an offset of its own, for the last words.
     """
 
     def __init__(self, bound: int) -> None:
-        self._bound = bound
+        self._limit = bound
         self._file = io.FileIO(os.memfd_create("stdout", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "r+")
-        os.ftruncate(self._file.fileno(), bound + LAST_WORDS)
+        os.ftruncate(self._file.fileno(), bound + TRACEBACK_BYTES)
         fcntl.fcntl(self._file.fileno(), fcntl.F_ADD_SEALS, fcntl.F_SEAL_GROW | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_SEAL)
 
-        self.words = os.open(f"/proc/self/fd/{self._file.fileno()}", os.O_RDWR | os.O_CLOEXEC)
-        os.lseek(self.words, bound, os.SEEK_SET)
+        self.traceback_descriptor = os.open(f"/proc/self/fd/{self._file.fileno()}", os.O_RDWR | os.O_CLOEXEC)
+        os.lseek(self.traceback_descriptor, bound, os.SEEK_SET)
 
     def fileno(self) -> int:
         return self._file.fileno()
 
-    def filled(self) -> int:
-        return max(0, min(os.lseek(self.fileno(), 0, os.SEEK_CUR), self._bound))
+    def filled_bytes(self) -> int:
+        return max(0, min(os.lseek(self.fileno(), 0, os.SEEK_CUR), self._limit))
 
-    def truncated(self) -> bool:
-        return self.filled() >= self._bound
+    def is_truncated(self) -> bool:
+        return self.filled_bytes() >= self._limit
 
     def text(self) -> str:
         """What was printed, decoded whatever it holds; NUL, which databases refuse, is replaced."""
-        data = os.pread(self.fileno(), self.filled(), 0)
-        text = codecs.getincrementaldecoder("utf-8")("replace").decode(data, final=not self.truncated())
+        data = os.pread(self.fileno(), self.filled_bytes(), 0)
+        text = codecs.getincrementaldecoder("utf-8")("replace").decode(data, final=not self.is_truncated())
         return text.replace("\0", "\ufffd")
 
-    def last_words(self) -> str:
+    def crash_traceback(self) -> str:
         """What the child wrote there, up to the first NUL; whatever it holds, a text."""
-        data = os.pread(self.words, LAST_WORDS, self._bound)
+        data = os.pread(self.traceback_descriptor, TRACEBACK_BYTES, self._limit)
         return data.partition(b"\0")[0].decode("ascii", "replace")
 
     def close(self) -> None:
         self._file.close()
-        os.close(self.words)
+        os.close(self.traceback_descriptor)

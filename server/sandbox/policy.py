@@ -17,17 +17,17 @@ Unit = Literal["seconds", "bytes", "count", "levels", "threads"]
 
 
 @dataclass(frozen=True)
-class Row:
+class LimitSpec:
     """What is known of a limit: its name on the page, its unit, and between which values an exercise may set it."""
 
-    words: str
+    label: str
     unit: Unit
-    least: float
-    most: float
+    minimum: float
+    maximum: float
 
 
 def _limit(default: Any, words: str, unit: Unit, least: float, most: float) -> Any:
-    return field(default=default, metadata={"row": Row(words, unit, least, most)})
+    return field(default=default, metadata={"row": LimitSpec(words, unit, least, most)})
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,10 @@ class Policy:
                 raise ValueError(f"{name} must be positive, not {value}")
 
     @property
-    def answer(self) -> Limits:
+    def answer_limits(self) -> Limits:
         """Bounds of one encoded answer: a call's value and its arguments are two levels below the top."""
         return Limits(self.frame_bytes, self.depth + 2, self.items)
 
 
 #: The row of each field, in the order in which the page shows them.
-ROWS: Mapping[str, Row] = {each.name: each.metadata["row"] for each in fields(Policy)}
+LIMIT_SPECS: Mapping[str, LimitSpec] = {each.name: each.metadata["row"] for each in fields(Policy)}

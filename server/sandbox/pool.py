@@ -13,41 +13,41 @@ from functools import partial
 from typing import Self
 
 from server.sandbox import messages
-from server.sandbox.cgroups import Seats, hierarchies
+from server.sandbox.cgroups import ControlGroupPool, usable_hierarchies
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
-from server.sandbox.install import IMPORT_SETS, import_set
-from server.sandbox.launch import Files, Setting
+from server.sandbox.install import IMPORT_SETS, import_set_of
+from server.sandbox.launch import KitFiles, TemplateConfig
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
-from server.sandbox.values import MENTION, Calls, Kit
+from server.sandbox.values import LIBRARY_MENTION, CallBatch, Kit
 
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
-_POLICIES = 3
+_SPARE_POLICIES = 3
 #: Children that stand ready for one submission, at most.
-_PREPARED = 3
+_MAX_PREPARED = 3
 #: Seconds before another try at a worn template's successor, which could not be started.
-_PAUSE = 30.0
+_RETRY_SECONDS = 30.0
 #: Seconds between the end of a session and the fork of the next spare.
-_REST = 0.012
+_RESTOCK_DELAY_SECONDS = 0.012
 #: Why a template is replaced.
 WORN, FAILED = "worn", "failed"
 
 
-class _Slot:
+class _TemplateSlot:
     """The current template of one import set, and its spare children by policy."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.renewing, self.begun, self.pause = False, False, 0.0
+        self.renewing, self.has_started, self.retry_at = False, False, 0.0
         self.template: TemplateProcess | None = None
         self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
 
-    def may_renew(self) -> bool:
+    def claim_renewal(self) -> bool:
         """Whether the caller may start a successor: nobody else does, nor has just tried in vain."""
-        free = not self.renewing and time.monotonic() >= self.pause
+        free = not self.renewing and time.monotonic() >= self.retry_at
         self.renewing = self.renewing or free
         return free
 
@@ -63,29 +63,29 @@ class Sandbox:
 
     def __init__(
         self,
-        kits: Mapping[str, Files],
+        kits: Mapping[str, KitFiles],
         policy: Policy | None = None,
         *,
         spares: int = 1,
-        forks: int = 2000,
-        growth: int = 16 * MIB,
+        max_forks: int = 2000,
+        max_growth: int = 16 * MIB,
         namespaces: bool | None = None,
         lifted: frozenset[str] = frozenset(),
-        renewed: Callable[[str], object] = str,
+        on_template_replaced: Callable[[str], object] = str,
     ) -> None:
         self.policy = policy or Policy()
         if unknown := lifted - WALLS:
             raise ValueError(f"no such wall: {', '.join(sorted(unknown))}")
-        self._kits, self._lifted, self._renewed = dict(kits), lifted, renewed
-        self._seats = Seats(() if "cgroup" in lifted else hierarchies()[0])
-        self._spares, self._forks, self._growth, self._namespaces = spares, forks, growth, namespaces
-        self._slots = {name: _Slot() for name in IMPORT_SETS}
+        self._kits, self._lifted, self._on_template_replaced = dict(kits), lifted, on_template_replaced
+        self._seats = ControlGroupPool(() if "cgroup" in lifted else usable_hierarchies()[0])
+        self._spares, self._max_forks, self._max_growth, self._namespaces = spares, max_forks, max_growth, namespaces
+        self._slots = {name: _TemplateSlot() for name in IMPORT_SETS}
         self._retired: set[TemplateProcess] = set()
         self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
         self._refiller = ThreadPoolExecutor(1, thread_name_prefix="sandbox-refiller")
         self._renewer = ThreadPoolExecutor(1, thread_name_prefix="sandbox-renewer")
         self._closing = threading.Event()
-        self._due: set[tuple[TemplateProcess, Policy]] = set()
+        self._restocks_due: set[tuple[TemplateProcess, Policy]] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -98,7 +98,7 @@ class Sandbox:
         slot = self._slots[imports]
         try:
             with slot.lock:
-                self._refill(slot, self._template(slot, imports), self.policy)
+                self._refill(slot, self._current_template(slot, imports), self.policy)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
@@ -110,9 +110,9 @@ class Sandbox:
         policy: Policy | None = None,
         filename: str = "solution.py",
         drawing: bool = False,
-        shows_last: bool = False,
-        waits: bool = False,
-        ahead: Sequence[Calls] = (),
+        echo_last: bool = False,
+        deferred: bool = False,
+        first_calls: Sequence[CallBatch] = (),
     ) -> Session:
         """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
 
@@ -123,27 +123,27 @@ class Sandbox:
         """
         policy = policy or self.policy
         _check_source(source, policy)
-        imports = import_set(b"".join((source, *_imported(source, kit))), drawing=drawing)
+        imports = import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=drawing)
 
         def load(session: Session) -> None:
-            session.load(source, filename, kit, shows_last=shows_last, waits=waits, ahead=ahead)
+            session.load(source, filename, kit, echo_last=echo_last, deferred=deferred, first_calls=first_calls)
 
         try:
-            return self._opened(imports, policy, load)
+            return self._open_session(imports, policy, load)
         except TemplateFault as first:
             _log.warning("a template failed and is replaced: %s", first)
         try:
-            return self._opened(imports, policy, load)
+            return self._open_session(imports, policy, load)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
         """Has so many children made ready for a file that is about to be opened as often; nothing is waited for."""
         policy = policy or self.policy
-        slot = self._slots[import_set(b"".join((source, *_imported(source, kit))), drawing=False)]
+        slot = self._slots[import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=False)]
         with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
             waiting = slot.spares.setdefault(policy, deque())
-            while slot.template is not None and len(waiting) < min(children, _PREPARED):
+            while slot.template is not None and len(waiting) < min(children, _MAX_PREPARED):
                 waiting.append(slot.template.fork(policy))
 
     def close(self) -> None:
@@ -153,22 +153,22 @@ class Sandbox:
         self._renewer.shutdown(cancel_futures=True)
         for slot in self._slots.values():
             with slot.lock:
-                self._discard(slot)
+                self._retire_current(slot)
         for template in list(self._retired):
             template.close()
         self._retired.clear()
         self._spawner.shutdown()
         self._seats.close()
 
-    def _opened(self, imports: str, policy: Policy, load: Callable[[Session], None]) -> Session:
-        template, child = self._take(imports, policy)
+    def _open_session(self, imports: str, policy: Policy, load: Callable[[Session], None]) -> Session:
+        template, child = self._take_child(imports, policy)
         session = Session(child, policy)
         try:
             load(session)
         except TemplateFault as error:
-            self._replace(imports, template)
+            self._discard_failed(imports, template)
             session.close()
-            raise TemplateFault(f"{error}; the template said: {template.said() or 'nothing'}") from error
+            raise TemplateFault(f"{error}; the template said: {template.stderr_tail() or 'nothing'}") from error
         except ProgramFault as fault:
             session.close()
             fault.stdout, fault.stdout_truncated = session.stdout(), session.stdout_truncated
@@ -178,112 +178,112 @@ class Sandbox:
             raise
         return session
 
-    def _take(self, imports: str, policy: Policy) -> tuple[TemplateProcess, Child]:
+    def _take_child(self, imports: str, policy: Policy) -> tuple[TemplateProcess, Child]:
         slot = self._slots[imports]
         with slot.lock:
-            template = self._template(slot, imports)
+            template = self._current_template(slot, imports)
             try:
-                child = _living(slot.spares.get(policy)) or template.fork(policy)
+                child = _pop_living(slot.spares.get(policy)) or template.fork(policy)
             except TemplateFault:
-                self._discard(slot)
+                self._retire_current(slot)
                 raise
-            renew = self._worn(template) and slot.may_renew()
+            renew = self._is_worn(template) and slot.claim_renewal()
         # What is not needed for this answer waits for its end: the machine has few processors.
-        child.when_closed = partial(self._restock_soon, slot, template, policy)
+        child.on_close = partial(self._schedule_restock, slot, template, policy)
         if renew:
-            self._later(self._renewer, self._succeed, slot, template, imports)
+            self._submit(self._renewer, self._start_successor, slot, template, imports)
         return template, child
 
-    def _later(self, executor: ThreadPoolExecutor, action: Callable[..., None], *arguments: object) -> None:
+    def _submit(self, executor: ThreadPoolExecutor, action: Callable[..., None], *arguments: object) -> None:
         with contextlib.suppress(RuntimeError):  # it is closed: there is nothing left to prepare for
-            executor.submit(_logged, action, *arguments)
+            executor.submit(_run_logged, action, *arguments)
 
-    def _succeed(self, slot: _Slot, worn: TemplateProcess, imports: str) -> None:
+    def _start_successor(self, slot: _TemplateSlot, worn: TemplateProcess, imports: str) -> None:
         """Starts the successor of a worn template, which goes on serving meanwhile, and for good if there is none."""
         try:
             if slot.template is not worn:
                 return
-            successor = self._started(imports)
+            successor = self._start_template(imports)
             with slot.lock:
                 policies = [*slot.spares]
-                self._discard(slot)
+                self._retire_current(slot)
                 slot.template = successor
                 for policy in policies:
                     self._refill(slot, successor, policy)
-            self._renewed(WORN)
+            self._on_template_replaced(WORN)
         except BaseException:
-            slot.pause = time.monotonic() + _PAUSE
+            slot.retry_at = time.monotonic() + _RETRY_SECONDS
             raise
         finally:
             slot.renewing = False
 
-    def _worn(self, template: TemplateProcess) -> bool:
-        return template.forks >= self._forks or template.growth > self._growth
+    def _is_worn(self, template: TemplateProcess) -> bool:
+        return template.forks >= self._max_forks or template.memory_growth > self._max_growth
 
-    def _restock_soon(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+    def _schedule_restock(self, slot: _TemplateSlot, template: TemplateProcess, policy: Policy) -> None:
         due = (template, policy)
-        if due not in self._due:
-            self._due.add(due)
-            self._later(self._refiller, self._restock, slot, template, policy)
+        if due not in self._restocks_due:
+            self._restocks_due.add(due)
+            self._submit(self._refiller, self._restock, slot, template, policy)
 
-    def _restock(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+    def _restock(self, slot: _TemplateSlot, template: TemplateProcess, policy: Policy) -> None:
         """After a rest: a verdict that has just been reached is on its way, and a fork would compete with it."""
-        self._closing.wait(_REST)
-        self._due.discard((template, policy))
+        self._closing.wait(_RESTOCK_DELAY_SECONDS)
+        self._restocks_due.discard((template, policy))
         with slot.lock:
             if slot.template is not template:
                 return
             try:
                 self._refill(slot, template, policy)
             except TemplateFault:
-                self._discard(slot)
+                self._retire_current(slot)
                 raise
 
-    def _refill(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+    def _refill(self, slot: _TemplateSlot, template: TemplateProcess, policy: Policy) -> None:
         waiting = slot.spares.setdefault(policy, deque())
         slot.spares.move_to_end(policy)
         while len(waiting) < self._spares:
             waiting.append(template.fork(policy))
-        while len(slot.spares) > _POLICIES:
+        while len(slot.spares) > _SPARE_POLICIES:
             _, unused = slot.spares.popitem(last=False)
             for child in unused:
                 child.close()
 
-    def _template(self, slot: _Slot, imports: str) -> TemplateProcess:
+    def _current_template(self, slot: _TemplateSlot, imports: str) -> TemplateProcess:
         if self._closing.is_set():
             raise SandboxFault("the sandbox is closed")
         template = slot.template
-        if template is not None and template.alive():
+        if template is not None and template.is_alive():
             return template
-        self._discard(slot)
-        slot.template = self._started(imports)
-        if slot.begun:
-            self._renewed(FAILED)
-        slot.begun = True
+        self._retire_current(slot)
+        slot.template = self._start_template(imports)
+        if slot.has_started:
+            self._on_template_replaced(FAILED)
+        slot.has_started = True
         return slot.template
 
-    def _started(self, imports: str) -> TemplateProcess:
+    def _start_template(self, imports: str) -> TemplateProcess:
         if self._namespaces is not None:
-            return self._start(imports, self._namespaces)
+            return self._start_with_namespaces(imports, self._namespaces)
         try:
-            template = self._start(imports, True)
+            template = self._start_with_namespaces(imports, True)
         except NamespacesRefused as error:
             _log.warning("no namespaces on this machine, the other walls stand alone: %s", error)
-            template = self._start(imports, False)
+            template = self._start_with_namespaces(imports, False)
         self._namespaces = template.namespaces
         return template
 
-    def _start(self, imports: str, namespaces: bool) -> TemplateProcess:
-        setting = Setting(self._kits, imports, namespaces, self._lifted)
-        return TemplateProcess(setting, self._seats, self._bury_retired).start(self._spawner)
+    def _start_with_namespaces(self, imports: str, namespaces: bool) -> TemplateProcess:
+        setting = TemplateConfig(self._kits, imports, namespaces, self._lifted)
+        return TemplateProcess(setting, self._seats, self._close_idle_retired).start(self._spawner)
 
-    def _replace(self, imports: str, failed: TemplateProcess) -> None:
+    def _discard_failed(self, imports: str, failed: TemplateProcess) -> None:
         slot = self._slots[imports]
         with slot.lock:
             if slot.template is failed:
-                self._discard(slot)
+                self._retire_current(slot)
 
-    def _discard(self, slot: _Slot) -> None:
+    def _retire_current(self, slot: _TemplateSlot) -> None:
         """Retires the current template: it ends with its last session."""
         template, slot.template = slot.template, None
         spares, slot.spares = slot.spares, OrderedDict()
@@ -291,28 +291,28 @@ class Sandbox:
             child.close()
         if template is not None:
             self._retired.add(template)
-            self._bury_retired(template)
+            self._close_idle_retired(template)
 
-    def _bury_retired(self, template: TemplateProcess) -> None:
+    def _close_idle_retired(self, template: TemplateProcess) -> None:
         """Called when a child of a template has ended."""
-        if template in self._retired and template.idle():
+        if template in self._retired and template.is_idle():
             with contextlib.suppress(KeyError):
                 self._retired.remove(template)
             template.close()
 
 
-def _living(waiting: deque[Child] | None) -> Child | None:
+def _pop_living(waiting: deque[Child] | None) -> Child | None:
     """The first of these children that has not died while it waited."""
     while waiting:
         child = waiting.popleft()
-        if not child.ended():
+        if not child.has_exited():
             return child
         _log.warning("a spare child has died while it waited")
         child.close()
     return None
 
 
-def _logged(action: Callable[..., None], *arguments: object) -> None:
+def _run_logged(action: Callable[..., None], *arguments: object) -> None:
     """Runs what nobody waits for; its failure costs nothing but the time that it should have saved."""
     try:
         action(*arguments)
@@ -320,9 +320,9 @@ def _logged(action: Callable[..., None], *arguments: object) -> None:
         _log.exception("%s failed", action.__name__)
 
 
-def _imported(source: bytes, kit: Kit | None) -> Iterator[bytes]:
+def _importable_sources(source: bytes, kit: Kit | None) -> Iterator[bytes]:
     """The earlier files that a source may come to run."""
-    if kit is not None and MENTION in source:
+    if kit is not None and LIBRARY_MENTION in source:
         yield from (shelf.source for shelf in kit.library)
 
 

@@ -13,9 +13,9 @@ from enum import StrEnum
 
 from server.sandbox import messages
 from server.sandbox.assaults import ASSAULTS, Assault
-from server.sandbox.cgroups import Seats, hierarchies
+from server.sandbox.cgroups import ControlGroupPool, usable_hierarchies
 from server.sandbox.faults import ProgramFault, TemplateFault
-from server.sandbox.launch import Setting
+from server.sandbox.launch import TemplateConfig
 from server.sandbox.policy import Policy
 from server.sandbox.process import TemplateProcess
 from server.sandbox.session import Session
@@ -45,12 +45,12 @@ def probe(*, slow: bool = True) -> list[WallReport]:
     """
     assaults = [assault for assault in ASSAULTS if slow or not assault.slow]
     with ThreadPoolExecutor(1) as spawner:
-        templates = _Templates(spawner)
+        templates = _ProbeTemplates(spawner)
         try:
-            for lifted in {assault.hiders for assault in assaults}:
+            for lifted in {assault.masking_walls for assault in assaults}:
                 templates.get(lifted, namespaces=False)
             with ThreadPoolExecutor(4) as pool:
-                return list(pool.map(lambda assault: _report(assault, templates), assaults))
+                return list(pool.map(lambda assault: _probe_wall(assault, templates), assaults))
         finally:
             templates.close()
 
@@ -61,37 +61,37 @@ def safe_to_serve(reports: list[WallReport]) -> bool:
     return bool(required) and all(report.status == WallStatus.STANDING for report in required)
 
 
-class _Templates:
+class _ProbeTemplates:
     """One template for each set of walls left down."""
 
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
-        self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
-        usable, self.why_no_seat = hierarchies()
+        self._started_templates: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
+        usable, self.cgroup_problem = usable_hierarchies()
         self.controllers = frozenset(name for hierarchy in usable for name in hierarchy.controllers)
-        self._seats, self._no_seats = Seats(usable), Seats(())
+        self._groups, self._no_groups = ControlGroupPool(usable), ControlGroupPool(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
         """The template, in the namespaces if they can be had or are asked for; or why there is none."""
-        inside = self._started(True, lifted)
-        return inside if namespaces or isinstance(inside, TemplateProcess) else self._started(False, lifted)
+        inside = self._get_or_start(True, lifted)
+        return inside if namespaces or isinstance(inside, TemplateProcess) else self._get_or_start(False, lifted)
 
-    def _started(self, namespaces: bool, lifted: frozenset[str]) -> TemplateProcess | str:
+    def _get_or_start(self, namespaces: bool, lifted: frozenset[str]) -> TemplateProcess | str:
         key = (namespaces, lifted)
-        if key not in self._known:
-            setting = Setting({}, "numpy", namespaces, lifted)
-            seats = self._no_seats if "cgroup" in lifted else self._seats
+        if key not in self._started_templates:
+            setting = TemplateConfig({}, "numpy", namespaces, lifted)
+            seats = self._no_groups if "cgroup" in lifted else self._groups
             try:
-                self._known[key] = TemplateProcess(setting, seats, lambda _: None).start(self._spawner)
+                self._started_templates[key] = TemplateProcess(setting, seats, lambda _: None).start(self._spawner)
             except TemplateFault as error:
-                self._known[key] = _last_line(error)
-        return self._known[key]
+                self._started_templates[key] = _last_line(error)
+        return self._started_templates[key]
 
     def close(self) -> None:
-        for template in self._known.values():
+        for template in self._started_templates.values():
             if isinstance(template, TemplateProcess):
                 template.close()
-        self._seats.close()
+        self._groups.close()
 
 
 def _last_line(error: TemplateFault) -> str:
@@ -108,24 +108,24 @@ def _session(template: TemplateProcess, source: str, policy: Policy) -> Iterator
         session.close()
 
 
-def _report(assault: Assault, templates: _Templates) -> WallReport:
+def _probe_wall(assault: Assault, templates: _ProbeTemplates) -> WallReport:
     if assault.controller and assault.controller not in templates.controllers:
-        return _told(assault, WallStatus.UNAVAILABLE, templates.why_no_seat)
-    template = templates.get(assault.hiders, namespaces=assault.namespaces)
+        return _wall_report(assault, WallStatus.UNAVAILABLE, templates.cgroup_problem)
+    template = templates.get(assault.masking_walls, namespaces=assault.namespaces)
     if isinstance(template, str):
-        return _told(assault, WallStatus.UNAVAILABLE, template)
+        return _wall_report(assault, WallStatus.UNAVAILABLE, template)
     try:
-        crossed = crossing(assault, template)
+        crossed = run_assault(assault, template)
     except TemplateFault as error:
-        return _told(assault, WallStatus.UNAVAILABLE, _last_line(error))
+        return _wall_report(assault, WallStatus.UNAVAILABLE, _last_line(error))
     except ProgramFault as fault:
-        return _told(assault, WallStatus.UNAVAILABLE, fault.message)
-    if crossed and assault.namespaces and (refusal := template.hello["refusal"]):
+        return _wall_report(assault, WallStatus.UNAVAILABLE, fault.message)
+    if crossed and assault.namespaces and (refusal := template.greeting["refusal"]):
         crossed = f"{crossed} ({refusal})"
-    return _told(assault, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
+    return _wall_report(assault, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
 
 
-def crossing(assault: Assault, template: TemplateProcess) -> str:
+def run_assault(assault: Assault, template: TemplateProcess) -> str:
     """What the assault managed to do; "" when the wall held, be it by ending the program."""
     with ExitStack() as stack:
         argument = assault.argument(stack)
@@ -140,7 +140,7 @@ def crossing(assault: Assault, template: TemplateProcess) -> str:
             raise
 
 
-def _told(assault: Assault, status: WallStatus, why: str) -> WallReport:
+def _wall_report(assault: Assault, status: WallStatus, why: str) -> WallReport:
     detail = f"{assault.detail} : {why}" if why else assault.detail
-    mend = "" if status == WallStatus.STANDING else messages.typeset(assault.mend)
+    mend = "" if status == WallStatus.STANDING else messages.typeset(assault.remedy)
     return WallReport(assault.name, status, messages.typeset(detail), assault.required, mend)

@@ -17,13 +17,13 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from server.sandbox import vitals
-from server.sandbox.cgroups import Seat, Seats
+from server.sandbox import liveness
+from server.sandbox.cgroups import ControlGroup, ControlGroupPool
 from server.sandbox.child import codec, orders, outer
 from server.sandbox.child.template import CONTROL
 from server.sandbox.faults import NamespacesRefused, TemplateFault
-from server.sandbox.launch import Setting, launch
-from server.sandbox.output import Output
+from server.sandbox.launch import TemplateConfig, launch
+from server.sandbox.output import CapturedOutput
 from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
 
@@ -32,13 +32,13 @@ START_SECONDS = 60.0
 _END_SECONDS = 3.0
 #: A ``struct timeval``: a template that takes no order for so long is as good as dead.
 _SEND_TIMEOUT = struct.pack("@ll", 5, 0)
-_MESSAGE = 1 << 17
+_MAX_MESSAGE_BYTES = 1 << 17
 #: A ``struct ucred``: process, user, group.
 _CREDENTIALS = struct.Struct("3i")
 
 
 @dataclass(frozen=True)
-class Ending:
+class ChildExit:
     """How a child ended, as `os.wait4` tells it, and whether its control group says that it lacked memory."""
 
     status: int
@@ -50,49 +50,51 @@ class Ending:
 class Child:
     """A fork behind its walls: its wire, what it printed, and how it ended once it has."""
 
-    def __init__(self, template: TemplateProcess, number: int, wire: Wire, output: Output) -> None:
+    def __init__(self, template: TemplateProcess, number: int, wire: Wire, output: CapturedOutput) -> None:
         self._template, self._number = template, number
         self.wire, self.output = wire, output
-        self._ending: Future[Ending] = template.ending(number)
+        self._exit: Future[ChildExit] = template.exit_of(number)
         self._killed = False
         #: Called once it is closed.
-        self.when_closed: Callable[[], object] = lambda: None
+        self.on_close: Callable[[], object] = lambda: None
 
     def kill(self) -> None:
-        if not (self._killed or self.ended()):
+        if not (self._killed or self.has_exited()):
             self._killed = True
             self._template.kill(self._number)
 
-    def ending(self, timeout: float) -> Ending:
+    def wait_exit(self, timeout: float) -> ChildExit:
         """Raises TemplateFault when the template is gone and nobody can tell, TimeoutError when it still lives."""
-        return self._ending.result(timeout)
+        return self._exit.result(timeout)
 
-    def ended(self) -> bool:
-        return self._ending.done()
+    def has_exited(self) -> bool:
+        return self._exit.done()
 
     def close(self) -> None:
         self.kill()
         self.wire.close()
         self.output.close()
-        self.when_closed()
+        self.on_close()
 
 
 class TemplateProcess:
     """One template. `start` must be called from a thread that outlives it: its death kills the template."""
 
-    def __init__(self, setting: Setting, seats: Seats, when_idle: Callable[[TemplateProcess], None]) -> None:
-        self._setting, self._seats, self._when_idle = setting, seats, when_idle
+    def __init__(
+        self, setting: TemplateConfig, seats: ControlGroupPool, on_idle: Callable[[TemplateProcess], None]
+    ) -> None:
+        self._config, self._groups, self._on_idle = setting, seats, on_idle
         self._lock = threading.Lock()
-        self._taken: dict[int, Seat] = {}
+        self._groups_in_use: dict[int, ControlGroup] = {}
         self._sending = threading.Lock()
-        self._endings: dict[int, Future[Ending]] = {}
+        self._exits: dict[int, Future[ChildExit]] = {}
         self._dead = False
-        self._words = ""
+        self._last_stderr = ""
         self.namespaces = setting.namespaces
         self.forks = 0
         #: Bytes of its own memory that it has taken since it came up.
-        self.growth = 0
-        self.hello: dict[str, Any] = {}
+        self.memory_growth = 0
+        self.greeting: dict[str, Any] = {}
 
     def start(self, spawner: ThreadPoolExecutor) -> TemplateProcess:
         """Raises TemplateFault, with what the process said, when it does not come up."""
@@ -101,8 +103,8 @@ class TemplateProcess:
         try:
             with theirs:
                 self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-                self._process = spawner.submit(launch, self._setting, theirs.fileno(), self._log).result()
-            self._greet()
+                self._process = spawner.submit(launch, self._config, theirs.fileno(), self._log).result()
+            self._await_greeting()
         except BaseException:
             self._control.close()
             os.close(self._log)
@@ -112,29 +114,29 @@ class TemplateProcess:
         self._listener.start()
         return self
 
-    def _greet(self) -> None:
+    def _await_greeting(self) -> None:
         try:
-            hello, pid = self._hello()
-            self._life = vitals.Life(pid)
+            hello, pid = self._receive_greeting()
+            self._handle = liveness.ProcessHandle(pid)
         except Exception as error:
-            code = self._stopped(1.0 if isinstance(error, EOFError) else 0.0)
+            code = self._wait_or_kill(1.0 if isinstance(error, EOFError) else 0.0)
             kind = NamespacesRefused if code == outer.REFUSED else TemplateFault
-            raise kind(f"the template did not start ({code}, {error!r}): {self.said()}") from error
+            raise kind(f"the template did not start ({code}, {error!r}): {self.stderr_tail()}") from error
         # Credentials asked for would give this end a name that all can see when it sends.
         self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 0)
         self._control.settimeout(None)
-        self.hello = hello
+        self.greeting = hello
 
-    def _hello(self) -> tuple[dict[str, Any], int]:
+    def _receive_greeting(self) -> tuple[dict[str, Any], int]:
         """What the template says first, and its number among the processes of this side, which the kernel tells."""
-        deadline, watch = time.monotonic() + START_SECONDS, vitals.Watch()
-        self._control.settimeout(vitals.LOOK)
+        deadline, watch = time.monotonic() + START_SECONDS, liveness.HangDetector()
+        self._control.settimeout(liveness.POLL_SECONDS)
         while True:
             try:
-                data, ancillary, _, _ = self._control.recvmsg(_MESSAGE, socket.CMSG_SPACE(_CREDENTIALS.size))
+                data, ancillary, _, _ = self._control.recvmsg(_MAX_MESSAGE_BYTES, socket.CMSG_SPACE(_CREDENTIALS.size))
                 break
             except TimeoutError:
-                if watch.starting(self._process.pid) or time.monotonic() > deadline:
+                if watch.hangs_at_start(self._process.pid) or time.monotonic() > deadline:
                     raise
         if not data:
             raise EOFError
@@ -145,38 +147,43 @@ class TemplateProcess:
                 return hello, pid
         raise ValueError(f"no greeting: {hello!r:.500}")
 
-    def _stopped(self, seconds: float) -> int:
+    def _wait_or_kill(self, seconds: float) -> int:
         """The exit code of the first process, which is left so long to end by itself."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(seconds)
         self._process.kill()
         return self._process.wait()
 
-    def said(self) -> str:
+    def stderr_tail(self) -> str:
         """The end of what the template wrote on its standard error."""
         with self._lock:
-            return self._words if self._dead else self._said()
+            return self._last_stderr if self._dead else self._read_stderr_tail()
 
-    def _said(self) -> str:
+    def _read_stderr_tail(self) -> str:
         size = os.fstat(self._log).st_size
         return os.pread(self._log, 8192, max(0, size - 8192)).decode("utf-8", "replace")
 
     def fork(self, policy: Policy) -> Child:
         """Orders a child; it may still be on its way. Raises TemplateFault when the template is gone."""
-        output = Output(policy.stdout_bytes)
+        output = CapturedOutput(policy.stdout_bytes)
         ours, theirs = socket.socketpair()
         with self._lock:
             self.forks += 1
             number = self.forks
-            self._endings[number] = Future()
+            self._exits[number] = Future()
         child = Child(self, number, Wire(ours), output)
-        seat = self._seats.take(policy)
+        seat = self._groups.acquire(policy)
         if seat:
-            self._taken[number] = seat
+            self._groups_in_use[number] = seat
         try:
             with theirs:
-                descriptors = [theirs.fileno(), output.fileno(), output.words, *(seat.descriptors if seat else ())]
-                self._order(orders.fork(number, _limits(policy)), descriptors)
+                descriptors = [
+                    theirs.fileno(),
+                    output.fileno(),
+                    output.traceback_descriptor,
+                    *(seat.descriptors if seat else ()),
+                ]
+                self._send_order(orders.fork(number, _limits(policy)), descriptors)
         except TemplateFault:
             child.close()
             self._forget(number)
@@ -186,21 +193,21 @@ class TemplateProcess:
     def _forget(self, number: int) -> None:
         """A child that was not even ordered."""
         with self._lock:
-            self._endings.pop(number, None)
-        if seat := self._taken.pop(number, None):
-            self._seats.give_back(seat)
+            self._exits.pop(number, None)
+        if seat := self._groups_in_use.pop(number, None):
+            self._groups.release(seat)
 
-    def ending(self, number: int) -> Future[Ending]:
-        return self._endings[number]
+    def exit_of(self, number: int) -> Future[ChildExit]:
+        return self._exits[number]
 
     def kill(self, number: int) -> None:
         with self._lock:
-            known = number in self._endings and not self._dead
+            known = number in self._exits and not self._dead
         if known:
             with contextlib.suppress(TemplateFault):  # a dead template has taken its children along
-                self._order(orders.kill(number), [])
+                self._send_order(orders.kill(number), [])
 
-    def _order(self, data: bytes, descriptors: list[int]) -> None:
+    def _send_order(self, data: bytes, descriptors: list[int]) -> None:
         with self._sending:  # not the other lock: a template that takes no order must not keep anyone from learning it
             if self._dead:
                 raise TemplateFault("the template is gone")
@@ -209,73 +216,73 @@ class TemplateProcess:
             except OSError as error:
                 raise TemplateFault("the template is gone") from error
 
-    def idle(self) -> bool:
+    def is_idle(self) -> bool:
         with self._lock:
-            return not self._endings
+            return not self._exits
 
-    def alive(self) -> bool:
+    def is_alive(self) -> bool:
         return not self._dead
 
     def _listen(self) -> None:
         try:
-            watch = vitals.Watch()
-            while data := self._received(watch):
-                self._note(orders.reported(data))
-                self._when_idle(self)
+            watch = liveness.HangDetector()
+            while data := self._receive_report(watch):
+                self._record_exit(orders.reported(data))
+                self._on_idle(self)
         except Exception:
             _log.exception("a template reports nonsense, and is ended")
         finally:
-            self._bury()
+            self._end()
 
-    def _received(self, watch: vitals.Watch) -> bytes:
+    def _receive_report(self, watch: liveness.HangDetector) -> bytes:
         """The next report; empty when the template is gone or hangs."""
         coming = select.poll()
         coming.register(self._control, select.POLLIN)
-        while not coming.poll(1000.0 * vitals.LOOK):
-            if watch.serving(self._life.pid, self._control.fileno()):
-                _log.error("a template hangs (%s), and is ended", vitals.state(self._life.pid))
+        while not coming.poll(1000.0 * liveness.POLL_SECONDS):
+            if watch.hangs_while_serving(self._handle.pid, self._control.fileno()):
+                _log.error("a template hangs (%s), and is ended", liveness.process_state(self._handle.pid))
                 return b""
-        watch.heard()
+        watch.reset()
         try:
-            return self._control.recv(_MESSAGE)
+            return self._control.recv(_MAX_MESSAGE_BYTES)
         except OSError:
             return b""
 
-    def _note(self, report: orders.Report) -> None:
+    def _record_exit(self, report: orders.Report) -> None:
         number, status = report.number, report.status
-        ending = Ending(status, report.cpu_seconds, report.max_rss_bytes, self._leave_seat(number, status))
-        self.growth = report.memory - self.hello["memory"]
+        ending = ChildExit(status, report.cpu_seconds, report.max_rss_bytes, self._release_group(number, status))
+        self.memory_growth = report.memory - self.greeting["memory"]
         with self._lock:
-            known = self._endings.pop(number)
+            known = self._exits.pop(number)
         known.set_result(ending)
 
-    def _leave_seat(self, number: int, status: int) -> bool:
+    def _release_group(self, number: int, status: int) -> bool:
         """Gives back the seat of a child that has ended; returns whether the kernel ended it for lack of memory."""
-        seat = self._taken.pop(number, None)
+        seat = self._groups_in_use.pop(number, None)
         if seat is None:
             return False
-        exhausted = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL and seat.ran_out_of_memory()
-        self._seats.give_back(seat)
+        exhausted = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL and seat.was_oom_killed()
+        self._groups.release(seat)
         return exhausted
 
-    def _bury(self) -> None:
+    def _end(self) -> None:
         """The template goes first, so that its parent is there to take note of it."""
-        if not self._life.end(_END_SECONDS):
-            _log.error("the template %d cannot be killed", self._life.pid)
-        self._life.close()
+        if not self._handle.kill_and_wait(_END_SECONDS):
+            _log.error("the template %d cannot be killed", self._handle.pid)
+        self._handle.close()
         self._process.send_signal(signal.SIGCONT)
-        self._stopped(_END_SECONDS)
+        self._wait_or_kill(_END_SECONDS)
         with self._sending, self._lock:
             self._dead = True
-            left, self._endings = self._endings, {}
-            self._words = self._said()
+            left, self._exits = self._exits, {}
+            self._last_stderr = self._read_stderr_tail()
             self._control.close()
             os.close(self._log)
-        while self._taken:
-            self._seats.drop(self._taken.popitem()[1])
+        while self._groups_in_use:
+            self._groups.retire(self._groups_in_use.popitem()[1])
         for ending in left.values():
-            ending.set_exception(TemplateFault(f"the template died: {self._words}"))
-        self._when_idle(self)
+            ending.set_exception(TemplateFault(f"the template died: {self._last_stderr}"))
+        self._on_idle(self)
 
     def close(self) -> None:
         """Ends the template and all its children; returns when they are gone."""
@@ -288,7 +295,7 @@ class TemplateProcess:
 
 
 def _limits(policy: Policy) -> orders.Limits:
-    answer = policy.answer
+    answer = policy.answer_limits
     return orders.Limits(
         cpu_seconds=policy.cpu_seconds,
         memory_bytes=policy.memory_bytes,

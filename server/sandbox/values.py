@@ -15,11 +15,11 @@ from server.sandbox.child.codec import Array, Value
 from server.sandbox.faults import ProgramFault
 
 #: What a file that imports earlier functions speaks of.
-MENTION = library.NAME.encode()
+LIBRARY_MENTION = library.NAME.encode()
 
 
 @dataclass(frozen=True)
-class Shelf:
+class LibraryFile:
     """An earlier file of which a program may import `functions`; `label` is short, and unique among its neighbours.
 
     One that is not for the program's author to read is sent `compiled`, without its text: it must be ours.
@@ -32,14 +32,14 @@ class Shelf:
 
 
 @lru_cache(maxsize=64)
-def _code(source: bytes) -> bytes:
+def _compile_library(source: bytes) -> bytes:
     """A file of ours, compiled, without its comments and its texts of documentation."""
     return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
 
 
-def shelved(shelf: Shelf) -> Value:
+def encode_library_file(shelf: LibraryFile) -> Value:
     """As the question that loads a program tells it."""
-    file = _code(shelf.source) if shelf.compiled else shelf.source
+    file = _compile_library(shelf.source) if shelf.compiled else shelf.source
     return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
 
 
@@ -53,18 +53,18 @@ class Kit:
     module: str
     parameters: Mapping[str, Value] = field(default_factory=dict)
     without: tuple[str, ...] = ()
-    library: tuple[Shelf, ...] = ()
+    library: tuple[LibraryFile, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Calls:
+class CallBatch:
     """Calls of one function that are asked together with others: at most so many `faults` of theirs are waited for
     (None: all). `columns`, where the arguments are floats and arrays of floats of one shape each, holds all of each.
     """
 
     function: str
     calls: Sequence[tuple[Value, ...]]
-    faults: int | None = None
+    max_faults: int | None = None
     return_arguments: bool = False
     columns: tuple[Array, ...] | None = None
 
@@ -84,7 +84,7 @@ class Replies(Sequence[Reply]):
 
     @cached_property
     def _replies(self) -> list[Reply]:
-        return [Reply(value, None) for value in one_by_one(self.values)]
+        return [Reply(value, None) for value in split_rows(self.values)]
 
     def __len__(self) -> int:
         return len(self.values)
@@ -100,13 +100,13 @@ class Replies(Sequence[Reply]):
         return iter(self._replies)
 
 
-def one_by_one(values: Array) -> list[Value]:
+def split_rows(values: Array) -> list[Value]:
     """Floats, or arrays of floats, each of which stood in a row (n, …)."""
     return values.tolist() if values.ndim == 1 else list(values)
 
 
 @dataclass(frozen=True)
-class Followed:
+class TraceResult:
     """A call that was followed line by line: what was told of its steps as far as it went, then how it ended.
 
     `value` is what came back as it is described and, in a tuple, itself where it could be sent. It and `steps` are in

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
 
-from server.sandbox import Policy, Shelf
+from server.sandbox import LibraryFile, Policy
 
 Bytes = Annotated[
     bytes,
@@ -30,11 +30,11 @@ class Earlier(_Frozen):
     compiled: bool
 
     @classmethod
-    def of(cls, shelf: Shelf) -> Earlier:
+    def of(cls, shelf: LibraryFile) -> Earlier:
         return cls(label=shelf.label, functions=shelf.functions, source=shelf.source, compiled=shelf.compiled)
 
-    def shelf(self) -> Shelf:
-        return Shelf(self.label, self.functions, self.source, self.compiled)
+    def shelf(self) -> LibraryFile:
+        return LibraryFile(self.label, self.functions, self.source, self.compiled)
 
 
 class AskedCell(_Frozen):

@@ -14,11 +14,11 @@ from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, same_value
 from server.grading.joint import SandboxPrograms
-from server.sandbox import FaultKind, Followed, Kit, Policy, ProgramFault, Sandbox, Value
-from server.steps import calls, marks, replaying, values, words
+from server.sandbox import FaultKind, Kit, Policy, ProgramFault, Sandbox, TraceResult, Value
+from server.steps import calls, marks, replaying, trace_messages, values
 from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question
 from server.steps.schemas import EndOut, MarkOut, TraceOut
-from server.steps.told import VALUE, Told
+from server.steps.trace_reader import VALUE, Told
 from server.steps.values import Malformed
 from server.text.plain import visible
 
@@ -96,7 +96,9 @@ def _replay(sandbox: Sandbox, asked: AskedReplay) -> TraceOut:
     programs = SandboxPrograms(sandbox, hurried, library)
     case = replaying.find(definition, asked.check, asked.inputs, asked.source, programs, seed=asked.seed)
     if case is None:
-        return _untraced(asked.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, words.NOT_THE_SAME), cut=True)
+        return _untraced(
+            asked.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.NOT_THE_SAME), cut=True
+        )
     call = calls.Call(case.function, case.arguments, {})
     kit = _kit(case.kit, asked.library)
     program = _Program(asked.source, FILENAME, case.function, case.arguments, {}, kit, calls.written(call))
@@ -128,8 +130,8 @@ def _traced(
             policy=POLICY,
             filename=program.filename,
             drawing=program.drawing,
-            shows_last=waits,
-            waits=waits,
+            echo_last=waits,
+            deferred=waits,
         )
     except ProgramFault as unloaded:
         trace = _untraced(program.source, program.filename, unloaded)
@@ -138,9 +140,9 @@ def _traced(
         followed = session.trace(program.function, *program.arguments, named=program.named)
     told = Told(len(_lines(program.source)))
     end, reply = understood(told, followed, waits=waits)
-    left_out = words.left_out(told.left, truncated=session.stdout_truncated)
+    left_out = trace_messages.left_out(told.left, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
-        left_out.append(words.ANSWERED_OTHERWISE)
+        left_out.append(trace_messages.ANSWERED_OTHERWISE)
     return TraceOut(
         lines=_lines(program.source),
         filename=program.filename,
@@ -155,7 +157,7 @@ def _traced(
     )
 
 
-def understood(told: Told, followed: Followed, *, waits: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def understood(told: Told, followed: TraceResult, *, waits: bool) -> tuple[EndOut, tuple[Value, ...]]:
     """Reads the steps; how it ended, and what came back where it could be sent."""
     fault = followed.fault
     try:
@@ -163,9 +165,9 @@ def understood(told: Told, followed: Followed, *, waits: bool) -> tuple[EndOut, 
         if fault is None:
             return _returned(followed.value, waits=waits)
     except Malformed:
-        fault = ProgramFault(FaultKind.INVALID_OUTPUT, words.FORGED)
-    if fault.kind == FaultKind.TIMEOUT and words.given_up(told.left):
-        return EndOut(kind="cut", title=words.CUT, message=words.NOT_ENDED), ()
+        fault = ProgramFault(FaultKind.INVALID_OUTPUT, trace_messages.FORGED)
+    if fault.kind == FaultKind.TIMEOUT and trace_messages.given_up(told.left):
+        return EndOut(kind="cut", title=trace_messages.CUT, message=trace_messages.NOT_ENDED), ()
     return _faulty(fault), ()
 
 
@@ -185,7 +187,7 @@ def _faulty(fault: ProgramFault) -> EndOut:
 
 def _untraced(source: bytes, filename: str, fault: ProgramFault, *, cut: bool = False) -> TraceOut:
     """Nothing was followed, and why."""
-    end = EndOut(kind="cut", title=words.NOT_FOUND, message=fault.message) if cut else _faulty(fault)
+    end = EndOut(kind="cut", title=trace_messages.NOT_FOUND, message=fault.message) if cut else _faulty(fault)
     return TraceOut(
         lines=_lines(source),
         filename=filename,

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from server.sandbox.child.shown import LEVELS, NODES, NUMBERS, TEXT
+from server.sandbox.child.value_descriptions import LEVELS, NODES, NUMBERS, TEXT
 from server.steps.schemas import (
     ArrayOut,
     MappingOut,

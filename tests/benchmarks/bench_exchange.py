@@ -59,7 +59,7 @@ class Counted:
             self.trusted.append(1000 * (time.thread_time() - processor))
             self.wall.append(1000 * (time.perf_counter() - wall))
         self.exchanges, self.processes = watch.asked, len(watch.children)
-        self.child.append(1000 * sum(child.ending(5.0).cpu_seconds for child in watch.children))
+        self.child.append(1000 * sum(child.wait_exit(5.0).cpu_seconds for child in watch.children))
 
 
 class Watch:
@@ -72,7 +72,7 @@ class Watch:
     @contextmanager
     def counting(self) -> Iterator[None]:
         self.asked, self.children = 0, []
-        ask, close = Wire.ask, Session.close
+        ask, close = Wire.send, Session.close
 
         def counted(wire: Wire, token: int, kind: int, payload: bytes, deadline: float) -> None:
             self.asked += 1
@@ -83,11 +83,11 @@ class Watch:
                 self.children.append(session._child)
             close(session)
 
-        Wire.ask, Session.close = counted, closed  # type: ignore[method-assign]
+        Wire.send, Session.close = counted, closed  # type: ignore[method-assign]
         try:
             yield
         finally:
-            Wire.ask, Session.close = ask, close  # type: ignore[method-assign]
+            Wire.send, Session.close = ask, close  # type: ignore[method-assign]
 
 
 def contenders(course: Course, sandbox: Sandbox, exercises: Sequence[str]) -> list[Counted]:

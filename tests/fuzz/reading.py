@@ -17,8 +17,8 @@ from server.sandbox import FaultKind, Policy, ProgramFault, SandboxFault, diagno
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Limits, Malformed, encode
 from server.sandbox.faults import TemplateFault
-from server.sandbox.output import Output
-from server.sandbox.process import Ending
+from server.sandbox.output import CapturedOutput
+from server.sandbox.process import ChildExit
 from server.sandbox.session import Session
 from server.sandbox.wire import Wire
 
@@ -105,7 +105,7 @@ def tell_soundly(data: bytes) -> str:
         fault = codec.decode(data, frames.FAULT_LIMITS)
     except Malformed:
         return ""
-    told = diagnosis.told(fault, POLICY)
+    told = diagnosis.parse_fault(fault, POLICY)
     if told is None:
         return ""
     assert_presentable(told)
@@ -149,17 +149,17 @@ class _Answering(socket.socket):
 class _ScriptedChild:
     """Stands for a forked child: a wire with an author, and an end of its own choosing."""
 
-    def __init__(self, replies: list[bytes], ending: Ending) -> None:
+    def __init__(self, replies: list[bytes], ending: ChildExit) -> None:
         ours, self._peer = socket.socketpair()
         end = _Answering(fileno=ours.detach())
         end.script(self._peer, [framed(b"", frames.CONFIGURED), *replies])
         self._peer.sendall(frames.HEADER.pack(0, 0, frames.READY))
-        self.wire, self.output, self._ending = Wire(end), Output(64), ending
+        self.wire, self.output, self._ending = Wire(end), CapturedOutput(64), ending
 
     def kill(self) -> None:
         self._peer.close()
 
-    def ending(self, _: float) -> Ending:
+    def ending(self, _: float) -> ChildExit:
         return self._ending
 
     def close(self) -> None:
@@ -175,7 +175,7 @@ def converse_soundly(reply: bytes, *, loading: bool = False, status: int = 0) ->
     Fails when the trusted side does anything but give an exact value or raise one of its own faults.
     """
     child = _ScriptedChild(
-        [reply] if loading else [LOADED, reply + (DONE if _is_whole(reply) else b"")], Ending(status, 0.1, 1 << 30)
+        [reply] if loading else [LOADED, reply + (DONE if _is_whole(reply) else b"")], ChildExit(status, 0.1, 1 << 30)
     )
     session = Session(child, POLICY)  # type: ignore[arg-type]
     try:

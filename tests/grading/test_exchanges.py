@@ -15,7 +15,7 @@ from server.sandbox.wire import Wire
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """The tokens of the questions that wires carry."""
     asked: list[int] = []
-    ask = Wire.ask
+    ask = Wire.send
 
     def counted(wire: Wire, token: int, kind: int, payload: bytes, deadline: float) -> None:
         asked.append(token)

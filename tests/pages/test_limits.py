@@ -12,7 +12,7 @@ from server.api.schemas import LimitsOut
 from server.base.sizes import size
 from server.course.schemas import PolicyEntry
 from server.pages.policy import policy_lines
-from server.sandbox.policy import ROWS, Policy
+from server.sandbox.policy import LIMIT_SPECS, Policy
 from tests.support.small_course import EXERCISE, CourseFolder
 from tests.support.small_site import PAGE, SmallSite
 
@@ -45,12 +45,12 @@ def shown(page: str) -> list[tuple[str, str]]:
 def test_no_limit_is_kept_from_students_nor_from_authors_nor_from_programs() -> None:
     assert OWN.keys() == {field.name for field in fields(Policy)}
     for schema in (PolicyEntry, LimitsOut):
-        assert list(schema.model_fields) == list(ROWS)
+        assert list(schema.model_fields) == list(LIMIT_SPECS)
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", LIMIT_SPECS)
 def test_an_exercise_may_not_go_beyond_the_bounds_of_a_limit(course_folder: CourseFolder, name: str) -> None:
-    for value in (ROWS[name].least / 2, ROWS[name].most * 2):
+    for value in (LIMIT_SPECS[name].minimum / 2, LIMIT_SPECS[name].maximum * 2):
         wanted = value if name.endswith("seconds") else int(value)
         course_folder.write("curriculum/m9/exercices/a/exercise.toml", EXERCISE + f"\n[limits]\n{name} = {wanted}\n")
         (problem,) = course_folder.load().problems
@@ -60,7 +60,7 @@ def test_an_exercise_may_not_go_beyond_the_bounds_of_a_limit(course_folder: Cour
 
 def test_the_page_shows_every_limit(small_site: SmallSite) -> None:
     limits = shown(small_site.get(PAGE))
-    assert [name for name, _ in limits] == [row.words for row in ROWS.values()]
+    assert [name for name, _ in limits] == [row.label for row in LIMIT_SPECS.values()]
     policy = Policy()
     assert ("Temps de calcul", f"{policy.cpu_seconds:g}\u00a0s") in limits
     assert ("Mémoire, sans les bibliothèques", f"{policy.memory_bytes >> 20}\u00a0Mio") in limits
@@ -76,7 +76,7 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     own, usual = (course.exercises[f"m9/{slug}"] for slug in ("a", "b"))
     assert getattr(own.policy, field) == value
     changed = set(policy_lines(own)) - set(policy_lines(usual))
-    assert changed == {(ROWS[field].words, told)}
+    assert changed == {(LIMIT_SPECS[field].label, told)}
 
 
 @pytest.mark.parametrize(

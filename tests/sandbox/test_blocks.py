@@ -10,13 +10,13 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from server.sandbox import Calls, ProgramFault, Reply, Session
-from server.sandbox.alike import Alike
-from server.sandbox.batch import Batch, Parcel
+from server.sandbox import CallBatch, ProgramFault, Reply, Session
+from server.sandbox.answer_shape import AnswerShape
+from server.sandbox.batch import Batch, BatchGroup
 from server.sandbox.child import frames
 from server.sandbox.child.codec import Limits, encode
 from server.sandbox.child.frames import framed
-from server.sandbox.process import Ending
+from server.sandbox.process import ChildExit
 from server.sandbox.wire import Wire
 
 from .limits import only
@@ -32,20 +32,23 @@ POLICIES = [
 SIZES = (1, 2, 3, 40, 200)
 
 
-def answered(stream: bytes, parcel: Parcel, policy: object) -> list[object]:
+def answered(stream: bytes, parcel: BatchGroup, policy: object) -> list[object]:
     """All that a session gives of what came, and what is left of its budgets."""
     ours, theirs = socket.socketpair()
     child = SimpleNamespace(
-        wire=Wire(ours), kill=lambda: None, ending=lambda _: Ending(0, 0.0, 0), output=SimpleNamespace(last_words=str)
+        wire=Wire(ours),
+        kill=lambda: None,
+        ending=lambda _: ChildExit(0, 0.0, 0),
+        output=SimpleNamespace(last_words=str),
     )
     with ours, theirs:
         theirs.sendall(stream)
         theirs.close()
         session = Session(child, policy)  # type: ignore[arg-type]
         session.functions = frozenset({"f"})
-        session._sent(parcel)
+        session._register_group(parcel)
         # What came first is looked at last: nothing that has come since may have changed it.
-        given = [(number, one) for number, answers in session._together(parcel, iter(())) for one in answers]
+        given = [(number, one) for number, answers in session._batch_answers(parcel, iter(())) for one in answers]
         told: list[object] = [(number, _shown(one)) for number, one in given]
         return [*told, session._bytes_left, session._items_left, child.wire.holds]
 
@@ -60,8 +63,8 @@ def _shown(answer: Reply | ProgramFault) -> object:
     return repr(value), answer.arguments
 
 
-def _parcel(rng: np.random.Generator) -> Parcel:
-    parcel = Parcel([Calls("f", [(float(k),) for k in range(size)], 3) for size in rng.choice(SIZES, 2)], 0)
+def _parcel(rng: np.random.Generator) -> BatchGroup:
+    parcel = BatchGroup([CallBatch("f", [(float(k),) for k in range(size)], 3) for size in rng.choice(SIZES, 2)], 0)
     parcel.payload(1.0)
     return parcel
 
@@ -111,7 +114,7 @@ def test_a_stream_of_frames_gives_the_same_whether_answers_are_taken_in_together
         sent = [frame for _, batch in parcel.batches for frame in _honest(batch, _values(rng))]
         stream = _forged(sent, rng)
         together = answered(stream, deepcopy(parcel), policy)
-        with patch.object(Alike, "learn"):
+        with patch.object(AnswerShape, "learn"):
             assert answered(stream, parcel, policy) == together
         *told, _, _, _ = together
         ends.add(str(told[-1]))

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox
-from server.sandbox.cgroups import Hierarchy, Seat, Seats, _candidates, hierarchies
+from server.sandbox.cgroups import ControlGroup, ControlGroupPool, Hierarchy, _candidate_hierarchies, usable_hierarchies
 
 from .family import settle
 from .limits import only
 
-FOUND, WHY = hierarchies()
+FOUND, WHY = usable_hierarchies()
 POLICY = only(memory_bytes=32 << 20, folder_bytes=1 << 20)
 HUNGRY = b"def f(n):\n    x = [b'x' * 1_000_000 for _ in range(n)]\n    return len(x)\n"
 
@@ -66,8 +66,8 @@ def test_a_seat_is_used_again_with_the_limits_of_its_new_policy(others: set[Path
 
 @available
 def test_a_seat_with_a_living_process_goes_when_that_has_ended(others: set[Path]) -> None:
-    seats = Seats(FOUND)
-    seat = seats.take(POLICY)
+    seats = ControlGroupPool(FOUND)
+    seat = seats.acquire(POLICY)
     assert seat
     join = f"import os, sys\nfor k in {seat.descriptors}: os.write(k, b'0')\nprint(flush=True)\nsys.stdin.read()"
     with subprocess.Popen(
@@ -75,7 +75,7 @@ def test_a_seat_with_a_living_process_goes_when_that_has_ended(others: set[Path]
     ) as process:
         assert process.stdout
         process.stdout.readline()
-        seats.drop(seat)
+        seats.retire(seat)
         assert mine() - others, "a group that holds a process cannot be removed"
         process.communicate()
     seats.close()
@@ -89,13 +89,13 @@ def test_what_a_killed_pool_left_is_swept() -> None:
     left = [hierarchy.folder / f"balise-{process.pid}-0123abcd-1" for hierarchy in FOUND]
     for path in left:
         path.mkdir()
-    Seats(FOUND).close()
+    ControlGroupPool(FOUND).close()
     assert not any(path.exists() for path in left)
 
 
 def test_a_machine_without_control_groups_goes_without_seats() -> None:
-    seats = Seats(())
-    assert seats.take(POLICY) is None
+    seats = ControlGroupPool(())
+    assert seats.acquire(POLICY) is None
     seats.close()
 
 
@@ -113,7 +113,7 @@ def test_the_groups_of_version_1_are_found_by_their_mounts(tmp_path: Path) -> No
         f"32 1 0:28 / {tmp_path} rw,relatime - tmpfs tmpfs rw",
     ]
     processes = fake(tmp_path, "4:memory:/service\n3:cpu,cpuacct:/docker/a/b\n2:pids:/x\n", mounts)
-    assert list(_candidates(processes)) == [
+    assert list(_candidate_hierarchies(processes)) == [
         Hierarchy(cpu / "b", 1, frozenset({"cpu", "cpuacct"})),
         Hierarchy(memory / "service", 1, frozenset({"memory"})),
     ]
@@ -125,7 +125,7 @@ def test_the_group_of_version_2_and_the_one_above_are_tried(tmp_path: Path) -> N
     for folder, controllers in ((own, "memory"), (own.parent, "cpu memory pids")):
         (folder / "cgroup.controllers").write_text(controllers)
     mounts = [f"30 1 0:26 / {tmp_path} rw,relatime - cgroup2 cgroup2 rw"]
-    found = list(_candidates(fake(tmp_path, "0::/balise.service/main\n", mounts)))
+    found = list(_candidate_hierarchies(fake(tmp_path, "0::/balise.service/main\n", mounts)))
     assert found == [
         Hierarchy(own, 2, frozenset({"memory"})),
         Hierarchy(own.parent, 2, frozenset({"cpu", "memory", "pids"})),
@@ -157,13 +157,13 @@ def test_a_seat_tells_what_weighs_on_it_and_each_lack_of_memory_once(
             (folder / name).write_text(text)
 
     monkeypatch.setattr(Path, "mkdir", made)
-    seat = Seat("place", [Hierarchy(tmp_path, version, frozenset({"memory"}))])
-    assert seat.clean()
-    assert not seat.ran_out_of_memory()
+    seat = ControlGroup("place", [Hierarchy(tmp_path, version, frozenset({"memory"}))])
+    assert seat.is_reusable()
+    assert not seat.was_oom_killed()
     (tmp_path / "place" / events).write_text(after)
     (tmp_path / "place" / usage).write_text(f"{64 << 20}\n")
-    assert (seat.ran_out_of_memory(), seat.ran_out_of_memory()) == (True, False)
-    assert not seat.clean()
+    assert (seat.was_oom_killed(), seat.was_oom_killed()) == (True, False)
+    assert not seat.is_reusable()
     for file in (tmp_path / "place").iterdir():
         file.unlink()
     opened = len(os.listdir("/proc/self/fd"))

@@ -11,8 +11,8 @@ import pytest
 from server.sandbox import FaultKind, ProgramFault, Sandbox, Session, WallStatus
 from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import drawing
-from server.sandbox.install import DRAWING, import_set, installation
-from server.sandbox.probe import crossing
+from server.sandbox.install import DRAWING, import_set_of, installation
+from server.sandbox.probe import run_assault
 
 from .conftest import Lifting
 from .family import probed, template_of
@@ -103,7 +103,7 @@ def test_submissions_do_not_draw(studio: Studio) -> None:
         studio(PYPLOT.encode())
     assert caught.value.kind is FaultKind.IMPORT_ERROR
     assert "Rien ne se trace pendant l’évaluation" in caught.value.message
-    assert {import_set(source) for source in (b"import matplotlib", b"import numpy")} == {"numpy"}
+    assert {import_set_of(source) for source in (b"import matplotlib", b"import numpy")} == {"numpy"}
 
 
 def test_what_was_printed_before_a_file_failed_to_load_is_kept(studio: Studio) -> None:
@@ -206,5 +206,5 @@ def test_the_walls_are_the_same(assault: Assault, without: Lifting) -> None:
     report = probed()[assault.name]
     if report.status == WallStatus.UNAVAILABLE:
         pytest.skip(report.detail)
-    held = crossing(assault, template_of(without(assault.hiders), DRAWING)) == ""
+    held = run_assault(assault, template_of(without(assault.masking_walls), DRAWING)) == ""
     assert held == (report.status == WallStatus.STANDING)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, messages
-from server.sandbox.diagnosis import last_frames
+from server.sandbox.diagnosis import parse_last_frames
 
 from .limits import only
 
@@ -184,12 +184,12 @@ def test_a_program_stuck_in_one_call_is_told_where_too(fault_of: FaultOf) -> Non
     ],
 )
 def test_last_words_that_tell_nothing_are_not_believed(words: str) -> None:
-    assert last_frames(words, "solution.py", ["def f():", "    pass"]) == ()
+    assert parse_last_frames(words, "solution.py", ["def f():", "    pass"]) == ()
 
 
 def test_last_words_are_cleaned_and_bounded() -> None:
     words = '  File "solution.py", line 1 in <b>\\x1b\\u202e\n' * 100
-    frames = last_frames(words, "solution.py", ["x = 1"])
+    frames = parse_last_frames(words, "solution.py", ["x = 1"])
     assert 0 < len(frames) < 20
     assert {frame.function for frame in frames} == {"<b>\ufffd\ufffd"}
 

@@ -15,7 +15,7 @@ import pytest
 
 from server.sandbox import FaultKind, Sandbox
 from server.steps import run
-from server.steps.told import Told
+from server.steps.trace_reader import Told
 from tests.sandbox.corpus import GRACE, HOSTILE
 
 PROGRAMS = sorted((HOSTILE / "pas").glob("*/*.py"))
@@ -33,7 +33,7 @@ def test_a_hostile_program_is_followed_to_the_end_that_it_must_have(sandbox: San
     filed, source = path.parent.name, path.read_bytes()
     policy = HURRIED.get(filed, POLICY)
     told = Told(source.count(b"\n") + 1)
-    with patch("server.sandbox.conversation.GRACE", GRACE.get(filed, 60.0)):
+    with patch("server.sandbox.connection.GRACE", GRACE.get(filed, 60.0)):
         with sandbox.open(source, policy=policy) as session:
             followed = session.trace("suivre")
         end, reply = run.understood(told, followed, waits=False)

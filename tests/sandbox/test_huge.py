@@ -8,13 +8,13 @@ from collections.abc import Iterator
 import pytest
 
 from server.sandbox import Sandbox
-from server.sandbox.child import huge
+from server.sandbox.child import huge_pages
 
 from .limits import FAR
 
 
 def lines(*told: str) -> list[int]:
-    return [place for line in told for place in huge._inside(line.split())]
+    return [place for line in told for place in huge_pages._inside(line.split())]
 
 
 def test_they_lie_whole_in_private_memory_that_may_be_written() -> None:
@@ -28,20 +28,20 @@ def test_they_lie_whole_in_private_memory_that_may_be_written() -> None:
 
 @pytest.fixture
 def memory() -> Iterator[mmap.mmap]:
-    with mmap.mmap(-1, 4 * huge.SIZE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS) as memory:
+    with mmap.mmap(-1, 4 * huge_pages.SIZE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS) as memory:
         yield memory
 
 
 def test_this_process_finds_its_own_and_what_they_hold_stays(memory: mmap.mmap) -> None:
-    before = set(huge.places())
+    before = set(huge_pages.places())
     memory[:] = bytes(range(256)) * (len(memory) // 256)
     assert len(before) >= 3
-    huge.collapse(sorted(before))
+    huge_pages.collapse(sorted(before))
     assert memory[:] == bytes(range(256)) * (len(memory) // 256)
 
 
 def test_a_place_where_nothing_is_is_passed_over() -> None:
-    huge.collapse([0, huge.SIZE])
+    huge_pages.collapse([0, huge_pages.SIZE])
 
 
 def test_what_a_program_writes_there_is_its_own(sandbox: Sandbox) -> None:

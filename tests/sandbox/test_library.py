@@ -4,17 +4,17 @@ from collections.abc import Iterator
 
 import pytest
 
-from server.sandbox import FaultKind, Kit, ProgramFault, Sandbox, Shelf
+from server.sandbox import FaultKind, Kit, LibraryFile, ProgramFault, Sandbox
 
 KIT = """
 def configurer(seed=None, pas=2):
     return {"PAS": pas}
 """
-DOUBLE = Shelf("doubles", ("double",), b"def double(x):\n    return PAS * x\n")
-SECRET = Shelf(
+DOUBLE = LibraryFile("doubles", ("double",), b"def double(x):\n    return PAS * x\n")
+SECRET = LibraryFile(
     "secrets", ("triple",), b'def triple(x):\n    """Rien de ceci ne se lit."""\n    # secret\n    return 3 * x\n', True
 )
-ABOVE = Shelf(
+ABOVE = LibraryFile(
     "dessus", ("six",), b"from mes_fonctions import double, triple\ndef six(x):\n    return double(triple(x))\n"
 )
 
@@ -25,7 +25,7 @@ def sandbox() -> Iterator[Sandbox]:
         yield sandbox
 
 
-def answer(sandbox: Sandbox, source: str, *shelves: Shelf) -> object:
+def answer(sandbox: Sandbox, source: str, *shelves: LibraryFile) -> object:
     with sandbox.open(source.encode(), kit=Kit("trousse", library=shelves)) as session:
         return session.call("f").value
 
@@ -45,7 +45,7 @@ def test_functions_are_imported_as_from_any_module(sandbox: Sandbox, beginning: 
 
 
 def test_nothing_is_run_that_is_not_asked_for(sandbox: Sandbox) -> None:
-    broken = Shelf("casse", ("rien",), b"print('lu')\n1 / 0\n")
+    broken = LibraryFile("casse", ("rien",), b"print('lu')\n1 / 0\n")
     source = "from mes_fonctions import double\ndef f():\n    return double(4)\n"
     assert answer(sandbox, source, broken, DOUBLE) == 8
 
@@ -74,8 +74,8 @@ def f():
     ],
 )
 def test_what_goes_wrong_is_told_at_its_line(sandbox: Sandbox, source: str, kind: FaultKind, said: str) -> None:
-    broken = Shelf("casse", ("rien",), b"1 / 0\n")
-    round_and_round = Shelf("ronde", ("tourne",), b"from mes_fonctions import tourne\n")
+    broken = LibraryFile("casse", ("rien",), b"1 / 0\n")
+    round_and_round = LibraryFile("ronde", ("tourne",), b"from mes_fonctions import tourne\n")
     with pytest.raises(ProgramFault) as caught:
         answer(sandbox, source, broken, round_and_round)
     assert caught.value.kind is kind
@@ -83,7 +83,9 @@ def test_what_goes_wrong_is_told_at_its_line(sandbox: Sandbox, source: str, kind
 
 
 def test_a_file_that_wants_scipy_brings_it_along(sandbox: Sandbox) -> None:
-    shelf = Shelf("rotations", ("tourne",), b"from scipy.linalg import expm\ndef tourne(x):\n    return expm(0 * x)\n")
+    shelf = LibraryFile(
+        "rotations", ("tourne",), b"from scipy.linalg import expm\ndef tourne(x):\n    return expm(0 * x)\n"
+    )
     source = "from mes_fonctions import tourne\ndef f():\n    return tourne(np.eye(1)).tolist()\nimport numpy as np\n"
     assert answer(sandbox, source, shelf) == [[1.0]]
 

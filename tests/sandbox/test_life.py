@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, SandboxFault
-from server.sandbox.cgroups import hierarchies
+from server.sandbox.cgroups import usable_hierarchies
 from server.sandbox.child.namespaces import UNPRIVILEGED
 
 from .family import OTHERS, children, eventually, running, settle, templates
@@ -152,7 +152,9 @@ class Torment:
 
 def belongings() -> dict[str, object]:
     """All that a sandbox could leave behind, of this process and on this machine."""
-    groups = [path.name for hierarchy in hierarchies()[0] for path in hierarchy.folder.glob(f"balise-{os.getpid()}-*")]
+    groups = [
+        path.name for hierarchy in usable_hierarchies()[0] for path in hierarchy.folder.glob(f"balise-{os.getpid()}-*")
+    ]
     marked = [path for folder in ("/dev/shm", tempfile.gettempdir(), ".") for path in Path(folder).glob(f"*{MARK}*")]
     segments = [line.split() for line in Path("/proc/sysvipc/shm").read_text().splitlines()]
     return {
@@ -187,7 +189,7 @@ def test_a_long_life_among_hostile_programs_leaves_nothing_behind(
         torment.graded()
         return got
 
-    with Sandbox({}, POLICY, forks=count // 4) as sandbox, ThreadPoolExecutor(THREADS + 1) as pool:
+    with Sandbox({}, POLICY, max_forks=count // 4) as sandbox, ThreadPoolExecutor(THREADS + 1) as pool:
         tormenting = pool.submit(torment.run)
         try:
             came = list(pool.map(submit, range(count)))

@@ -12,9 +12,9 @@ from functools import partial
 import pytest
 
 from server.sandbox import FaultKind, ProgramFault, Sandbox
-from server.sandbox.child import libc, pages
+from server.sandbox.child import libc, page_prefault
 
-pytestmark = pytest.mark.skipif(not pages.offered(), reason="this kernel takes no list of ranges")
+pytestmark = pytest.mark.skipif(not page_prefault.offered(), reason="this kernel takes no list of ranges")
 _PAGES, _WRITTEN, _OTHERS = 40, (3, 4, 5, 20, 31), (7, 8, 15, 16, 25)
 
 
@@ -64,16 +64,16 @@ def in_a_fork(action: Callable[[], bool]) -> bool:
 
 
 def test_what_a_fork_writes_is_learnt_and_what_it_does_not_is_not(memory: mmap.mmap, processes: int) -> None:
-    calls = pages.needed(os.fork, partial(write, memory), processes)
+    calls = page_prefault.needed(os.fork, partial(write, memory), processes)
     start = ctypes.addressof(ctypes.c_char.from_buffer(memory))
-    asked = {place + at for place, size in ranges(calls, pages._WRITE) for at in range(0, size, mmap.PAGESIZE)}
+    asked = {place + at for place, size in ranges(calls, page_prefault._WRITE) for at in range(0, size, mmap.PAGESIZE)}
     mine = {start + number * mmap.PAGESIZE for number in range(_PAGES)}
     assert asked & mine == {start + number * mmap.PAGESIZE for number in _WRITTEN}
-    assert ranges(calls, pages._READ), "and the pages of the libraries that it runs"
+    assert ranges(calls, page_prefault._READ), "and the pages of the libraries that it runs"
 
 
 def test_the_next_one_has_them_at_once_and_as_they_were(memory: mmap.mmap, processes: int) -> None:
-    calls = pages.needed(os.fork, partial(write, memory), processes)
+    calls = page_prefault.needed(os.fork, partial(write, memory), processes)
     before = memory[:]
 
     def has_them() -> bool:
@@ -90,19 +90,19 @@ def test_a_life_that_fails_teaches_nothing(processes: int, capfd: pytest.Capture
     def fails() -> None:
         raise RuntimeError("a life that fails")
 
-    assert pages.needed(os.fork, fails, processes) == ()
+    assert page_prefault.needed(os.fork, fails, processes) == ()
     assert "a life that fails" in capfd.readouterr().err
 
 
 def test_where_the_kernel_takes_no_list_nothing_is_tried(monkeypatch: pytest.MonkeyPatch, processes: int) -> None:
     monkeypatch.setattr(libc, "made", lambda call: libc._checked(-1, "process_madvise"))
-    assert pages.needed(lambda: pytest.fail("a fork"), lambda: None, processes) == ()
+    assert page_prefault.needed(lambda: pytest.fail("a fork"), lambda: None, processes) == ()
 
 
 def test_a_range_that_is_no_longer_there_hinders_nothing() -> None:
     listed = libc.Ranges()
     listed[0].place, listed[0].length = mmap.PAGESIZE, mmap.PAGESIZE
-    libc.hint([libc.advising(pages._WRITE, listed, ctypes.c_long(1))])
+    libc.hint([libc.advising(page_prefault._WRITE, listed, ctypes.c_long(1))])
 
 
 def test_a_program_may_not_ask(sandbox: Sandbox) -> None:

@@ -118,7 +118,7 @@ def test_a_kit_that_is_not_python_is_our_fault() -> None:
 
 
 def test_templates_are_renewed_after_their_forks_while_they_serve() -> None:
-    with Sandbox({}, forks=5) as sandbox:
+    with Sandbox({}, max_forks=5) as sandbox:
         answers(sandbox)
         first = templates()
         assert eventually(lambda: answers(sandbox) is None and not first & templates())
@@ -133,7 +133,7 @@ os.register_at_fork(before=lambda: kept.append(b"\\1" * (3 << 20)))
 
 
 def test_a_template_that_grows_is_renewed_while_it_serves() -> None:
-    with Sandbox({"goulue": GREEDY}, growth=8 << 20) as sandbox:
+    with Sandbox({"goulue": GREEDY}, max_growth=8 << 20) as sandbox:
         sandbox.warm()
         first = templates()
         assert eventually(lambda: answers(sandbox) is None and not first & templates())
@@ -141,7 +141,7 @@ def test_a_template_that_grows_is_renewed_while_it_serves() -> None:
 
 
 def test_a_template_that_serves_keeps_its_size() -> None:
-    with Sandbox({}, growth=1 << 20) as sandbox:
+    with Sandbox({}, max_growth=1 << 20) as sandbox:
         sandbox.warm()
         first = root_and_template()
         for _ in range(50):
@@ -162,7 +162,7 @@ def test_a_spare_child_that_died_waiting_costs_no_template() -> None:
             for pid in children(family[1]):
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
-            return all(child.ended() for child in spares)
+            return all(child.has_exited() for child in spares)
 
         assert eventually(killed)
         answers(sandbox)

@@ -100,7 +100,7 @@ def test_a_fault_in_another_form_than_a_childs_is_a_forgery(change: dict[str, An
 def test_a_bad_line_is_no_line_and_no_forgery(line: Any) -> None:
     """A frame that has just been entered has none yet: a time-out there was told as cheating."""
     fault = FAULT | {"kind": "timeout", "line": line, "frames": ((3, "f", "g()"), (line, "g", ""))}
-    found = diagnosis.told(decode(encode(fault, LIMITS), LIMITS), Policy())
+    found = diagnosis.parse_fault(decode(encode(fault, LIMITS), LIMITS), Policy())
     assert found is not None
     assert (found.kind, found.line) == (FaultKind.TIMEOUT, None)
     assert [frame.function for frame in found.frames] == ["f"]

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
+from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, liveness
 from server.sandbox.child import frames
 from server.sandbox.child.inner import MAX_SEATS, WORDS
 from server.sandbox.child.libc import PR_SET_SECCOMP
 from server.sandbox.faults import TemplateFault
-from server.sandbox.wire import Closed
+from server.sandbox.wire import WireClosed
 
 from .family import (
     LEAVES,
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.usefixtures("alone")
 @pytest.fixture(autouse=True)
 def _looked_at_often(monkeypatch: pytest.MonkeyPatch) -> None:
     """What hangs is told by what it does at five looks, not by how long they take."""
-    monkeypatch.setattr(vitals, "LOOK", 0.05)
+    monkeypatch.setattr(liveness, "LOOK", 0.05)
 
 
 @pytest.mark.parametrize(
@@ -89,15 +89,15 @@ def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends(body: str,
 
 def test_an_end_that_is_told_late_keeps_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     """The template is stopped until we have lost patience and ordered it to kill a program that had ended by itself."""
-    monkeypatch.setattr(vitals, "LOOK", 30.0)
-    monkeypatch.setattr("server.sandbox.conversation.GRACE", 0.1)
+    monkeypatch.setattr(liveness, "LOOK", 30.0)
+    monkeypatch.setattr("server.sandbox.connection.GRACE", 0.1)
     leaves = LEAVES.replace(b"os._exit", b"def f(x): os._exit")
     with Sandbox({}, spares=0) as sandbox, sandbox.open(leaves, policy=FAR) as session, ThreadPoolExecutor(1) as aside:
         template = root_and_template()[1]
         os.kill(template, signal.SIGSTOP)
         serving = sandbox._slots["numpy"].template
         assert serving
-        ordered = aside.submit(eventually, lambda: vitals.unread(serving._control.fileno()))
+        ordered = aside.submit(eventually, lambda: liveness.has_unread_data(serving._control.fileno()))
         ordered.add_done_callback(lambda _: os.kill(template, signal.SIGCONT))
         with pytest.raises(ProgramFault) as caught:
             session.call("f", 1)
@@ -164,8 +164,8 @@ def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
         template = template_of(sandbox)
         child = template.fork(FAR)
         with pytest.raises(TemplateFault):
-            child.ending(60.0)
-        assert not template.alive()
+            child.wait_exit(60.0)
+        assert not template.is_alive()
         child.close()
         assert eventually(lambda: not templates())
     assert "reports nonsense" in caplog.text
@@ -226,8 +226,8 @@ def test_a_child_that_lacks_any_of_its_walls_says_so_and_is_never_ready() -> Non
             child = template.fork(replace(FAR, stdout_bytes=BASE + number))
             try:
                 kinds = frozenset({frames.READY, frames.ANOMALY})
-                kind, words = child.wire.answer(0, kinds, 1 << 16, time.monotonic() + 60.0)
-            except Closed:
+                kind, words = child.wire.receive(0, kinds, 1 << 16, time.monotonic() + 60.0)
+            except WireClosed:
                 return "lacking: the wire"
             else:
                 return words.decode().rpartition("lacking: ")[2] if kind == frames.ANOMALY else ""

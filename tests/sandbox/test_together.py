@@ -9,14 +9,14 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from server.sandbox import Calls, FaultKind, ProgramFault, Reply, Sandbox, Value
-from server.sandbox.alike import Alike
+from server.sandbox import CallBatch, FaultKind, ProgramFault, Reply, Sandbox, Value
+from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_columns, encode_returned
 from server.sandbox.child.frames import framed
-from server.sandbox.session import Block
-from server.sandbox.values import one_by_one
-from server.sandbox.wire import Late, Wire
+from server.sandbox.session import AnswerBlock
+from server.sandbox.values import split_rows
+from server.sandbox.wire import DeadlineExceeded, Wire
 
 from .limits import FAR
 
@@ -32,17 +32,17 @@ def told(number: int, answer: Reply | ProgramFault) -> tuple[int, object]:
     return number, answer.value if answer.arguments is None else [one.tolist() for one in answer.arguments]  # type: ignore[union-attr]
 
 
-def all_told(blocks: Iterator[Block]) -> list[tuple[int, object]]:
+def all_told(blocks: Iterator[AnswerBlock]) -> list[tuple[int, object]]:
     return [told(number, answer) for number, answers in blocks for answer in answers]
 
 
 ASKED = [
-    Calls("f", [(1,), (0,), (3,)]),
-    Calls("absente", [(1,), (2,)]),
-    Calls("f", [(0,), (0,), (1,)], faults=2),
-    Calls("f", []),
-    Calls("g", [(np.ones(1), 0.5), (np.ones(1), 0.25)], return_arguments=True),
-    Calls("f", [(2,)]),
+    CallBatch("f", [(1,), (0,), (3,)]),
+    CallBatch("absente", [(1,), (2,)]),
+    CallBatch("f", [(0,), (0,), (1,)], max_faults=2),
+    CallBatch("f", []),
+    CallBatch("g", [(np.ones(1), 0.5), (np.ones(1), 0.25)], return_arguments=True),
+    CallBatch("f", [(2,)]),
 ]
 ANSWERED = [
     *((0, (1, 6.0)), (0, "ZeroDivisionError"), (0, (3, 2.0))),
@@ -56,15 +56,15 @@ ANSWERED = [
 def test_what_is_asked_with_the_file_is_answered_as_what_is_asked_later(sandbox: Sandbox) -> None:
     asked = [one for one in ASKED if one.function != "g"]
     kept = [(asked.index(ASKED[number]), answer) for number, answer in ANSWERED if ASKED[number].function != "g"]
-    with sandbox.open(COUNTING, ahead=asked) as session:
-        assert all_told(session.ahead) == kept
+    with sandbox.open(COUNTING, first_calls=asked) as session:
+        assert all_told(session.first_answers) == kept
     with sandbox.open(COUNTING) as session:
-        assert all_told(session.together(asked)) == kept
+        assert all_told(session.call_batches(asked)) == kept
 
 
 def test_arguments_come_back_where_they_are_asked_for(sandbox: Sandbox) -> None:
-    with sandbox.open(COUNTING, ahead=ASKED[4:5]) as session:
-        answers = [answer for _, answers in session.ahead for answer in answers]
+    with sandbox.open(COUNTING, first_calls=ASKED[4:5]) as session:
+        answers = [answer for _, answers in session.first_answers for answer in answers]
     assert [answer.arguments[0].tolist() for answer in answers if isinstance(answer, Reply) and answer.arguments] == [  # type: ignore[union-attr]
         [1.5],
         [1.25],
@@ -74,10 +74,10 @@ def test_arguments_come_back_where_they_are_asked_for(sandbox: Sandbox) -> None:
 def test_a_program_that_dies_leaves_what_it_has_not_come_to_unanswered(sandbox: Sandbox) -> None:
     source = b"import os\ndef f(x):\n    return x if x < 2 else os._exit(0)\n"
     with sandbox.open(
-        source, ahead=[Calls("f", [(0,), (1,)]), Calls("f", [(1,), (2,), (1,)]), Calls("f", [(0,)])]
+        source, first_calls=[CallBatch("f", [(0,), (1,)]), CallBatch("f", [(1,), (2,), (1,)]), CallBatch("f", [(0,)])]
     ) as s:
-        assert all_told(s.ahead) == [(0, 0), (0, 1), (1, 1), (1, "runtime_error")]
-        assert all_told(s.together([Calls("f", [(0,)])])) == [(0, "runtime_error")]
+        assert all_told(s.first_answers) == [(0, 0), (0, 1), (1, 1), (1, "runtime_error")]
+        assert all_told(s.call_batches([CallBatch("f", [(0,)])])) == [(0, "runtime_error")]
 
 
 @pytest.mark.parametrize(
@@ -87,22 +87,22 @@ def test_a_file_that_does_not_load_is_told_and_what_came_with_it_is_dropped(
     sandbox: Sandbox, source: bytes, kind: FaultKind
 ) -> None:
     with pytest.raises(ProgramFault) as fault:
-        sandbox.open(source, ahead=[Calls("f", [(1,)])])
+        sandbox.open(source, first_calls=[CallBatch("f", [(1,)])])
     assert fault.value.kind is kind
 
 
 def test_much_more_than_the_wire_holds_goes_both_ways(sandbox: Sandbox) -> None:
-    asked = [Calls("f", [(np.full(20_000, float(k)),)]) for k in range(30)]
-    with sandbox.open(b"def f(x):\n    return x + 1\n", policy=FAR, ahead=asked) as session:
-        for number, (answer,) in session.ahead:
+    asked = [CallBatch("f", [(np.full(20_000, float(k)),)]) for k in range(30)]
+    with sandbox.open(b"def f(x):\n    return x + 1\n", policy=FAR, first_calls=asked) as session:
+        for number, (answer,) in session.first_answers:
             assert isinstance(answer, Reply)
             assert answer.value[0] == number + 1  # type: ignore[index]
         assert number == 29
 
 
 def test_questions_that_are_left_are_read_before_another_goes(sandbox: Sandbox) -> None:
-    with sandbox.open(COUNTING, ahead=[Calls("f", [(1,), (0,)]), Calls("f", [(1,)] * 3)]) as session:
-        next(session.ahead)
+    with sandbox.open(COUNTING, first_calls=[CallBatch("f", [(1,), (0,)]), CallBatch("f", [(1,)] * 3)]) as session:
+        next(session.first_answers)
         assert session.call("f", 1).value == (6, 6.0)
 
 
@@ -125,8 +125,8 @@ def f(*args):
         [(), ()],
         [(1.0,), (1.0, 2.0), (None,), ([1.0],)],
     ]
-    with sandbox.open(source, ahead=[Calls("f", calls) for calls in rows]) as session:
-        for number, (calls, answers) in enumerate(zip(rows, _by_number(session.ahead, len(rows)), strict=True)):
+    with sandbox.open(source, first_calls=[CallBatch("f", calls) for calls in rows]) as session:
+        for number, (calls, answers) in enumerate(zip(rows, _by_number(session.first_answers, len(rows)), strict=True)):
             for args, answer in zip(calls, answers, strict=True):
                 assert answer == ([_kind(one) for one in args], True), number
 
@@ -162,7 +162,7 @@ def f(x):
 
 def test_a_file_that_answers_before_it_is_loaded_is_found_out(sandbox: Sandbox) -> None:
     with pytest.raises(ProgramFault) as fault:
-        sandbox.open(EAGER.encode(), ahead=[Calls("f", [(1,)])])
+        sandbox.open(EAGER.encode(), first_calls=[CallBatch("f", [(1,)])])
     assert fault.value.kind is FaultKind.INVALID_OUTPUT
 
 
@@ -171,7 +171,7 @@ def test_an_answer_of_the_last_one_s_form_reads_as_the_decoder_does() -> None:
     values: list[Value] = [1.5, rng.normal(size=3), rng.normal(size=(2, 3)), np.zeros((0, 3)), 3, (1.0, 2.0), None]
     values += [rng.normal(size=3).astype(np.float32), np.array([True, False]), [rng.normal(size=3)]]
     for before in values:
-        alike = Alike()
+        alike = AnswerShape()
         answer = encode((before, None), LIMITS)
         alike.learn(answer, *codec.measured(answer, LIMITS))
         for value in (*values, np.array([np.nan, np.inf, -0.0]), -0.0):
@@ -211,12 +211,12 @@ def _taken_in(came: list[bytes]) -> str:
     ours, theirs = socket.socketpair()
     with ours, theirs:
         theirs.sendall(b"".join(came))
-        wire, form = Wire(ours), Alike()
-        _, answer = wire.answer(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
+        wire, form = Wire(ours), AnswerShape()
+        _, answer = wire.receive(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
         form.learn(answer, *codec.measured(answer, LIMITS))
-        values = one_by_one(wire.alike(range(11, 16), frames.VALUE, form, END))
+        values = split_rows(wire.receive_same_shape(range(11, 16), frames.VALUE, form, END))
         # What is left is what has not been given.
-        assert wire.holds is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
+        assert wire.has_whole_answer is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
         return repr(values)
 
 
@@ -268,12 +268,12 @@ def test_an_answer_is_waited_for_as_far_as_it_is_of_the_form_of_the_last(length:
     answer = encode((1.0, None), LIMITS)
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        wire, form = Wire(ours), Alike()
+        wire, form = Wire(ours), AnswerShape()
         form.learn(answer, *codec.measured(answer, LIMITS))
-        theirs.sendall(frames.HEADER.pack(form.bytes + length - 22, 10, frames.VALUE))
+        theirs.sendall(frames.HEADER.pack(form.answer_bytes + length - 22, 10, frames.VALUE))
         if length == 22:
-            with pytest.raises(Late):
-                wire.arrive(form, time.monotonic() + 0.05)
+            with pytest.raises(DeadlineExceeded):
+                wire.wait_for_answer(form, time.monotonic() + 0.05)
             theirs.sendall(answer)
-        wire.arrive(form, time.monotonic() + 60)
-        assert wire.holds is (length == 22)
+        wire.wait_for_answer(form, time.monotonic() + 60)
+        assert wire.has_whole_answer is (length == 22)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from server.sandbox import Kit, ProgramFault, Sandbox, SandboxFault
-from server.sandbox.values import Shelf
+from server.sandbox.values import LibraryFile
 from server.steps import run
 from server.steps.questions import AskedCell, Question
 from server.steps.schemas import EndOut, StepOut
-from server.steps.told import Told
+from server.steps.trace_reader import Told
 
 POLICY = replace(run.POLICY, memory_bytes=128 << 20)
 
@@ -24,7 +24,7 @@ def followed(
     """What was told, how it ended, what was printed."""
     waits = function is None
     told = Told(len(source.split("\n")))
-    with sandbox.open(source.encode(), kit=kit, policy=POLICY, waits=waits, shows_last=waits) as session:
+    with sandbox.open(source.encode(), kit=kit, policy=POLICY, deferred=waits, echo_last=waits) as session:
         end, _ = run.understood(told, session.trace(function, *args, named=named), waits=waits)
     return told, end, session.stdout()
 
@@ -168,7 +168,7 @@ def test_the_last_line_of_a_cell_is_seen_to_change(sandbox: Sandbox) -> None:
 
 
 def test_earlier_functions_run_without_being_followed(sandbox: Sandbox) -> None:
-    shelf = Shelf("poses", ("double",), b"def double(x):\n    return 2 * x\n")
+    shelf = LibraryFile("poses", ("double",), b"def double(x):\n    return 2 * x\n")
     kit = Kit("trousse", {"seed": 1}, library=(shelf,))
     source = "from mes_fonctions import double\ndef f(x):\n    y = double(x)\n    return y\n"
     told, end, _ = followed(sandbox, source, "f", 4, kit=kit)

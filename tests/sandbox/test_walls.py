@@ -14,7 +14,7 @@ from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import landlock, libc, namespaces, outer, seccomp, syscalls
 from server.sandbox.child.imports import AtForks
 from server.sandbox.child.walls import WALLS
-from server.sandbox.probe import crossing
+from server.sandbox.probe import run_assault
 
 from .conftest import Lifting
 from .family import descendants, probed, template_of, told_by_living
@@ -51,14 +51,14 @@ def unavailable(assault: Assault) -> str:
 @pytest.mark.parametrize("assault", ASSAULTS, ids=lambda assault: str(assault.name))
 def test_an_attempt_succeeds_when_its_wall_is_lifted(assault: Assault, without: Lifting) -> None:
     """So what stops it with the wall up is that wall, and nothing else."""
-    assert assault.wall not in assault.hiders
+    assert assault.wall not in assault.masking_walls
     if reason := unavailable(assault):
         pytest.skip(reason)
-    lifted = assault.hiders | {assault.wall}
+    lifted = assault.masking_walls | {assault.wall}
     if assault.wall == "rlimits":  # a group bounds the same, some of it later
         lifted |= {"cgroup"}
     try:
-        assert crossing(assault, template_of(without(lifted)))
+        assert run_assault(assault, template_of(without(lifted)))
     finally:
         remove_traces()
 
@@ -212,7 +212,7 @@ def test_forks_share_their_template_s_network_only_behind_two_other_walls(
 
 def test_a_template_is_filtered_too_and_its_forks_twice(without: Lifting) -> None:
     with without(frozenset()).open(b"") as session:
-        template = template_of(without(frozenset()))._life.pid
+        template = template_of(without(frozenset()))._handle.pid
         forks = [pid for pid in descendants(template) if pid != template]
         assert session.functions == frozenset()
         status = told_by_living((template, *forks), lambda pid: Path(f"/proc/{pid}/status").read_text().splitlines())
@@ -229,7 +229,7 @@ def test_no_fork_has_a_network_of_the_machine_nor_one_that_is_its_own_for_nothin
         serving = template_of(sandbox)
         if not serving.namespaces:
             pytest.skip("no namespaces on this machine")
-        family = [serving._life.pid, *descendants(serving._life.pid)]
+        family = [serving._handle.pid, *descendants(serving._handle.pid)]
         networks = set(told_by_living(family, lambda pid: os.readlink(f"/proc/{pid}/ns/net")))
         mine = os.readlink("/proc/self/ns/net")
     assert len(family) > 1

@@ -12,11 +12,11 @@ import pytest
 from server.sandbox import Value
 from server.sandbox.child import codec
 from server.sandbox.child.frames import STEP_LIMITS
-from server.sandbox.child.shown import Described
+from server.sandbox.child.value_descriptions import Described
 from server.steps import values
 from server.steps.run import _returned
 from server.steps.schemas import TraceOut
-from server.steps.told import ROOM, Told
+from server.steps.trace_reader import ROOM, Told
 from server.steps.values import Malformed
 
 SHOWN = {

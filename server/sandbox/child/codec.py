@@ -7,7 +7,7 @@ the bytes do not fill.
 
 from .decoder import decode, measured
 from .encoder import encode, encode_columns, encode_returned
-from .plain import DTYPES, Array, Limits, Malformed, TooBig, TooMany, Unsendable, Value
+from .wire_values import DTYPES, Array, Limits, Malformed, TooBig, TooMany, Unsendable, Value
 
 __all__ = [
     "DTYPES",

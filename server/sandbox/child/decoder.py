@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .plain import (
+from .wire_values import (
     COMPLEX,
     DTYPES,
     FLOAT,

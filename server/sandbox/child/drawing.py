@@ -20,8 +20,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import described
-from .plain import Array
+from .wire_values import Array
 
 #: The name under which a program that draws is asked for its figures: no name that Python code can define.
 FIGURES = "<figures>"
@@ -45,9 +44,7 @@ def prepare() -> None:
     matplotlib.set_loglevel("ERROR")
     with _own_fonts_only(os.path.join(matplotlib.get_data_path(), "fonts", "ttf")):
         importlib.import_module("matplotlib.font_manager")
-    described.leave_matplotlib_s()
     matplotlib.rcParams["savefig.dpi"] = RESOLUTION
-    described.leave_scipy_s()
     with suppress(ModuleNotFoundError):  # behind the walls, a child finds the rest of it at the first need
         importlib.import_module("scipy.sparse.linalg")
 

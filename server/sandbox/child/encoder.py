@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .plain import (
+from .wire_values import (
     COMPLEX,
     DTYPE_CODE,
     FLOAT,

@@ -19,7 +19,7 @@ import math
 import struct
 from collections.abc import Iterator
 
-from .plain import Limits
+from .wire_values import Limits
 
 HEADER = struct.Struct("<IQB")
 TOKEN = 8

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from . import drawing, last, library, report
+from . import drawing, last_expression, library, report
 from .codec import Limits, TooBig, Unsendable, Value, encode, encode_returned
 from .frames import FAULT_LIMITS
 from .kits import Kit, show
@@ -71,9 +71,9 @@ class Program:
 
         With `shows_last`, the value of a last expression is printed. With `waits`, `trace` alone runs it.
         """
-        codes = self._compile(source, filename, last.parts if shows_last else _whole)
+        codes = self._compile(source, filename, last_expression.parts if shows_last else _whole)
         if shows_last:
-            sys.displayhook = last.show
+            sys.displayhook = last_expression.show
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module

@@ -19,9 +19,8 @@ from typing import Any
 
 from . import (
     codec,
-    described,
     drawing,
-    huge,
+    huge_pages,
     inner,
     kits,
     landlock,
@@ -29,7 +28,7 @@ from . import (
     namespaces,
     orders,
     outer,
-    pages,
+    page_prefault,
     rehearsal,
     serve,
 )
@@ -64,14 +63,12 @@ class Template:
         self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
         if self._configuration["imports"] == "matplotlib":
             drawing.prepare()
-        elif self._configuration["imports"] == "scipy":
-            described.leave_scipy_s()
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: kits.imported(files) for name, files in self._configuration["kits"].items()}
         self._tells = self._at_forks.asked()
         self._account = inner.open_account()
-        spread = huge.places()
+        spread = huge_pages.places()
         processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
         rules = self._enclose()
         if "environment" not in self._lifted:
@@ -84,7 +81,7 @@ class Template:
         self._mason.base_memory = inner.address_space(self._account)
         self._child = serve.Child(self._kits, self._mason.reserve.close)
         prepare_interpreter(__package__)
-        huge.collapse(spread)
+        huge_pages.collapse(spread)
         gc.collect()
         self._mason.memory = self._needed(processes)
         libc.make(stage)
@@ -130,7 +127,7 @@ class Template:
         self._child.begin(rehearsal.LIMITS)
         life = partial(serve.practise, mason.walls(rehearsal.LIMITS), self._child)
         try:
-            return pages.needed(self._forked, life, processes)
+            return page_prefault.needed(self._forked, life, processes)
         finally:
             mason.reserve.close()
 

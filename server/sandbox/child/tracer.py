@@ -15,8 +15,8 @@ from types import CodeType, FrameType
 from typing import Any
 
 from .library import NAME as LIBRARY
-from .plain import Value
-from .shown import Described, fingerprint, same, telling
+from .value_descriptions import Described, fingerprint, same, telling
+from .wire_values import Value
 
 globals()["__builtins__"] = dict(vars(builtins))
 

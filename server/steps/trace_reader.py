@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from server.sandbox import Value as Plain
 from server.sandbox.child import tracer
-from server.sandbox.child.shown import TEXT
+from server.sandbox.child.value_descriptions import TEXT
 from server.steps import values
 from server.steps.schemas import ArrayOut, ChangeOut, FrameOut, SequenceOut, StepOut, Value
 from server.steps.values import Malformed

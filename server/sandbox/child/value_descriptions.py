@@ -15,7 +15,7 @@ from zlib import crc32
 
 import numpy as np
 
-from .plain import Value
+from .wire_values import Value
 
 globals()["__builtins__"] = dict(vars(builtins))
 

@@ -12,14 +12,14 @@ import termios
 from pathlib import Path
 
 #: Seconds between two looks at a silent process.
-LOOK = 0.25
+POLL_SECONDS = 0.25
 #: Looks in a row that show a process that does nothing although it should.
-_LOOKS = 5
+_IDLE_POLLS_TO_HANG = 5
 _STOPPED = frozenset("Tt")
 _IDLE = frozenset("TtS")
 
 
-def state(pid: int) -> str:
+def process_state(pid: int) -> str:
     """The letter of `proc(5)`; "" for a process that is gone, or that this user may not look at."""
     try:
         return Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
@@ -35,13 +35,13 @@ def children(pid: int) -> list[int]:
         return []
 
 
-def unread(end: int) -> bool:
+def has_unread_data(end: int) -> bool:
     """Whether something sent on this Unix socket has not been received yet."""
     (waiting,) = struct.unpack("i", fcntl.ioctl(end, termios.TIOCOUTQ, b"\0" * 4))
     return bool(waiting > 0)
 
 
-class Watch:
+class HangDetector:
     """Tells a process that hangs from one that waits for a busy machine.
 
     A process with work before it is runnable, however long the machine makes it wait, or waits for a disk. One that was
@@ -49,32 +49,32 @@ class Watch:
     """
 
     def __init__(self) -> None:
-        self._looks = 0
+        self._idle_polls = 0
 
-    def heard(self) -> None:
-        self._looks = 0
+    def reset(self) -> None:
+        self._idle_polls = 0
 
-    def starting(self, pid: int) -> bool:
+    def hangs_at_start(self, pid: int) -> bool:
         """Whether a process that comes up, or what it has started, is stopped."""
-        return self._count(any(state(process) in _STOPPED for process in (pid, *children(pid))))
+        return self._count(any(process_state(process) in _STOPPED for process in (pid, *children(pid))))
 
-    def serving(self, pid: int, control: int) -> bool:
+    def hangs_while_serving(self, pid: int, control: int) -> bool:
         """Whether a process leaves what was sent to it on this socket unread for nothing."""
-        return self._count(unread(control) and state(pid) in _IDLE)
+        return self._count(has_unread_data(control) and process_state(pid) in _IDLE)
 
     def _count(self, idle: bool) -> bool:
-        self._looks = self._looks + 1 if idle else 0
-        return self._looks >= _LOOKS
+        self._idle_polls = self._idle_polls + 1 if idle else 0
+        return self._idle_polls >= _IDLE_POLLS_TO_HANG
 
 
-class Life:
+class ProcessHandle:
     """One process, which its number may outlive: from here on, it is this one and no other."""
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
         self._handle = os.pidfd_open(pid)
 
-    def end(self, seconds: float) -> bool:
+    def kill_and_wait(self, seconds: float) -> bool:
         """Kills it; True once it is gone, False when it still is not after `seconds`."""
         with contextlib.suppress(ProcessLookupError):
             signal.pidfd_send_signal(self._handle, signal.SIGKILL)

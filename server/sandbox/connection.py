@@ -1,0 +1,157 @@
+"""One child's answers, as they are heard: in their turn, within the bounds of its policy; or how it has ended."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, NoReturn
+
+from server.sandbox import diagnosis
+from server.sandbox.answer_shape import AnswerShape
+from server.sandbox.batch import random_token
+from server.sandbox.child import codec, frames
+from server.sandbox.child.codec import Value
+from server.sandbox.faults import Frame, ProgramFault, TemplateFault
+from server.sandbox.policy import Policy
+from server.sandbox.process import Child, ChildExit
+from server.sandbox.wire import AnswerBudgetExceeded, DeadlineExceeded, ForgedAnswer, WireClosed
+
+#: What the child is left to tell by itself that its time is up, before it is killed.
+GRACE_SECONDS = 0.5
+EXIT_SECONDS = 5.0
+_READY_SECONDS = 10.0
+
+
+class ChildConnection:
+    """Counts the time that is waited for a child, and what its answers hold; ends one that goes beyond, or forges."""
+
+    def __init__(self, child: Child, policy: Policy) -> None:
+        self._child, self._policy = child, policy
+        self._waited = 0.0
+        self._bytes_left, self._items_left = policy.session_bytes, policy.session_items
+        self._filename, self._lines = "", [""]
+        self._answer_shape = AnswerShape()
+        self._fatal: ProgramFault | None = None
+
+    def _send_setup(self, questions: bytes) -> None:
+        try:
+            self._child.wire.send(random_token(), frames.TOGETHER, questions, time.monotonic() + _READY_SECONDS)
+        except (DeadlineExceeded, WireClosed, ForgedAnswer) as error:
+            raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
+
+    def _expect(self, called: int, kind: int) -> None:
+        """The child says that it has gone a step further, before any line of the student has run."""
+        expected = frozenset({kind, frames.ANOMALY})
+        try:
+            came, said = self._child.wire.receive(called, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
+        except (DeadlineExceeded, WireClosed, ForgedAnswer) as error:
+            raise TemplateFault(f"a fork did not come up: {type(error).__name__}") from error
+        if came == frames.ANOMALY:
+            raise TemplateFault(f"a fork failed: {said.decode('utf-8', 'replace')}")
+
+    @property
+    def _seconds_left(self) -> float:
+        return max(self._policy.wall_seconds - self._waited, 0.001)
+
+    def _send_frames(self, questions: bytes) -> None:
+        with self._timed() as deadline:
+            self._child.wire.send(random_token(), frames.TOGETHER, questions, deadline)
+
+    def _receive(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+        """The next frame. What is here already is not waited for, and takes no time."""
+        wire, limit = self._child.wire, self._policy.frame_bytes
+        if wire.has_whole_answer:
+            try:
+                kind, payload = wire.receive(called, kinds, limit, 0.0, self._bytes_left)
+            except ForgedAnswer:
+                self._raise_forged()
+            except AnswerBudgetExceeded:
+                self._terminate(lambda _: diagnosis.answers_too_big_fault("bytes", self._policy))
+        else:
+            with self._timed() as deadline:
+                kind, payload = wire.receive(called, kinds, limit, deadline, self._bytes_left)
+        self._bytes_left -= len(payload)
+        return kind, payload
+
+    @contextmanager
+    def _timed(self) -> Iterator[float]:
+        """Counts the time spent with the wire, and ends a session that has no more of it or that plays with it."""
+        start = time.monotonic()
+        try:
+            yield start + self._seconds_left + GRACE_SECONDS
+        except DeadlineExceeded:
+            self._terminate(lambda _: diagnosis.wall_timeout_fault(self._policy, self._last_frames()))
+        except ForgedAnswer:
+            self._raise_forged()
+        except AnswerBudgetExceeded:
+            self._terminate(lambda _: diagnosis.answers_too_big_fault("bytes", self._policy))
+        except WireClosed:
+            self._raise_wire_closed()
+        finally:
+            self._waited += time.monotonic() - start
+
+    def _decode_outcome(self, outcome: int, answer: bytes) -> Value:
+        try:
+            if outcome == frames.VALUE:
+                return self._decode_value(answer)
+            fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
+        except codec.Malformed:
+            self._raise_forged()
+        program_fault = diagnosis.parse_fault(fault, self._policy)
+        if program_fault is None:
+            self._raise_forged()
+        if program_fault.fatal:
+            self._terminate(lambda _: program_fault)
+        raise program_fault
+
+    def _decode_value(self, answer: bytes) -> Value:
+        """Raises Malformed, or the fault of a program that has answered too much in all."""
+        alike = self._answer_shape.read(answer)
+        if alike is not None and self._answer_shape.items <= self._items_left:
+            self._items_left -= self._answer_shape.items
+            return alike, None
+        limits = self._policy.answer_limits
+        if self._items_left < limits.items:
+            limits = replace(limits, items=self._items_left)
+        try:
+            value, items = codec.measured(answer, limits)
+        except codec.TooMany:
+            if self._items_left >= self._policy.items:
+                raise
+            self._terminate(lambda _: diagnosis.answers_too_big_fault("items", self._policy))
+        self._items_left -= items
+        self._answer_shape.learn(answer, value, items)
+        return value
+
+    def _raise_wire_closed(self) -> NoReturn:
+        """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
+        try:
+            self._child.wait_exit(GRACE_SECONDS)
+        except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
+            self._terminate(self._forged_or_exit_fault)
+        self._terminate(self._exit_fault)
+
+    def _forged_or_exit_fault(self, ending: ChildExit) -> ProgramFault:
+        return diagnosis.forged_answer_fault() if ending.status == signal.SIGKILL else self._exit_fault(ending)
+
+    def _exit_fault(self, ending: ChildExit) -> ProgramFault:
+        return diagnosis.exit_fault(ending, self._policy, self._last_frames())
+
+    def _last_frames(self) -> tuple[Frame, ...]:
+        return diagnosis.parse_last_frames(self._child.output.crash_traceback(), self._filename, self._lines)
+
+    def _raise_forged(self) -> NoReturn:
+        self._terminate(lambda _: diagnosis.forged_answer_fault())
+
+    def _terminate(self, fault: Callable[[ChildExit], ProgramFault]) -> NoReturn:
+        """Ends the process, then raises the fault that its ending tells; later calls raise it again."""
+        self._child.kill()
+        try:
+            ending = self._child.wait_exit(EXIT_SECONDS)
+        except TimeoutError as error:
+            raise TemplateFault("a child cannot be killed") from error
+        self._fatal = fault(ending)
+        raise self._fatal
