@@ -32,7 +32,7 @@ _dtype_and_shape = attrgetter("dtype", "shape")
 
 
 def random_token() -> int:
-    return int.from_bytes(os.urandom(frames.TOKEN), "little")
+    return int.from_bytes(os.urandom(frames.TOKEN_BYTES), "little")
 
 
 class Batch:
@@ -97,28 +97,32 @@ class Batch:
     @property
     def token_bytes(self) -> int:
         """Bytes that its tokens are made of: its own, then one for each call."""
-        return frames.TOKEN * (1 + self.calls)
+        return frames.TOKEN_BYTES * (1 + self.calls)
 
     def payload(self, wall: float | None, faults: int, random: bytes) -> bytes:
         """Its frame; the program stops by itself after so many faults. Without `wall`, the time that the
         question before has left is this one's. What is `random` has served nothing else."""
         self._faults = faults
-        self.token, *_ = frames.tokens(random[: frames.TOKEN])
-        tokens = random[frames.TOKEN :]
-        self._tokens = frames.tokens(tokens)
+        self.token, *_ = frames.unpack_tokens(random[: frames.TOKEN_BYTES])
+        tokens = random[frames.TOKEN_BYTES :]
+        self._tokens = frames.unpack_tokens(tokens)
         parts = (
-            frames.framed(0, frames.SHARED, frames.shared(self.function, wall, faults, keeping=self.return_arguments)),
-            frames.framed(0, frames.TOKENS, tokens),
+            frames.pack_frame(
+                0,
+                frames.SHARED,
+                frames.pack_shared(self.function, wall, faults, return_arguments=self.return_arguments),
+            ),
+            frames.pack_frame(0, frames.TOKENS, tokens),
             *self._parts(),
         )
-        return frames.framed(self.token, frames.CALLS, b"".join(parts))
+        return frames.pack_frame(self.token, frames.CALLS, b"".join(parts))
 
     def _parts(self) -> Iterator[bytes]:
         for row in self._encoded:
-            yield frames.framed(0, frames.ARGUMENTS, row)
+            yield frames.pack_frame(0, frames.ARGUMENTS, row)
         columns = _stack_columns(self._rows) if self._rows else self._columns
         if columns is not None:
-            yield frames.framed(0, frames.COLUMNS, codec.encode_columns(columns))
+            yield frames.pack_frame(0, frames.COLUMNS, codec.encode_columns(columns))
 
     @property
     def has_pending(self) -> bool:
@@ -137,7 +141,7 @@ class Batch:
     def end_frame(self, answers: int) -> bytes:
         """What must come after so many answers: something if they are all that are to come."""
         last = self._answered + answers == len(self._tokens)
-        return frames.framed(self.token, frames.DONE, b"") if last else b""
+        return frames.pack_frame(self.token, frames.DONE, b"") if last else b""
 
     def mark_answered(self, answers: int) -> None:
         """So many have come."""

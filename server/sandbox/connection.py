@@ -98,7 +98,7 @@ class ChildConnection:
             if outcome == frames.VALUE:
                 return self._decode_value(answer)
             fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
-        except codec.Malformed:
+        except codec.MalformedValue:
             self._raise_forged()
         program_fault = diagnosis.parse_fault(fault, self._policy)
         if program_fault is None:
@@ -117,8 +117,8 @@ class ChildConnection:
         if self._items_left < limits.items:
             limits = replace(limits, items=self._items_left)
         try:
-            value, items = codec.measured(answer, limits)
-        except codec.TooMany:
+            value, items = codec.decode_counted(answer, limits)
+        except codec.TooManyItems:
             if self._items_left >= self._policy.items:
                 raise
             self._terminate(lambda _: diagnosis.answers_too_big_fault("items", self._policy))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from server.sandbox.child import codec
 from server.sandbox.child.codec import Value
-from server.sandbox.child.template import CONTROL
+from server.sandbox.child.template import CONTROL_LIMITS
 from server.sandbox.install import installation
 
 _BOOT = (
@@ -85,6 +85,6 @@ def _write_configuration(setting: TemplateConfig) -> int:
         "packages": list(installed.packages),
     }
     descriptor = os.memfd_create("configuration", os.MFD_CLOEXEC)
-    os.write(descriptor, codec.encode(message, CONTROL))
+    os.write(descriptor, codec.encode(message, CONTROL_LIMITS))
     os.lseek(descriptor, 0, os.SEEK_SET)
     return descriptor

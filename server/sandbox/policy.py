@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
-from server.sandbox.child.codec import Limits
+from server.sandbox.child.codec import ValueLimits
 
 KIB, MIB, GIB = 1 << 10, 1 << 20, 1 << 30
 
@@ -65,9 +65,9 @@ class Policy:
                 raise ValueError(f"{name} must be positive, not {value}")
 
     @property
-    def answer_limits(self) -> Limits:
+    def answer_limits(self) -> ValueLimits:
         """Bounds of one encoded answer: a call's value and its arguments are two levels below the top."""
-        return Limits(self.frame_bytes, self.depth + 2, self.items)
+        return ValueLimits(self.frame_bytes, self.depth + 2, self.items)
 
 
 #: The row of each field, in the order in which the page shows them.

@@ -20,7 +20,7 @@ from typing import Any
 from server.sandbox import liveness
 from server.sandbox.cgroups import ControlGroup, ControlGroupPool
 from server.sandbox.child import codec, orders, outer
-from server.sandbox.child.template import CONTROL
+from server.sandbox.child.template import CONTROL_LIMITS
 from server.sandbox.faults import NamespacesRefused, TemplateFault
 from server.sandbox.launch import TemplateConfig, launch
 from server.sandbox.output import CapturedOutput
@@ -140,7 +140,7 @@ class TemplateProcess:
                     raise
         if not data:
             raise EOFError
-        hello: Any = codec.decode(data, CONTROL)
+        hello: Any = codec.decode(data, CONTROL_LIMITS)
         match hello:
             case {"do": "hello", "memory": int()}:
                 pid, _, _ = _CREDENTIALS.unpack(ancillary[0][2])
@@ -183,7 +183,7 @@ class TemplateProcess:
                     output.traceback_descriptor,
                     *(seat.descriptors if seat else ()),
                 ]
-                self._send_order(orders.fork(number, _limits(policy)), descriptors)
+                self._send_order(orders.pack_fork(number, _limits(policy)), descriptors)
         except TemplateFault:
             child.close()
             self._forget(number)
@@ -205,7 +205,7 @@ class TemplateProcess:
             known = number in self._exits and not self._dead
         if known:
             with contextlib.suppress(TemplateFault):  # a dead template has taken its children along
-                self._send_order(orders.kill(number), [])
+                self._send_order(orders.pack_kill(number), [])
 
     def _send_order(self, data: bytes, descriptors: list[int]) -> None:
         with self._sending:  # not the other lock: a template that takes no order must not keep anyone from learning it
@@ -227,7 +227,7 @@ class TemplateProcess:
         try:
             watch = liveness.HangDetector()
             while data := self._receive_report(watch):
-                self._record_exit(orders.reported(data))
+                self._record_exit(orders.unpack_report(data))
                 self._on_idle(self)
         except Exception:
             _log.exception("a template reports nonsense, and is ended")
@@ -248,10 +248,10 @@ class TemplateProcess:
         except OSError:
             return b""
 
-    def _record_exit(self, report: orders.Report) -> None:
-        number, status = report.number, report.status
+    def _record_exit(self, report: orders.ExitReport) -> None:
+        number, status = report.child_number, report.status
         ending = ChildExit(status, report.cpu_seconds, report.max_rss_bytes, self._release_group(number, status))
-        self.memory_growth = report.memory - self.greeting["memory"]
+        self.memory_growth = report.template_memory - self.greeting["memory"]
         with self._lock:
             known = self._exits.pop(number)
         known.set_result(ending)
@@ -294,9 +294,9 @@ class TemplateProcess:
             self._listener.join()
 
 
-def _limits(policy: Policy) -> orders.Limits:
+def _limits(policy: Policy) -> orders.ChildLimits:
     answer = policy.answer_limits
-    return orders.Limits(
+    return orders.ChildLimits(
         cpu_seconds=policy.cpu_seconds,
         memory_bytes=policy.memory_bytes,
         files=policy.files,

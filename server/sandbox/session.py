@@ -77,8 +77,8 @@ class Session(ChildConnection):
         more = group_batches(first_calls)
         first = next(more, BatchGroup((), 0))
         self._send_setup(
-            frames.framed(configure, frames.CONFIGURE, _encode_configuration(kit))
-            + frames.framed(load, frames.LOAD, self._encode_file(source, kit, shows_last=echo_last, waits=deferred))
+            frames.pack_frame(configure, frames.CONFIGURE, _encode_configuration(kit))
+            + frames.pack_frame(load, frames.LOAD, self._encode_file(source, kit, shows_last=echo_last, waits=deferred))
             + first.payload(None)
         )
         self._expect(configure, frames.CONFIGURED)
@@ -203,7 +203,7 @@ class Session(ChildConnection):
         try:
             self._drop_pending_answers()
             question["wall"] = self._seconds_left
-            self._send_frames(frames.framed(called, frames.TRACE, codec.encode(question, frames.QUESTION_LIMITS)))
+            self._send_frames(frames.pack_frame(called, frames.TRACE, codec.encode(question, frames.QUESTION_LIMITS)))
             while (came := self._receive(called, _STEPS))[0] == frames.STEP:
                 told.append(self._decode_outcome(frames.VALUE, came[1]))
                 if len(told) > _MAX_TRACE_PIECES:

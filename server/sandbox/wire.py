@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.child.codec import Array
-from server.sandbox.child.frames import HEADER, framed
+from server.sandbox.child.frames import HEADER, pack_frame
 
 _CHUNK_BYTES = 1 << 16
 
@@ -51,7 +51,7 @@ class Wire:
             raise ForgedAnswer
         if self._poll.poll(0):
             raise WireClosed if not self._has_unread_data() else ForgedAnswer
-        view = memoryview(framed(token, kind, payload))
+        view = memoryview(pack_frame(token, kind, payload))
         while view:
             try:
                 view = view[self._end.send(view) :]

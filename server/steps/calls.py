@@ -14,13 +14,13 @@ import numpy as np
 
 from server.base.errors import Invalid
 from server.sandbox import Value
-from server.sandbox.child.codec import Limits, TooBig, encode
+from server.sandbox.child.codec import ValueLimits, ValueTooBig, encode
 from server.text.plain import visible
 
 #: Values that are written of an array, a list, a dictionary.
 SHOWN = 16
 #: What goes to the sandbox: more is refused here, where it can be said.
-_SENDABLE = Limits(size=1 << 26, depth=32, items=1 << 20)
+_SENDABLE = ValueLimits(size=1 << 26, depth=32, items=1 << 20)
 #: Characters of a call, parts of it, items of an array made by its shape, digits of a number.
 LONGEST, PARTS, ITEMS, DIGITS = 4000, 2000, 10_000, 300
 
@@ -65,7 +65,7 @@ def read(typed: str) -> Call:
             named[name] = _value(one.value)
         read = Call(call.func.id, tuple(map(_value, call.args)), named)
         encode((read.arguments, named), _SENDABLE)
-    except (RecursionError, TooBig) as error:
+    except (RecursionError, ValueTooBig) as error:
         raise Invalid("Cet appel est imbriqué trop profondément pour être suivi pas à pas.") from error
     return read
 

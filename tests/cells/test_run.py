@@ -32,14 +32,14 @@ def run(course_sandbox: Sandbox) -> Run:
 def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     """A program that closes its wire and ends is not to be killed meanwhile, either."""
     monkeypatch.setattr(cells, "POLICY", FAR)
-    monkeypatch.setattr("server.sandbox.connection.GRACE", 60.0)
+    monkeypatch.setattr("server.sandbox.connection.GRACE_SECONDS", 60.0)
 
 
 @pytest.fixture
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """For what never ends: whichever limit it meets, the outcome is the same."""
     monkeypatch.setattr(cells, "POLICY", replace(FAR, cpu_seconds=0.2, wall_seconds=0.5))
-    monkeypatch.setattr("server.sandbox.connection.GRACE", 0.1)
+    monkeypatch.setattr("server.sandbox.connection.GRACE_SECONDS", 0.1)
 
 
 def picture(address: str) -> Image.Image:

@@ -15,14 +15,14 @@ import numpy as np
 
 from server.sandbox import FaultKind, Policy, ProgramFault, SandboxFault, diagnosis
 from server.sandbox.child import codec, frames
-from server.sandbox.child.codec import Limits, Malformed, encode
+from server.sandbox.child.codec import MalformedValue, ValueLimits, encode
 from server.sandbox.faults import TemplateFault
 from server.sandbox.output import CapturedOutput
 from server.sandbox.process import ChildExit
 from server.sandbox.session import Session
 from server.sandbox.wire import Wire
 
-LIMITS = Limits(size=1 << 20, depth=16, items=10_000)
+LIMITS = ValueLimits(size=1 << 20, depth=16, items=10_000)
 POLICY = Policy(frame_bytes=1 << 16, items=1000)
 #: Bytes that the value of one byte may take: what a list of the smallest arrays comes to, and some room.
 AMPLIFICATION, BASE = 64, 1 << 14
@@ -72,7 +72,7 @@ def is_exact(value: Any) -> bool:
     return type(value) in (type(None), bool, int, float, complex, str)
 
 
-def decode_soundly(data: bytes, limits: Limits = LIMITS) -> bool:
+def decode_soundly(data: bytes, limits: ValueLimits = LIMITS) -> bool:
     """Whether the bytes are a value. Fails when the decoder does anything but give one or raise Malformed."""
     if tracemalloc.is_tracing():
         bound = AMPLIFICATION * len(data) + BASE
@@ -83,18 +83,18 @@ def decode_soundly(data: bytes, limits: Limits = LIMITS) -> bool:
         assert taken <= bound, f"{taken} bytes for {len(data)}"
     try:
         value = codec.decode(data, limits)
-    except Malformed:
+    except MalformedValue:
         return False
     assert is_exact(value)
     assert is_exact(codec.decode(encode(value, limits), limits))
     return True
 
 
-def _taken(data: bytes, limits: Limits) -> int:
+def _taken(data: bytes, limits: ValueLimits) -> int:
     """Bytes of memory that decoding takes at most, with what other threads of this process take meanwhile."""
     tracemalloc.reset_peak()
     before, _ = tracemalloc.get_traced_memory()
-    with suppress(Malformed):
+    with suppress(MalformedValue):
         codec.decode(data, limits)
     return tracemalloc.get_traced_memory()[1] - before
 
@@ -103,7 +103,7 @@ def tell_soundly(data: bytes) -> str:
     """Kind of the fault that a child reports with these bytes; "" when they are refused."""
     try:
         fault = codec.decode(data, frames.FAULT_LIMITS)
-    except Malformed:
+    except MalformedValue:
         return ""
     told = diagnosis.parse_fault(fault, POLICY)
     if told is None:
@@ -128,7 +128,7 @@ class _Answering(socket.socket):
                 break
             questions = bytes(self._sent[frames.HEADER.size : whole])
             del self._sent[:whole]
-            for token, kind, question in frames.parted(questions):
+            for token, kind, question in frames.unpack_frames(questions):
                 self._answer(token, kind, question)
         return length
 
@@ -138,8 +138,8 @@ class _Answering(socket.socket):
             return
         token = batch
         if kind == frames.CALLS:
-            _, (_, _, tokens), *_ = frames.parted(question)
-            token = frames.tokens(tokens)[0]
+            _, (_, _, tokens), *_ = frames.unpack_frames(question)
+            token = frames.unpack_tokens(tokens)[0]
         reply = self._replies.pop(0).replace(TOKEN, struct.pack("<Q", token))
         self._peer.send(reply.replace(BATCH, struct.pack("<Q", batch)), socket.MSG_DONTWAIT)
         if not self._replies:
@@ -159,7 +159,7 @@ class _ScriptedChild:
     def kill(self) -> None:
         self._peer.close()
 
-    def ending(self, _: float) -> ChildExit:
+    def wait_exit(self, _: float) -> ChildExit:
         return self._ending
 
     def close(self) -> None:

@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 from server.sandbox import FaultKind
 from server.sandbox.child import frames
-from server.sandbox.child.codec import DTYPES, Limits, encode
+from server.sandbox.child.codec import DTYPES, ValueLimits, encode
 from tests.fuzz import reading
 
 # Lengths that tell the truth are put by `_node`; these are the lies.
@@ -137,7 +137,7 @@ almost_faults: st.SearchStrategy[dict[str, Any]] = st.one_of(
 def almost_frames(draw: st.DrawFn) -> bytes:
     payload = draw(
         almost_values
-        | almost_faults.map(lambda fault: encode(fault, Limits(1 << 20, 8, 1000)))
+        | almost_faults.map(lambda fault: encode(fault, ValueLimits(1 << 20, 8, 1000)))
         | almost_values.map(lambda value: b"t\2\0\0\0" + value + b"N")
     )
     kind = draw(
@@ -152,7 +152,7 @@ def decoded(data: bytes) -> None:
 
 
 def told(fault: dict[str, Any]) -> None:
-    reading.tell_soundly(encode(fault, Limits(1 << 20, 8, 1000)))
+    reading.tell_soundly(encode(fault, ValueLimits(1 << 20, 8, 1000)))
 
 
 def answered(data: bytes, loading: bool, status: int) -> None:

@@ -67,7 +67,7 @@ def outcome(sandbox: Sandbox, path: Path, parent: int, *, drawing: bool) -> str:
     source = path.read_bytes() + DRAWN * drawing
     try:
         with (
-            patch("server.sandbox.connection.GRACE", GRACE.get(filed, 60.0)),
+            patch("server.sandbox.connection.GRACE_SECONDS", GRACE.get(filed, 60.0)),
             sandbox.open(source, kit=Kit("outils"), policy=policy, drawing=drawing) as session,
         ):
             answers = [session.call("repondre", context).value for _ in range(2)]

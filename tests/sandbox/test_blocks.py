@@ -14,14 +14,14 @@ from server.sandbox import CallBatch, ProgramFault, Reply, Session
 from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.batch import Batch, BatchGroup
 from server.sandbox.child import frames
-from server.sandbox.child.codec import Limits, encode
-from server.sandbox.child.frames import framed
+from server.sandbox.child.codec import ValueLimits, encode
+from server.sandbox.child.frames import pack_frame
 from server.sandbox.process import ChildExit
 from server.sandbox.wire import Wire
 
 from .limits import only
 
-LIMITS = Limits(1 << 16, 8, 1000)
+LIMITS = ValueLimits(1 << 16, 8, 1000)
 #: Tight ones: a stream of a few dozen answers comes near each.
 POLICIES = [
     only(session_bytes=1 << 20),
@@ -38,8 +38,8 @@ def answered(stream: bytes, parcel: BatchGroup, policy: object) -> list[object]:
     child = SimpleNamespace(
         wire=Wire(ours),
         kill=lambda: None,
-        ending=lambda _: ChildExit(0, 0.0, 0),
-        output=SimpleNamespace(last_words=str),
+        wait_exit=lambda _: ChildExit(0, 0.0, 0),
+        output=SimpleNamespace(crash_traceback=str),
     )
     with ours, theirs:
         theirs.sendall(stream)
@@ -50,7 +50,7 @@ def answered(stream: bytes, parcel: BatchGroup, policy: object) -> list[object]:
         # What came first is looked at last: nothing that has come since may have changed it.
         given = [(number, one) for number, answers in session._batch_answers(parcel, iter(())) for one in answers]
         told: list[object] = [(number, _shown(one)) for number, one in given]
-        return [*told, session._bytes_left, session._items_left, child.wire.holds]
+        return [*told, session._bytes_left, session._items_left, child.wire.has_whole_answer]
 
 
 def _shown(answer: Reply | ProgramFault) -> object:
@@ -80,9 +80,9 @@ def _honest(batch: Batch, values: list[object]) -> list[bytes]:
     """Its frames, as an honest child would send them."""
     tokens = batch._tokens
     sent = [
-        framed(one, frames.VALUE, encode((value, None), LIMITS)) for one, value in zip(tokens, values, strict=False)
+        pack_frame(one, frames.VALUE, encode((value, None), LIMITS)) for one, value in zip(tokens, values, strict=False)
     ]
-    return [*sent, framed(batch.token, frames.DONE, b"")]
+    return [*sent, pack_frame(batch.token, frames.DONE, b"")]
 
 
 def _forged(sent: list[bytes], rng: np.random.Generator) -> bytes:

@@ -16,9 +16,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from server.sandbox.child.codec import DTYPES, Limits, Malformed, TooBig, Unsendable, decode, encode
+from server.sandbox.child.codec import DTYPES, MalformedValue, UnsendableValue, ValueLimits, ValueTooBig, decode, encode
 
-LIMITS = Limits(size=1 << 20, depth=16, items=10_000)
+LIMITS = ValueLimits(size=1 << 20, depth=16, items=10_000)
 
 
 def object_array(*items: object) -> Any:
@@ -161,7 +161,7 @@ def test_a_sparse_matrix_becomes_an_array() -> None:
     ids=lambda value: type(value).__name__,
 )
 def test_the_rest_is_refused_with_its_type_and_place(given: object, reason: str) -> None:
-    with pytest.raises(Unsendable) as caught:
+    with pytest.raises(UnsendableValue) as caught:
         encode([0, given], LIMITS)
     assert caught.value.reason == reason
     assert caught.value.place == "[1]"
@@ -179,7 +179,7 @@ def test_the_rest_is_refused_with_its_type_and_place(given: object, reason: str)
     ids=["array", "text", "list", "range", "broadcast"],
 )
 def test_beyond_the_bounds_is_too_big(given: object, what: str) -> None:
-    with pytest.raises(TooBig) as caught:
+    with pytest.raises(ValueTooBig) as caught:
         encode(given, LIMITS)
     assert caught.value.what == what
 
@@ -187,7 +187,7 @@ def test_beyond_the_bounds_is_too_big(given: object, what: str) -> None:
 def test_a_value_that_contains_itself_is_too_deep() -> None:
     loop: list[object] = []
     loop.append(loop)
-    with pytest.raises(TooBig, match="depth"):
+    with pytest.raises(ValueTooBig, match="depth"):
         encode(loop, LIMITS)
 
 
@@ -223,13 +223,13 @@ FLOAT64 = [str(dtype) for dtype in DTYPES].index("float64")
     ],
 )
 def test_bytes_that_are_no_value_are_refused(data: bytes) -> None:
-    with pytest.raises(Malformed):
+    with pytest.raises(MalformedValue):
         decode(data, LIMITS)
 
 
 def test_bytes_beyond_the_bound_are_refused_unread() -> None:
-    with pytest.raises(Malformed):
-        decode(encode(np.zeros(100), LIMITS), Limits(size=100, depth=4, items=10))
+    with pytest.raises(MalformedValue):
+        decode(encode(np.zeros(100), LIMITS), ValueLimits(size=100, depth=4, items=10))
 
 
 class _Traps(np.ndarray):

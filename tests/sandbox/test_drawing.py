@@ -86,14 +86,6 @@ def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(either: Studio) -
     assert "/" not in printed
 
 
-def test_what_drawing_functions_do_is_told_as_it_is_written(studio: Studio) -> None:
-    """Without the properties of all that is drawn, which would be composed as matplotlib is imported."""
-    _, printed = drawn(studio, PYPLOT + "print(plt.plot.__doc__, plt.Line2D.set.__doc__)")
-    assert "fmt : str" in printed
-    assert "Set multiple properties at once" in printed
-    assert "agg_filter" not in printed
-
-
 def test_a_program_that_draws_nothing_has_no_figures(studio: Studio) -> None:
     assert drawn(studio, "print(1)") == ((), "1\n")
 

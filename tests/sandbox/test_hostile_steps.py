@@ -33,7 +33,7 @@ def test_a_hostile_program_is_followed_to_the_end_that_it_must_have(sandbox: San
     filed, source = path.parent.name, path.read_bytes()
     policy = HURRIED.get(filed, POLICY)
     told = Told(source.count(b"\n") + 1)
-    with patch("server.sandbox.connection.GRACE", GRACE.get(filed, 60.0)):
+    with patch("server.sandbox.connection.GRACE_SECONDS", GRACE.get(filed, 60.0)):
         with sandbox.open(source, policy=policy) as session:
             followed = session.trace("suivre")
         end, reply = run.understood(told, followed, waits=False)

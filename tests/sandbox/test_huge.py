@@ -14,7 +14,7 @@ from .limits import FAR
 
 
 def lines(*told: str) -> list[int]:
-    return [place for line in told for place in huge_pages._inside(line.split())]
+    return [place for line in told for place in huge_pages._aligned_addresses(line.split())]
 
 
 def test_they_lie_whole_in_private_memory_that_may_be_written() -> None:
@@ -33,15 +33,15 @@ def memory() -> Iterator[mmap.mmap]:
 
 
 def test_this_process_finds_its_own_and_what_they_hold_stays(memory: mmap.mmap) -> None:
-    before = set(huge_pages.places())
+    before = set(huge_pages.huge_page_addresses())
     memory[:] = bytes(range(256)) * (len(memory) // 256)
     assert len(before) >= 3
-    huge_pages.collapse(sorted(before))
+    huge_pages.collapse_into_huge_pages(sorted(before))
     assert memory[:] == bytes(range(256)) * (len(memory) // 256)
 
 
 def test_a_place_where_nothing_is_is_passed_over() -> None:
-    huge_pages.collapse([0, huge_pages.SIZE])
+    huge_pages.collapse_into_huge_pages([0, huge_pages.SIZE])
 
 
 def test_what_a_program_writes_there_is_its_own(sandbox: Sandbox) -> None:

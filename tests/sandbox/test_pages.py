@@ -14,7 +14,7 @@ import pytest
 from server.sandbox import FaultKind, ProgramFault, Sandbox
 from server.sandbox.child import libc, page_prefault
 
-pytestmark = pytest.mark.skipif(not page_prefault.offered(), reason="this kernel takes no list of ranges")
+pytestmark = pytest.mark.skipif(not page_prefault.is_supported(), reason="this kernel takes no list of ranges")
 _PAGES, _WRITTEN, _OTHERS = 40, (3, 4, 5, 20, 31), (7, 8, 15, 16, 25)
 
 
@@ -40,15 +40,15 @@ def write(memory: mmap.mmap, numbers: Sequence[int] = _WRITTEN) -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
 
-def ranges(calls: tuple[libc.Call, ...], advice: int) -> list[tuple[int, int]]:
+def ranges(calls: tuple[libc.PreparedCall, ...], advice: int) -> list[tuple[int, int]]:
     found = []
     for _, arguments, _ in calls:
         _, _, listed, count, asked, _ = arguments
         assert isinstance(count, ctypes.c_long)
         assert isinstance(asked, ctypes.c_long)
-        assert isinstance(listed, libc.Ranges)
+        assert isinstance(listed, libc.MemoryRanges)
         if asked.value == advice:
-            found += [(one.place, one.length) for one in listed[: count.value]]
+            found += [(one.address, one.length) for one in listed[: count.value]]
     return found
 
 
@@ -64,7 +64,7 @@ def in_a_fork(action: Callable[[], bool]) -> bool:
 
 
 def test_what_a_fork_writes_is_learnt_and_what_it_does_not_is_not(memory: mmap.mmap, processes: int) -> None:
-    calls = page_prefault.needed(os.fork, partial(write, memory), processes)
+    calls = page_prefault.learn_prefault_calls(os.fork, partial(write, memory), processes)
     start = ctypes.addressof(ctypes.c_char.from_buffer(memory))
     asked = {place + at for place, size in ranges(calls, page_prefault._WRITE) for at in range(0, size, mmap.PAGESIZE)}
     mine = {start + number * mmap.PAGESIZE for number in range(_PAGES)}
@@ -73,11 +73,11 @@ def test_what_a_fork_writes_is_learnt_and_what_it_does_not_is_not(memory: mmap.m
 
 
 def test_the_next_one_has_them_at_once_and_as_they_were(memory: mmap.mmap, processes: int) -> None:
-    calls = page_prefault.needed(os.fork, partial(write, memory), processes)
+    calls = page_prefault.learn_prefault_calls(os.fork, partial(write, memory), processes)
     before = memory[:]
 
     def has_them() -> bool:
-        libc.hint(calls)
+        libc.run_calls_ignoring_errors(calls)
         same = memory[:] == before
         write(memory, [])  # the pages of these very lines
         return same and write(memory) < len(_WRITTEN) <= write(memory, _OTHERS)
@@ -90,19 +90,19 @@ def test_a_life_that_fails_teaches_nothing(processes: int, capfd: pytest.Capture
     def fails() -> None:
         raise RuntimeError("a life that fails")
 
-    assert page_prefault.needed(os.fork, fails, processes) == ()
+    assert page_prefault.learn_prefault_calls(os.fork, fails, processes) == ()
     assert "a life that fails" in capfd.readouterr().err
 
 
 def test_where_the_kernel_takes_no_list_nothing_is_tried(monkeypatch: pytest.MonkeyPatch, processes: int) -> None:
-    monkeypatch.setattr(libc, "made", lambda call: libc._checked(-1, "process_madvise"))
-    assert page_prefault.needed(lambda: pytest.fail("a fork"), lambda: None, processes) == ()
+    monkeypatch.setattr(libc, "run_call", lambda call: libc._checked(-1, "process_madvise"))
+    assert page_prefault.learn_prefault_calls(lambda: pytest.fail("a fork"), lambda: None, processes) == ()
 
 
 def test_a_range_that_is_no_longer_there_hinders_nothing() -> None:
-    listed = libc.Ranges()
-    listed[0].place, listed[0].length = mmap.PAGESIZE, mmap.PAGESIZE
-    libc.hint([libc.advising(page_prefault._WRITE, listed, ctypes.c_long(1))])
+    listed = libc.MemoryRanges()
+    listed[0].address, listed[0].length = mmap.PAGESIZE, mmap.PAGESIZE
+    libc.run_calls_ignoring_errors([libc.prepare_process_madvise(page_prefault._WRITE, listed, ctypes.c_long(1))])
 
 
 def test_a_program_may_not_ask(sandbox: Sandbox) -> None:

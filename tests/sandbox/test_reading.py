@@ -12,10 +12,10 @@ import pytest
 
 from server.sandbox import FaultKind, Policy, diagnosis
 from server.sandbox.child import frames
-from server.sandbox.child.codec import Limits, decode, encode
+from server.sandbox.child.codec import ValueLimits, decode, encode
 from tests.fuzz import reading, structured
 
-LIMITS = Limits(1 << 16, 8, 1000)
+LIMITS = ValueLimits(1 << 16, 8, 1000)
 FAULT: dict[str, Any] = {
     "kind": "runtime_error",
     "exception": "ValueError",

@@ -204,22 +204,6 @@ def test_scipy_is_there_when_the_source_asks_for_it(sandbox: Sandbox) -> None:
         assert np.allclose(session.call("f", 2.0 * np.eye(3)).value, 0.5 * np.eye(3))  # type: ignore[arg-type]
 
 
-def test_what_scipy_s_functions_do_is_told_as_it_is_written(sandbox: Sandbox) -> None:
-    """Not composed again as it is imported: a template would take twice as long to start."""
-    pytest.importorskip("scipy")
-    source = b"""
-import scipy.linalg, scipy.optimize, scipy.signal, scipy.stats
-ASKED = (scipy.linalg.inv, scipy.optimize.differential_evolution, scipy.signal.find_peaks, scipy.stats.ttest_ind)
-def f():
-    return [function.__doc__ for function in ASKED]
-"""
-    with sandbox.open(source) as session:
-        told = session.call("f").value
-    assert isinstance(told, list)
-    assert all("Parameters\n" in text for text in told)
-    assert not any("Array API Standard Support" in text for text in told), "scipy composes them elsewhere"
-
-
 def test_a_policy_of_threads_lets_threads_run(sandbox: Sandbox) -> None:
     source = b"""
 import threading

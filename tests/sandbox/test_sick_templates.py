@@ -14,7 +14,7 @@ import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, liveness
 from server.sandbox.child import frames
-from server.sandbox.child.inner import MAX_SEATS, WORDS
+from server.sandbox.child.inner import MAX_CONTROL_GROUPS, TRACEBACK
 from server.sandbox.child.libc import PR_SET_SECCOMP
 from server.sandbox.faults import TemplateFault
 from server.sandbox.wire import WireClosed
@@ -39,7 +39,7 @@ pytestmark = pytest.mark.usefixtures("alone")
 @pytest.fixture(autouse=True)
 def _looked_at_often(monkeypatch: pytest.MonkeyPatch) -> None:
     """What hangs is told by what it does at five looks, not by how long they take."""
-    monkeypatch.setattr(liveness, "LOOK", 0.05)
+    monkeypatch.setattr(liveness, "POLL_SECONDS", 0.05)
 
 
 @pytest.mark.parametrize(
@@ -89,8 +89,8 @@ def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends(body: str,
 
 def test_an_end_that_is_told_late_keeps_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     """The template is stopped until we have lost patience and ordered it to kill a program that had ended by itself."""
-    monkeypatch.setattr(liveness, "LOOK", 30.0)
-    monkeypatch.setattr("server.sandbox.connection.GRACE", 0.1)
+    monkeypatch.setattr(liveness, "POLL_SECONDS", 30.0)
+    monkeypatch.setattr("server.sandbox.connection.GRACE_SECONDS", 0.1)
     leaves = LEAVES.replace(b"os._exit", b"def f(x): os._exit")
     with Sandbox({}, spares=0) as sandbox, sandbox.open(leaves, policy=FAR) as session, ThreadPoolExecutor(1) as aside:
         template = root_and_template()[1]
@@ -138,7 +138,7 @@ def spoil(message):
     if gc.get_freeze_count():  # it serves
         say(message)
 def say(message):
-    data = message if isinstance(message, bytes) else codec.encode(message, codec.Limits(1 << 16, 6, 100))
+    data = message if isinstance(message, bytes) else codec.encode(message, codec.ValueLimits(1 << 16, 6, 100))
     os.write(control, data)
 """
 STRANGE = {
@@ -200,15 +200,15 @@ def test_a_template_that_dies_at_a_fork_is_our_fault_with_its_last_words() -> No
 BREAKING = """
 import ctypes, dataclasses, sys
 inner, libc = sys.modules["child.inner"], sys.modules["child.libc"]
-walls = inner.Masonry.walls
-def broken(mason, limits):
-    raised = walls(mason, limits)
-    first, last, seats = parts = list(raised.first), list(raised.last), list(raised.seats)
+build = inner.WallBuilder.build
+def build_broken(builder, limits):
+    raised = build(builder, limits)
+    first, last, groups = parts = list(raised.first), list(raised.last), list(raised.join_groups)
     places = [(part, at) for part in parts for at in range(len(part))]
     for part, at in places[limits.stdout_bytes - BASE :][:1]:
-        part[at] = libc._held.close, (ctypes.c_int(-1),), "lacking: " + part[at][2]
-    return dataclasses.replace(raised, first=tuple(first), seats=tuple(seats), last=tuple(last))
-inner.Masonry.walls = broken
+        part[at] = libc._libc_with_gil.close, (ctypes.c_int(-1),), "lacking: " + part[at][2]
+    return dataclasses.replace(raised, first=tuple(first), join_groups=tuple(groups), last=tuple(last))
+inner.WallBuilder.build = build_broken
 """
 BASE = 1 << 14
 NEEDED = {"dup2", "close_range", "capset", "setrlimit", "landlock_restrict_self", "prctl"}
@@ -236,7 +236,7 @@ def test_a_child_that_lacks_any_of_its_walls_says_so_and_is_never_ready() -> Non
 
         while one := said(len(lacking)):
             lacking.append(one)
-        assert not any(said(len(lacking) + more) for more in range(1, MAX_SEATS + 1))
+        assert not any(said(len(lacking) + more) for more in range(1, MAX_CONTROL_GROUPS + 1))
     assert lacking[0] == "lacking: the wire"
     assert {one.partition(":")[0].partition("(")[0] for one in lacking} >= NEEDED
     assert f"prctl({PR_SET_SECCOMP}): Bad file descriptor\n" in lacking
@@ -255,7 +255,7 @@ template.serve = crowded
 """
 
 
-@pytest.mark.parametrize("last", [WORDS - 3, WORDS - 2])
+@pytest.mark.parametrize("last", [TRACEBACK - 3, TRACEBACK - 2])
 def test_a_template_that_serves_hundreds_hands_each_fork_its_own_ends(last: int) -> None:
     kit = CROWDED.replace("LAST", str(last))
     with (

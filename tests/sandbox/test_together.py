@@ -12,8 +12,15 @@ import pytest
 from server.sandbox import CallBatch, FaultKind, ProgramFault, Reply, Sandbox, Value
 from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.child import codec, frames
-from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_columns, encode_returned
-from server.sandbox.child.frames import framed
+from server.sandbox.child.codec import (
+    UnsendableValue,
+    ValueLimits,
+    ValueTooBig,
+    encode,
+    encode_columns,
+    encode_returned,
+)
+from server.sandbox.child.frames import pack_frame
 from server.sandbox.session import AnswerBlock
 from server.sandbox.values import split_rows
 from server.sandbox.wire import DeadlineExceeded, Wire
@@ -23,7 +30,7 @@ from .limits import FAR
 COUNTING = (
     b"n = 0\ndef f(x):\n    global n\n    n += 1\n    return n, 6 / x\ndef g(x, y):\n    x += y\n    return None\n"
 )
-LIMITS = Limits(1 << 16, 8, 1000)
+LIMITS = ValueLimits(1 << 16, 8, 1000)
 
 
 def told(number: int, answer: Reply | ProgramFault) -> tuple[int, object]:
@@ -173,12 +180,12 @@ def test_an_answer_of_the_last_one_s_form_reads_as_the_decoder_does() -> None:
     for before in values:
         alike = AnswerShape()
         answer = encode((before, None), LIMITS)
-        alike.learn(answer, *codec.measured(answer, LIMITS))
+        alike.learn(answer, *codec.decode_counted(answer, LIMITS))
         for value in (*values, np.array([np.nan, np.inf, -0.0]), -0.0):
             for data in _mutants(encode((value, None), LIMITS), rng):
                 read = alike.read(data)
                 if read is not None:
-                    decoded, items = codec.measured(data, LIMITS)
+                    decoded, items = codec.decode_counted(data, LIMITS)
                     assert items == alike.items
                     assert repr(decoded) == repr((read, None))
                     assert not isinstance(read, np.ndarray) or (read.flags.c_contiguous and read.flags.writeable)
@@ -189,12 +196,15 @@ def test_an_answer_of_the_last_one_s_form_reads_as_the_decoder_does() -> None:
 def test_answers_that_are_here_are_taken_in_up_to_the_first_that_is_another(shape: tuple[int, ...] | None) -> None:
     values: list[Value] = [float(k) if shape is None else np.full(shape, float(k)) for k in range(6)]
     answers = [encode((one, None), LIMITS) for one in values]
-    sound = [framed(10 + k, frames.VALUE, answer) for k, answer in enumerate(answers)]
+    sound = [pack_frame(10 + k, frames.VALUE, answer) for k, answer in enumerate(answers)]
     assert _taken_in([*sound, END]) == repr(values[1:])
     for place in range(1, 7):
-        strange = [b"", sound[place - 1], END, sound[place % 6][:-1], framed(10 + place, frames.FAULT, answers[0])]
-        strange += [framed(7, frames.VALUE, b""), framed(10 + place, frames.VALUE, encode((np.zeros(4), None), LIMITS))]
-        strange += [framed(10 + place, frames.VALUE, answers[0][:-1] + b"T"), framed(8, frames.DONE, b"")]
+        strange = [b"", sound[place - 1], END, sound[place % 6][:-1], pack_frame(10 + place, frames.FAULT, answers[0])]
+        strange += [
+            pack_frame(7, frames.VALUE, b""),
+            pack_frame(10 + place, frames.VALUE, encode((np.zeros(4), None), LIMITS)),
+        ]
+        strange += [pack_frame(10 + place, frames.VALUE, answers[0][:-1] + b"T"), pack_frame(8, frames.DONE, b"")]
         for other in strange[place == 6 :]:
             if other != [*sound, END][place]:
                 # The last answer is taken in with what ends the batch, and with nothing else.
@@ -204,7 +214,7 @@ def test_answers_that_are_here_are_taken_in_up_to_the_first_that_is_another(shap
     assert _taken_in(sound) == repr(values[1:5])
 
 
-END = framed(7, frames.DONE, b"")
+END = pack_frame(7, frames.DONE, b"")
 
 
 def _taken_in(came: list[bytes]) -> str:
@@ -213,7 +223,7 @@ def _taken_in(came: list[bytes]) -> str:
         theirs.sendall(b"".join(came))
         wire, form = Wire(ours), AnswerShape()
         _, answer = wire.receive(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
-        form.learn(answer, *codec.measured(answer, LIMITS))
+        form.learn(answer, *codec.decode_counted(answer, LIMITS))
         values = split_rows(wire.receive_same_shape(range(11, 16), frames.VALUE, form, END))
         # What is left is what has not been given.
         assert wire.has_whole_answer is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
@@ -242,16 +252,21 @@ def test_what_most_answers_are_is_encoded_as_all_others_are() -> None:
         [1.0],
     ]
     values += [np.zeros((1,) * 9), np.ma.masked_array(floats)]
-    bounds = [LIMITS, *(Limits(size, 8, 1000) for size in range(70)), Limits(1 << 16, 1, 1000), Limits(1 << 16, 8, 2)]
+    bounds = [
+        LIMITS,
+        *(ValueLimits(size, 8, 1000) for size in range(70)),
+        ValueLimits(1 << 16, 1, 1000),
+        ValueLimits(1 << 16, 8, 2),
+    ]
     for value in values:
         for limits in bounds:
             assert _outcome(encode_returned, value, limits) == _outcome(encode, (value, None), limits)
 
 
-def _outcome(encoded: Callable[[object, Limits], bytes], value: object, limits: Limits) -> object:
+def _outcome(encoded: Callable[[object, ValueLimits], bytes], value: object, limits: ValueLimits) -> object:
     try:
         return encoded(value, limits)
-    except (TooBig, Unsendable) as error:
+    except (ValueTooBig, UnsendableValue) as error:
         return repr(error)
 
 
@@ -269,7 +284,7 @@ def test_an_answer_is_waited_for_as_far_as_it_is_of_the_form_of_the_last(length:
     ours, theirs = socket.socketpair()
     with ours, theirs:
         wire, form = Wire(ours), AnswerShape()
-        form.learn(answer, *codec.measured(answer, LIMITS))
+        form.learn(answer, *codec.decode_counted(answer, LIMITS))
         theirs.sendall(frames.HEADER.pack(form.answer_bytes + length - 22, 10, frames.VALUE))
         if length == 22:
             with pytest.raises(DeadlineExceeded):

@@ -12,7 +12,7 @@ import pytest
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import landlock, libc, namespaces, outer, seccomp, syscalls
-from server.sandbox.child.imports import AtForks
+from server.sandbox.child.imports import ForkHookRecorder
 from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import run_assault
 
@@ -95,7 +95,7 @@ def test_of_what_is_shown_only_the_outermost_is_named(tmp_path: Path) -> None:
     for name in ("a/b/c", "a-b", "ab/c"):
         (tmp_path / name).mkdir(parents=True)
     asked = ("ab/c", "a/b/c", "a-b", "a", "a/b", "absent", "a-b/../a")
-    found = outer.outermost(f"{tmp_path}/{name}" for name in asked)
+    found = outer.drop_nested(f"{tmp_path}/{name}" for name in asked)
     assert found == [f"{tmp_path}/{name}" for name in ("a", "a-b", "ab/c")]
 
 
@@ -154,8 +154,8 @@ def answered(parts: tuple[bytes, ...], machine: str, number: int, *arguments: in
 @pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
 def test_the_filter_answers_as_the_tables_say(monkeypatch: pytest.MonkeyPatch, machine: str, folder: bool) -> None:
     monkeypatch.setattr(libc, "MACHINE", machine)
-    column = libc.column()
-    parts = seccomp.first(folder=folder), seccomp.second(threads=False)
+    column = libc.architecture_column()
+    parts = seccomp.template_filter(folder=folder), seccomp.fork_filter(threads=False)
     expected = dict.fromkeys(range(syscalls.LAST_KNOWN + 1), seccomp.KILL)
     expected |= dict.fromkeys(syscalls.numbers(syscalls.ALLOWED, column), seccomp.ALLOW)
     expected |= dict.fromkeys(syscalls.numbers(syscalls.REFUSED, column), seccomp.ERRNO | seccomp.EPERM)
@@ -177,10 +177,10 @@ def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine:
     monkeypatch.setattr(libc, "MACHINE", machine)
     refused, thread, process, namespace = seccomp.ERRNO | seccomp.EPERM, 0x003D0F00, 0x01200011, 0x10000011
     for threads in (False, True):
-        parts = seccomp.first(folder=False), seccomp.second(threads=threads)
+        parts = seccomp.template_filter(folder=False), seccomp.fork_filter(threads=threads)
 
         def answer(name: str, *arguments: int, parts: tuple[bytes, ...] = parts) -> int:
-            number = syscalls.number(name, libc.column())
+            number = syscalls.number(name, libc.architecture_column())
             assert number is not None
             return answered(parts, machine, number, *arguments)
 
@@ -206,8 +206,8 @@ def test_forks_share_their_template_s_network_only_behind_two_other_walls(
     monkeypatch: pytest.MonkeyPatch, lifted: tuple[str, ...], scopes: bool, shares: bool
 ) -> None:
     monkeypatch.setattr(landlock, "scopes_sockets", lambda: scopes)
-    assert bool(namespaces.of_forks(lifted) & namespaces.NEWNET) != shares
-    assert namespaces.of_forks(lifted) | namespaces.NEWNET == namespaces.NEWUSER | namespaces.flags(lifted)
+    assert bool(namespaces.fork_flags(lifted) & namespaces.NEWNET) != shares
+    assert namespaces.fork_flags(lifted) | namespaces.NEWNET == namespaces.NEWUSER | namespaces.wall_flags(lifted)
 
 
 def test_a_template_is_filtered_too_and_its_forks_twice(without: Lifting) -> None:
@@ -240,14 +240,14 @@ def test_no_fork_has_a_network_of_the_machine_nor_one_that_is_its_own_for_nothin
 @pytest.mark.parametrize(("importer", "asked"), [("threading", False), ("matplotlib.font_manager", True)])
 def test_a_fork_is_told_to_what_asks_for_it_but_the_standard_library(importer: str, asked: bool) -> None:
     before = os.register_at_fork
-    at_forks = AtForks()
+    at_forks = ForkHookRecorder()
     exec("import os\nos.register_at_fork(before=int)", {"__name__": importer})
-    assert at_forks.asked() == asked
+    assert at_forks.stop() == asked
     assert os.register_at_fork is before
 
 
 def test_a_filter_fits_the_kernel() -> None:
-    for program in (seccomp.first(folder=False), seccomp.second(threads=False)):
+    for program in (seccomp.template_filter(folder=False), seccomp.fork_filter(threads=False)):
         assert len(program) % 8 == 0
         assert len(program) // 8 <= 4096
     assert landlock.version() >= 1

@@ -12,7 +12,7 @@ import pytest
 from server.sandbox import Value
 from server.sandbox.child import codec
 from server.sandbox.child.frames import STEP_LIMITS
-from server.sandbox.child.value_descriptions import Described
+from server.sandbox.child.value_descriptions import ValueDescriber
 from server.steps import values
 from server.steps.run import _returned
 from server.steps.schemas import TraceOut
@@ -33,7 +33,7 @@ SHOWN = {
 
 def arrived(value: object) -> Value:
     """What the trusted side has of a value that a tracer describes."""
-    return codec.decode(codec.encode(Described().value(value), STEP_LIMITS), STEP_LIMITS)
+    return codec.decode(codec.encode(ValueDescriber().describe(value), STEP_LIMITS), STEP_LIMITS)
 
 
 @pytest.mark.parametrize("kind", SHOWN)
@@ -98,7 +98,7 @@ def _mangled(piece: Any, chance: random.Random) -> Any:
 
 def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds() -> None:
     chance = random.Random(20)
-    described = Described().value({"a": [1, np.eye(2)], "b": "c"})
+    described = ValueDescriber().describe({"a": [1, np.eye(2)], "b": "c"})
     sound = [
         ("frame", "f", 1, None),
         ("step", "call", 0, 1, (("a", described),), (), (), ("", "")),

@@ -7,32 +7,32 @@ import signal
 import sys
 
 from . import outer
-from .imports import AtForks
+from .imports import ForkHookRecorder
 
 
 def main(control: int, configuration: int, parent: int, namespaces: bool, lifted: list[str], sites: list[str]) -> None:
     """`lifted`: walls left down; `sites`: the directories where numpy and scipy are installed."""
     outer.tie_to_parent(parent)
     forget_inherited_signals()
-    control, configuration = lowered(control), lowered(configuration)
+    control, configuration = move_to_lowest_descriptor(control), move_to_lowest_descriptor(configuration)
 
     def inside() -> None:
         sys.path += sites
         with open(configuration, "rb", closefd=True) as file:
             data = file.read()
-        at_forks = AtForks()
+        at_forks = ForkHookRecorder()
         from . import template
 
         template.start(control, data, at_forks)
 
     if namespaces:
-        code = outer.split_off(inside, control, lifted)
+        code = outer.run_in_namespaces(inside, control, lifted)
         os._exit(code if code >= 0 else 70)
     inside()
     os._exit(0)
 
 
-def lowered(descriptor: int) -> int:
+def move_to_lowest_descriptor(descriptor: int) -> int:
     """The same file at the lowest number: of a service with hundreds open, ours would be a place that forks use."""
     lowest = os.dup(descriptor)
     os.close(descriptor)

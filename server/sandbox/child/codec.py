@@ -5,22 +5,22 @@ trusted process on bytes that may be hostile: it yields exact base types, or rai
 the bytes do not fill.
 """
 
-from .decoder import decode, measured
+from .decoder import decode, decode_counted
 from .encoder import encode, encode_columns, encode_returned
-from .wire_values import DTYPES, Array, Limits, Malformed, TooBig, TooMany, Unsendable, Value
+from .wire_values import DTYPES, Array, MalformedValue, TooManyItems, UnsendableValue, Value, ValueLimits, ValueTooBig
 
 __all__ = [
     "DTYPES",
     "Array",
-    "Limits",
-    "Malformed",
-    "TooBig",
-    "TooMany",
-    "Unsendable",
+    "MalformedValue",
+    "TooManyItems",
+    "UnsendableValue",
     "Value",
+    "ValueLimits",
+    "ValueTooBig",
     "decode",
+    "decode_counted",
     "encode",
     "encode_columns",
     "encode_returned",
-    "measured",
 ]

@@ -17,15 +17,15 @@ from .wire_values import (
     MAX_INT_BYTES,
     NATIVE,
     Array,
-    Limits,
-    Malformed,
-    TooMany,
+    MalformedValue,
+    TooManyItems,
     Value,
+    ValueLimits,
 )
 
 
 class _Reader:
-    def __init__(self, data: bytes, limits: Limits) -> None:
+    def __init__(self, data: bytes, limits: ValueLimits) -> None:
         self.data = data
         self.at = 0
         self.limits = limits
@@ -34,7 +34,7 @@ class _Reader:
     def take(self, length: int) -> bytes:
         end = self.at + length
         if end > len(self.data):
-            raise Malformed("cut short")
+            raise MalformedValue("cut short")
         piece = self.data[self.at : end]
         self.at = end
         return piece
@@ -42,7 +42,7 @@ class _Reader:
     def item(self) -> None:
         self.items += 1
         if self.items > self.limits.items:
-            raise TooMany("too many items")
+            raise TooManyItems("too many items")
 
     def length(self) -> int:
         return int(LENGTH.unpack(self.take(4))[0])
@@ -51,38 +51,38 @@ class _Reader:
         """Number of items to come: each takes a byte at least, so the bytes left bound it."""
         count = self.length()
         if count > len(self.data) - self.at:
-            raise Malformed("more items than bytes")
+            raise MalformedValue("more items than bytes")
         if self.items + count > self.limits.items:  # told before any of them is read
-            raise TooMany("too many items")
+            raise TooManyItems("too many items")
         return count
 
 
-def decode(data: bytes, limits: Limits) -> Value:
+def decode(data: bytes, limits: ValueLimits) -> Value:
     """The value of these bytes, made of exact base types; arrays are owned, C-contiguous, native and writable.
 
     Raises Malformed, and nothing else, for bytes that are not one whole value within the limits.
     """
-    return measured(data, limits)[0]
+    return decode_counted(data, limits)[0]
 
 
-def measured(data: bytes, limits: Limits) -> tuple[Value, int]:
+def decode_counted(data: bytes, limits: ValueLimits) -> tuple[Value, int]:
     """As `decode`, with the number of items that the value is made of: an array is one, the key of a dict is one."""
     if len(data) > limits.size:
-        raise Malformed("too long")
+        raise MalformedValue("too long")
     reader = _Reader(data, limits)
     value = _decode(reader, 1)
     if reader.at != len(data):
-        raise Malformed("bytes left over")
+        raise MalformedValue("bytes left over")
     return value, reader.items
 
 
 def _decode(reader: _Reader, depth: int) -> Value:
     reader.item()
     if depth > reader.limits.depth:
-        raise Malformed("too deep")
+        raise MalformedValue("too deep")
     decoder = _DECODERS.get(reader.take(1))
     if decoder is None:
-        raise Malformed("unknown tag")
+        raise MalformedValue("unknown tag")
     return decoder(reader, depth)
 
 
@@ -93,7 +93,7 @@ def _decode_int(reader: _Reader, depth: int) -> int:
 def _decode_big_int(reader: _Reader, depth: int) -> int:
     length = reader.length()
     if length > MAX_INT_BYTES:
-        raise Malformed("integer too long")
+        raise MalformedValue("integer too long")
     return int.from_bytes(reader.take(length), "little", signed=True)
 
 
@@ -109,23 +109,23 @@ def _decode_str(reader: _Reader, depth: int) -> str:
     try:
         return reader.take(reader.length()).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise Malformed("text is not UTF-8") from error
+        raise MalformedValue("text is not UTF-8") from error
 
 
 def _decode_array(reader: _Reader, depth: int) -> Array:
     code, dimensions = reader.take(2)
     if code >= len(DTYPES) or dimensions > MAX_DIMENSIONS:
-        raise Malformed("unknown array")
+        raise MalformedValue("unknown array")
     shape = struct.unpack(f"<{dimensions}I", reader.take(4 * dimensions))
     nonzero = size = DTYPES[code].itemsize
     for side in shape:
         nonzero *= max(side, 1)
         size *= side
         if nonzero > 2**48:
-            raise Malformed("array too big")
+            raise MalformedValue("array too big")
     flat = np.frombuffer(reader.take(size), dtype=np.uint8 if code == 0 else DTYPES[code])
     if code == 0 and flat.size and flat.max() > 1:
-        raise Malformed("bool that is neither 0 nor 1")
+        raise MalformedValue("bool that is neither 0 nor 1")
     return flat.reshape(shape).astype(NATIVE[code])
 
 
@@ -141,11 +141,11 @@ def _decode_dict(reader: _Reader, depth: int) -> dict[str, Value]:
     result: dict[str, Value] = {}
     for _ in range(reader.count()):
         if reader.take(1) != b"s":
-            raise Malformed("key is not text")
+            raise MalformedValue("key is not text")
         reader.item()
         key = _decode_str(reader, depth)
         if key in result:
-            raise Malformed("key given twice")
+            raise MalformedValue("key given twice")
         result[key] = _decode(reader, depth + 1)
     return result
 

@@ -85,7 +85,7 @@ def warm_up() -> None:
     pyplot.close("all")
 
 
-def offered() -> bool:
+def is_loaded() -> bool:
     return "matplotlib.pyplot" in sys.modules
 
 

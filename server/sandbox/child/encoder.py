@@ -17,50 +17,50 @@ from .wire_values import (
     MAX_DIMENSIONS,
     MAX_INT_BYTES,
     Array,
-    Limits,
-    TooBig,
-    Unsendable,
+    UnsendableValue,
+    ValueLimits,
+    ValueTooBig,
 )
 
 _FLOATS = np.dtype("<f8")
 #: A tuple of two begins.
-_PAIR = b"t" + LENGTH.pack(2)
+_PAIR_HEADER = b"t" + LENGTH.pack(2)
 
 
 class _Writer:
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: ValueLimits) -> None:
         self.out = bytearray()
         self.limits = limits
         self.items = 0
 
     def write(self, data: bytes | memoryview) -> None:
         if len(self.out) + len(data) > self.limits.size:
-            raise TooBig("size")
+            raise ValueTooBig("size")
         self.out += data
 
     def node(self, depth: int) -> None:
         self.items += 1
         if self.items > self.limits.items:
-            raise TooBig("items")
+            raise ValueTooBig("items")
         if depth > self.limits.depth:
-            raise TooBig("depth")
+            raise ValueTooBig("depth")
 
 
-def encode(value: object, limits: Limits) -> bytes:
+def encode(value: object, limits: ValueLimits) -> bytes:
     """Bytes of a value. Raises Unsendable for an object that is none, TooBig beyond the limits."""
     writer = _Writer(limits)
     _encode(writer, value, 1, "")
     return bytes(writer.out)
 
 
-def encode_returned(value: Any, limits: Limits) -> bytes:
+def encode_returned(value: Any, limits: ValueLimits) -> bytes:
     """As `encode` of (value, None), which most answers are; of a float or an array of floats, without its steps."""
     kind, encoded = type(value), b""
     if kind is float or kind is np.float64:
-        encoded = _PAIR + b"f" + FLOAT.pack(value) + b"N"
+        encoded = _PAIR_HEADER + b"f" + FLOAT.pack(value) + b"N"
     elif kind is np.ndarray and value.dtype == _FLOATS and _is_within(value, limits):
         shape = struct.pack(f"<BB{value.ndim}I", DTYPE_CODE[_FLOATS], value.ndim, *value.shape)
-        encoded = b"".join((_PAIR, b"a", shape, value.tobytes(), b"N"))
+        encoded = b"".join((_PAIR_HEADER, b"a", shape, value.tobytes(), b"N"))
     if encoded and len(encoded) <= limits.size and limits.depth >= 2 and limits.items >= 3:
         return encoded
     return encode((value, None), limits)
@@ -75,24 +75,24 @@ def encode_columns(columns: Sequence[Array]) -> bytes:
     return b"".join(pieces)
 
 
-def _is_within(array: Array, limits: Limits) -> bool:
+def _is_within(array: Array, limits: ValueLimits) -> bool:
     return 0 < array.ndim <= MAX_DIMENSIONS and array.nbytes < limits.size
 
 
 def _encode(writer: _Writer, value: object, depth: int, place: str) -> None:
     writer.node(depth)
-    encoder = _EXACT.get(type(value)) or _resembling(value)
+    encoder = _ENCODERS.get(type(value)) or _encoder_of_base_type(value)
     if encoder is None:
         _convert(writer, value, depth, place)
     else:
         encoder(writer, value, depth, place)
 
 
-def _resembling(value: object) -> Callable[[_Writer, Any, int, str], None] | None:
+def _encoder_of_base_type(value: object) -> Callable[[_Writer, Any, int, str], None] | None:
     """Encoder of the base type that an instance of a subclass stands for."""
     for kind in (bool, int, float, complex, str, np.ndarray, np.generic, tuple, list, dict):
         if isinstance(value, kind):
-            return _EXACT[kind]
+            return _ENCODERS[kind]
     return None
 
 
@@ -111,7 +111,7 @@ def _encode_int(writer: _Writer, value: int, depth: int, place: str) -> None:
         return
     size = value.bit_length() // 8 + 1
     if size > MAX_INT_BYTES:
-        raise Unsendable("int", "int", place)
+        raise UnsendableValue("int", "int", place)
     writer.write(b"I" + LENGTH.pack(size) + value.to_bytes(size, "little", signed=True))
 
 
@@ -134,9 +134,9 @@ def _encode_generic(writer: _Writer, value: Any, depth: int, place: str) -> None
     plain = value.item()
     if isinstance(plain, np.generic):  # longdouble
         plain = complex(plain) if isinstance(value, np.complexfloating) else float(plain)
-    encoder = _EXACT.get(type(plain))
+    encoder = _ENCODERS.get(type(plain))
     if encoder is None:
-        raise Unsendable("type", type(value).__name__, place)
+        raise UnsendableValue("type", type(value).__name__, place)
     encoder(writer, plain, depth, place)
 
 
@@ -145,18 +145,18 @@ def _encode_array(writer: _Writer, value: Array, depth: int, place: str) -> None
     if plain.ndim == 0 and plain.dtype.kind != "O":
         return _encode_generic(writer, plain[()], depth, place)
     if plain.ndim > MAX_DIMENSIONS:
-        raise TooBig("depth")
+        raise ValueTooBig("depth")
     if plain.size * plain.itemsize > writer.limits.size:
-        raise TooBig("size")
+        raise ValueTooBig("size")
     if plain.dtype.kind == "O" and any(isinstance(item, np.ndarray) for item in plain.flat):
         return _encode_list(writer, list(plain), depth, place)
-    plain = _listed_dtype(plain, place)
+    plain = _to_wire_dtype(plain, place)
     shape = struct.pack(f"<BB{plain.ndim}I", DTYPE_CODE[plain.dtype], plain.ndim, *plain.shape)
     writer.write(b"a" + shape)
     return writer.write(plain.tobytes())
 
 
-def _listed_dtype(array: Array, place: str) -> Array:
+def _to_wire_dtype(array: Array, place: str) -> Array:
     """The same numbers in a dtype of the list: longdouble becomes float64, objects that are numbers become numbers."""
     if array.dtype.kind == "O":
         array = _numbers_of_objects(array, place)
@@ -166,7 +166,7 @@ def _listed_dtype(array: Array, place: str) -> Array:
     for kind, wide in (("f", "<f8"), ("c", "<c16"), ("i", "<i8"), ("u", "<u8")):
         if array.dtype.kind == kind:
             return array.astype(wide)
-    raise Unsendable("dtype", str(array.dtype), place)
+    raise UnsendableValue("dtype", str(array.dtype), place)
 
 
 def _numbers_of_objects(array: Array, place: str) -> Array:
@@ -175,7 +175,7 @@ def _numbers_of_objects(array: Array, place: str) -> Array:
             return array.astype(dtype)
     if all(isinstance(item, (int, float, complex, np.number)) for item in array.flat):
         return array.astype("c16")
-    raise Unsendable("object", "object", place)
+    raise UnsendableValue("object", "object", place)
 
 
 def _encode_tuple(writer: _Writer, value: tuple[object, ...], depth: int, place: str) -> None:
@@ -188,7 +188,7 @@ def _encode_list(writer: _Writer, value: list[object], depth: int, place: str) -
 
 def _encode_sequence(writer: _Writer, tag: bytes, length: int, items: Iterator[object], depth: int, place: str) -> None:
     if writer.items + length > writer.limits.items:
-        raise TooBig("items")
+        raise ValueTooBig("items")
     writer.write(tag + LENGTH.pack(length))
     for index, item in enumerate(items):
         _encode(writer, item, depth + 1, f"{place}[{index}]")
@@ -198,7 +198,7 @@ def _encode_dict(writer: _Writer, value: dict[object, object], depth: int, place
     writer.write(b"d" + LENGTH.pack(dict.__len__(value)))
     for key, item in dict.items(value):
         if not isinstance(key, str):
-            raise Unsendable("key", type(key).__name__, place)
+            raise UnsendableValue("key", type(key).__name__, place)
         writer.node(depth)
         _encode_str(writer, key, depth, place)
         _encode(writer, item, depth + 1, f"{place}[{str.__str__(key)[:40]!r}]")
@@ -208,19 +208,19 @@ def _convert(writer: _Writer, value: object, depth: int, place: str) -> None:
     """What is not a value but stands for one: a range, a sparse matrix, an object that knows how to be an array."""
     if type(value) is range:
         if len(value) > writer.limits.items:
-            raise TooBig("items")
+            raise ValueTooBig("items")
         _encode_list(writer, list(value), depth, place)
     elif type(value).__module__.startswith("scipy.sparse") and hasattr(value, "toarray"):
         if np.prod(getattr(value, "shape", ()), dtype=float) * 8 > writer.limits.size:
-            raise TooBig("size")
+            raise ValueTooBig("size")
         _encode_array(writer, value.toarray(), depth, place)
     elif hasattr(type(value), "__array__"):
         _encode_array(writer, np.asarray(value), depth, place)
     else:
-        raise Unsendable("type", type(value).__name__, place)
+        raise UnsendableValue("type", type(value).__name__, place)
 
 
-_EXACT: dict[type, Callable[[_Writer, Any, int, str], None]] = {
+_ENCODERS: dict[type, Callable[[_Writer, Any, int, str], None]] = {
     type(None): _encode_none,
     bool: _encode_bool,
     int: _encode_int,

@@ -19,10 +19,10 @@ import math
 import struct
 from collections.abc import Iterator
 
-from .wire_values import Limits
+from .wire_values import ValueLimits
 
 HEADER = struct.Struct("<IQB")
-TOKEN = 8
+TOKEN_BYTES = 8
 #: Whether arguments come back, the faults that end a batch, the seconds that it has; then the name of the function.
 _SHARED = struct.Struct("<?Id")
 
@@ -32,33 +32,33 @@ CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED = 1,
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
 
 #: Questions are ours: these bounds are for our own mistakes.
-QUESTION_LIMITS = Limits(size=1 << 28, depth=64, items=10_000_000)
-FAULT_LIMITS = Limits(size=1 << 16, depth=8, items=1000)
+QUESTION_LIMITS = ValueLimits(size=1 << 28, depth=64, items=10_000_000)
+FAULT_LIMITS = ValueLimits(size=1 << 16, depth=8, items=1000)
 #: Of one step: all the variables of a call, each within the bounds of `shown`, which count a tuple for nothing.
-STEP_LIMITS = Limits(size=1 << 20, depth=24, items=150_000)
+STEP_LIMITS = ValueLimits(size=1 << 20, depth=24, items=150_000)
 
 
-def framed(token: int, kind: int, payload: bytes) -> bytes:
+def pack_frame(token: int, kind: int, payload: bytes) -> bytes:
     return HEADER.pack(len(payload), token, kind) + payload
 
 
-def tokens(part: bytes) -> tuple[int, ...]:
+def unpack_tokens(part: bytes) -> tuple[int, ...]:
     """Those of TOKENS."""
-    return struct.unpack(f"<{len(part) // TOKEN}Q", part)
+    return struct.unpack(f"<{len(part) // TOKEN_BYTES}Q", part)
 
 
-def shared(function: str, wall: float | None, faults: int, *, keeping: bool) -> bytes:
+def pack_shared(function: str, wall: float | None, faults: int, *, return_arguments: bool) -> bytes:
     """What holds of all calls of a batch; without `wall`, they have what the question before leaves."""
-    return _SHARED.pack(keeping, faults, math.nan if wall is None else wall) + function.encode()
+    return _SHARED.pack(return_arguments, faults, math.nan if wall is None else wall) + function.encode()
 
 
-def told(part: bytes) -> tuple[str, float | None, int, bool]:
+def unpack_shared(part: bytes) -> tuple[str, float | None, int, bool]:
     """Of what is SHARED: function, wall, faults, keeping."""
     keeping, faults, wall = _SHARED.unpack_from(part)
     return part[_SHARED.size :].decode(), None if math.isnan(wall) else wall, faults, keeping
 
 
-def parted(frames: bytes) -> Iterator[tuple[int, int, bytes]]:
+def unpack_frames(frames: bytes) -> Iterator[tuple[int, int, bytes]]:
     """Token, kind and payload of each of these frames, which the trusted side has made."""
     at = 0
     while at < len(frames):

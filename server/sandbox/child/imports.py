@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 
 #: The standard modules that students use, and the encodings that a source or a text may need.
-_USUAL = """
+_STANDARD_MODULES = """
 __future__ abc array bisect cmath collections collections.abc contextlib copy dataclasses datetime decimal enum
 fractions functools heapq inspect io itertools json linecache math numbers operator pprint queue random re statistics
 string struct textwrap threading time timeit traceback types typing warnings weakref
@@ -23,30 +23,30 @@ matplotlib.pyplot matplotlib.backends.backend_agg matplotlib.patches matplotlib.
 matplotlib.ticker contourpy mpl_toolkits.mplot3d
 """
 _SETS = {
-    "numpy": _USUAL + _NUMPY,
-    "scipy": _USUAL + _NUMPY + _SCIPY,
-    "matplotlib": _USUAL + _NUMPY + _MATPLOTLIB,
+    "numpy": _STANDARD_MODULES + _NUMPY,
+    "scipy": _STANDARD_MODULES + _NUMPY + _SCIPY,
+    "matplotlib": _STANDARD_MODULES + _NUMPY + _MATPLOTLIB,
 }
 
 
-def modules(imports: str) -> list[str]:
+def modules_to_import(imports: str) -> list[str]:
     """Names of the modules of an import set."""
     return _SETS[imports].split()
 
 
-class AtForks:
+class ForkHookRecorder:
     """Notes whether anything that is imported from now on, but the standard library, asks to be told of forks."""
 
     def __init__(self) -> None:
-        self._register, self._asked = os.register_at_fork, False
-        os.register_at_fork = self._noted  # type: ignore[assignment]
+        self._register, self._has_foreign_hook = os.register_at_fork, False
+        os.register_at_fork = self._record  # type: ignore[assignment]
 
-    def _noted(self, **hooks: Callable[[], object]) -> None:
+    def _record(self, **hooks: Callable[[], object]) -> None:
         importer = str(sys._getframe(1).f_globals.get("__name__", ""))
-        self._asked |= importer.partition(".")[0] not in sys.stdlib_module_names
+        self._has_foreign_hook |= importer.partition(".")[0] not in sys.stdlib_module_names
         self._register(**hooks)
 
-    def asked(self) -> bool:
+    def stop(self) -> bool:
         """It is noted no longer."""
         os.register_at_fork = self._register
-        return self._asked
+        return self._has_foreign_hook

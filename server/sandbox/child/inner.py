@@ -10,19 +10,19 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from . import landlock, libc, seccomp
-from .namespaces import Nest
-from .orders import Limits
+from .namespaces import ForkNamespaces
+from .orders import ChildLimits
 
-Calls = tuple[libc.Call, ...]
+PreparedCalls = tuple[libc.PreparedCall, ...]
 
-_NULL, WIRE, WORDS, RULES = 0, 230, 229, 228
+_NULL, WIRE, TRACEBACK, RULES = 0, 230, 229, 228
 #: A fork is handed a wire, an output and last words; and of how many control groups a seat may be made.
-ENDS, MAX_SEATS = 3, 3
+FORK_DESCRIPTORS, MAX_CONTROL_GROUPS = 3, 3
 #: Address space that only the report of a lack of memory may use.
 RESERVE = 16 << 20
 STACK = 64 << 20
 #: What a template bounds for its forks, whatever their policy; the rest is theirs.
-_OF_A_TEMPLATE = (
+_TEMPLATE_LIMITS = (
     (resource.RLIMIT_CORE, 0),
     (resource.RLIMIT_STACK, STACK),
     (resource.RLIMIT_MEMLOCK, 0),
@@ -30,91 +30,99 @@ _OF_A_TEMPLATE = (
 )
 
 
-class Ends:
+class ForkDescriptors:
     """The descriptors that a fork is handed, in the places from which its calls take them."""
 
     def __init__(self) -> None:
-        self.wire, self.output, self.words = (libc.number() for _ in range(3))
-        self.seats = tuple(libc.number() for _ in range(MAX_SEATS))
+        self.wire, self.output, self.traceback = (libc.late_bound_descriptor() for _ in range(3))
+        self.control_groups = tuple(libc.late_bound_descriptor() for _ in range(MAX_CONTROL_GROUPS))
 
-    def take(self, wire: int, output: int, words: int, *seats: int) -> None:
+    def assign(self, wire: int, output: int, words: int, *seats: int) -> None:
         """`seats` are the lists of processes of control groups, which the next fork joins."""
-        self.wire.value, self.output.value, self.words.value = wire, output, words
-        for place, seat in zip(self.seats, seats, strict=False):
+        self.wire.value, self.output.value, self.traceback.value = wire, output, words
+        for place, seat in zip(self.control_groups, seats, strict=False):
             place.value = seat
 
 
 @dataclass(frozen=True)
-class Walls:
+class ForkWalls:
     """What a fork under one policy does before any line of the student runs: calls that the template has made ready.
 
     It joins its seats between the first and the last, then asks for the memory that it will need, which they bound.
     """
 
-    first: Calls
-    seats: Calls
-    memory: Calls
-    nest: Nest | None
-    last: Calls
+    first: PreparedCalls
+    join_groups: PreparedCalls
+    prefault: PreparedCalls
+    nest: ForkNamespaces | None
+    last: PreparedCalls
     parent: int
 
-    def stand(self, seats: int) -> None:
+    def raise_walls(self, seats: int) -> None:
         """Leaves fds 0 (null), 1 and 2 (output), WIRE and WORDS, and all walls up. Raises OSError.
 
         It dies with the template; a template that died in between is noticed by the changed parent. (In a process
         namespace of its own, a fork does not see its parent: the end of the template's ends it.)
         """
-        libc.make(self.first)
+        libc.run_calls(self.first)
         if os.getppid() not in (self.parent, 0):
             os._exit(70)
-        libc.make(self.seats[:seats])
-        libc.hint(self.memory)
+        libc.run_calls(self.join_groups[:seats])
+        libc.run_calls_ignoring_errors(self.prefault)
         if self.nest:
-            self.nest.settle()
-        libc.make(self.last)
+            self.nest.write_identity()
+        libc.run_calls(self.last)
 
 
-def connected(ends: Ends) -> Calls:
+def prepare_descriptors(ends: ForkDescriptors) -> PreparedCalls:
     """First of all: whatever fails afterwards can be told."""
-    places = (ends.wire, WIRE), (ends.words, WORDS), (ends.output, 1), (ends.output, 2)
-    return (*(libc.duplicating(*each) for each in places), libc.process_control(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
+    places = (ends.wire, WIRE), (ends.traceback, TRACEBACK), (ends.output, 1), (ends.output, 2)
+    return (*(libc.prepare_dup2(*each) for each in places), libc.prepare_prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
 
 
-class Masonry:
+class WallBuilder:
     """Makes the walls of each policy ready, in the template.
 
     `base_memory` is the template's own address space in bytes, once the reserve is there.
     """
 
-    def __init__(self, nest: Nest | None, filters: dict[bool, Calls], lifted: Collection[str], *, rules: bool) -> None:
+    def __init__(
+        self, nest: ForkNamespaces | None, filters: dict[bool, PreparedCalls], lifted: Collection[str], *, rules: bool
+    ) -> None:
         """`rules` tells that those of Landlock are at the descriptor RULES, `filters` what ends with seccomp's wall, by
         whether threads are allowed."""
         self._nest, self._filters, self._lifted, self._rules = nest, filters, lifted, rules
-        self.ends = Ends()
+        self.descriptors = ForkDescriptors()
         self.reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
         self.base_memory = 0
         #: What asks for the pages that a fork needs (`pages`), once that is known.
-        self.memory: Calls = ()
+        self.prefault: PreparedCalls = ()
 
-    def walls(self, limits: Limits) -> Walls:
-        folder = self._nest.furnish(limits.folder_bytes) if self._nest else ()
-        seats = tuple(libc.writing(seat, b"0") for seat in self.ends.seats)
-        last = (*folder, *self._humble(), *self._bounds(limits), *self._ruled(), *self._filters[limits.threads > 1])
-        return Walls(connected(self.ends), seats, self.memory, self._nest, last, os.getpid())
+    def build(self, limits: ChildLimits) -> ForkWalls:
+        folder = self._nest.prepare_folder(limits.folder_bytes) if self._nest else ()
+        seats = tuple(libc.prepare_write(seat, b"0") for seat in self.descriptors.control_groups)
+        last = (
+            *folder,
+            *self._drop_rights(),
+            *self._resource_limits(limits),
+            *self._landlock(),
+            *self._filters[limits.threads > 1],
+        )
+        return ForkWalls(prepare_descriptors(self.descriptors), seats, self.prefault, self._nest, last, os.getpid())
 
-    def _humble(self) -> Iterator[libc.Call]:
+    def _drop_rights(self) -> Iterator[libc.PreparedCall]:
         # Opened anew: the flags of one that all forks of a template shared would be seen by the next student.
-        yield libc.closing(_NULL, _NULL)
-        yield libc.opening("/dev/null", os.O_RDWR)
+        yield libc.prepare_close_range(_NULL, _NULL)
+        yield libc.prepare_open("/dev/null", os.O_RDWR)
         if "descriptors" not in self._lifted:
-            yield libc.closing(3, (RULES if self._rules else WORDS) - 1)
-            yield libc.closing(WIRE + 1, 2**32 - 1)
+            yield libc.prepare_close_range(3, (RULES if self._rules else TRACEBACK) - 1)
+            yield libc.prepare_close_range(WIRE + 1, 2**32 - 1)
         if "capabilities" not in self._lifted:
-            yield from libc.dropping_capabilities()
-        yield libc.process_control(libc.PR_SET_DUMPABLE, int("dumpable" in self._lifted))
-        yield libc.process_control(libc.PR_SET_NO_NEW_PRIVS, 1)
+            yield from libc.prepare_capability_drop()
+        yield libc.prepare_prctl(libc.PR_SET_DUMPABLE, int("dumpable" in self._lifted))
+        yield libc.prepare_prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
 
-    def _bounds(self, limits: Limits) -> Iterator[libc.Call]:
+    def _resource_limits(self, limits: ChildLimits) -> Iterator[libc.PreparedCall]:
         if "rlimits" in self._lifted:
             return
         seconds = int(limits.cpu_seconds) + 1  # the kernel counts whole seconds; the child's own timer comes first
@@ -128,36 +136,36 @@ class Masonry:
         ):
             if kind == resource.RLIMIT_NPROC and limits.threads > 1:
                 continue
-            ceiling = _ceiling(kind)
-            yield libc.bounding(kind, min(soft, ceiling), min(hard, ceiling))
+            ceiling = _hard_limit(kind)
+            yield libc.prepare_setrlimit(kind, min(soft, ceiling), min(hard, ceiling))
 
-    def _ruled(self) -> Iterator[libc.Call]:
+    def _landlock(self) -> Iterator[libc.PreparedCall]:
         if self._rules:
             if "landlock" not in self._lifted:
-                yield landlock.restricting(RULES)
-            yield libc.closing(RULES, RULES)
+                yield landlock.prepare_restrict_self(RULES)
+            yield libc.prepare_close_range(RULES, RULES)
 
 
-def keep_places() -> None:
+def reserve_descriptors() -> None:
     """No descriptor that a template is handed, however many, comes to lie where the ends of a fork are put."""
-    for place in (WIRE, WORDS):
+    for place in (WIRE, TRACEBACK):
         os.dup2(_NULL, place, inheritable=False)
 
 
-def bound_template() -> None:
+def limit_template() -> None:
     """The limits that hold for all forks."""
-    for kind, most in _OF_A_TEMPLATE:
-        least = min(most, _ceiling(kind))
+    for kind, most in _TEMPLATE_LIMITS:
+        least = min(most, _hard_limit(kind))
         resource.setrlimit(kind, (least, least))
 
 
-def _ceiling(kind: int) -> int:
+def _hard_limit(kind: int) -> int:
     """The hard limit of this process; where there is none, more than any other."""
     _, hard = resource.getrlimit(kind)
     return 2**62 if hard == resource.RLIM_INFINITY else hard
 
 
-def open_account() -> int:
+def open_memory_statistics() -> int:
     """Descriptor on the account of this process's memory; needs /proc, so before the view is changed."""
     return os.open("/proc/self/statm", os.O_RDONLY | os.O_CLOEXEC)
 
@@ -173,14 +181,14 @@ def own_memory(account: int) -> int:
     return (int(resident) - int(shared)) * mmap.PAGESIZE
 
 
-def filters(lifted: Collection[str], *, folder: bool) -> tuple[Calls, dict[bool, Calls]]:
+def prepare_seccomp(lifted: Collection[str], *, folder: bool) -> tuple[PreparedCalls, dict[bool, PreparedCalls]]:
     """What puts up seccomp's wall: in the template, then in each fork by whether threads are allowed.
 
     `folder` tells that there is a place to write in.
     """
     if "seccomp" in lifted:
         return (), {False: (), True: ()}
-    of_forks: dict[bool, Calls] = {
-        threads: (seccomp.installing(seccomp.second(threads=threads)),) for threads in (False, True)
+    of_forks: dict[bool, PreparedCalls] = {
+        threads: (seccomp.prepare_install(seccomp.fork_filter(threads=threads)),) for threads in (False, True)
     }
-    return (seccomp.installing(seccomp.first(folder=folder)),), of_forks
+    return (seccomp.prepare_install(seccomp.template_filter(folder=folder)),), of_forks

@@ -10,10 +10,10 @@ from types import ModuleType
 from typing import Any
 
 #: Its modules by name; the main one bears the kit's.
-Kit = Mapping[str, ModuleType]
+KitModules = Mapping[str, ModuleType]
 
 
-class _Files:
+class _KitFinder:
     """Finds the modules of one kit in its files, and runs them.
 
     Of no class of `importlib.abc`, which imports thirty modules that nothing here needs.
@@ -37,25 +37,25 @@ class _Files:
         place = self.names[module.__name__]
         exec(compile(self._files[place], place, "exec", dont_inherit=True), module.__dict__)
 
-    def forget(self) -> None:
+    def drop_sources(self) -> None:
         """Lets go of the sources: a program has no use for them."""
         self._files = {}
 
 
-def imported(files: Mapping[str, str]) -> Kit:
+def import_kit(files: Mapping[str, str]) -> KitModules:
     """Runs the files of a kit, by their paths in it; none of its modules is seen afterwards."""
-    finder = _Files(files)
+    finder = _KitFinder(files)
     sys.meta_path.insert(0, finder)
     try:
         return {name: importlib.import_module(name) for name in finder.names}
     finally:
-        finder.forget()
+        finder.drop_sources()
         sys.meta_path.remove(finder)
         for name in finder.names:
             sys.modules.pop(name, None)
 
 
-def show(kits: Mapping[str, Kit], asked: str | None) -> None:
+def expose_kit(kits: Mapping[str, KitModules], asked: str | None) -> None:
     """Makes the modules of one kit, and of no other, importable."""
     for main, kit in kits.items():
         if main in sys.modules:  # or none of its modules is: their names lie on as many pages, which a fork would copy

@@ -36,7 +36,7 @@ def version() -> int:
         return 0
 
 
-def ruleset(readable: Iterable[str], devices: Iterable[str] = (), writable: Iterable[str] = ()) -> int:
+def create_ruleset(readable: Iterable[str], devices: Iterable[str] = (), writable: Iterable[str] = ()) -> int:
     """Descriptor of a rule set; paths that do not exist are left out. Raises OSError without Landlock.
 
     A rule holds below its folder in mounts that come later too, unless it is on the very folder that they cover.
@@ -52,15 +52,15 @@ def ruleset(readable: Iterable[str], devices: Iterable[str] = (), writable: Iter
     size = 8 if known < 4 else 16 if known < _SCOPES else 24
     rules = libc.syscall("landlock_create_ruleset", _CREATE, attributes, size, 0)
     for path in readable:
-        _allow(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))
+        _add_path_rule(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))
     for path in devices:
-        _allow(rules, path, _READ_FILE | _WRITE_FILE)
+        _add_path_rule(rules, path, _READ_FILE | _WRITE_FILE)
     for path in writable:
-        _allow(rules, path, _OWN_FOLDER & attributes.fs)
+        _add_path_rule(rules, path, _OWN_FOLDER & attributes.fs)
     return rules
 
 
-def _allow(rules: int, path: str, rights: int) -> None:
+def _add_path_rule(rules: int, path: str, rights: int) -> None:
     if not os.path.exists(path):
         return
     descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
@@ -70,9 +70,9 @@ def _allow(rules: int, path: str, rights: int) -> None:
         os.close(descriptor)
 
 
-def restricting(rules: int) -> libc.Call:
+def prepare_restrict_self(rules: int) -> libc.PreparedCall:
     """Puts the calling thread under the rules, for ever. Needs no_new_privs."""
-    return libc.system_call("landlock_restrict_self", _RESTRICT, rules, 0)
+    return libc.prepare_system_call("landlock_restrict_self", _RESTRICT, rules, 0)
 
 
 def scopes_sockets() -> bool:

@@ -11,8 +11,8 @@ from typing import Any
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
-_held = ctypes.PyDLL(None, use_errno=True)
-_held.syscall.restype = ctypes.c_long
+_libc_with_gil = ctypes.PyDLL(None, use_errno=True)
+_libc_with_gil.syscall.restype = ctypes.c_long
 
 MACHINE = platform.machine()
 #: Column of `syscalls` and ``AUDIT_ARCH`` of seccomp, for the architectures that are known.
@@ -22,7 +22,7 @@ PIVOT_ROOT = {0: 155, 1: 41}
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_SECCOMP, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 4, 22, 24, 38
 PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
 #: The call, the calling process instead of a descriptor, and how many ranges it takes.
-_PROCESS_MADVISE, _THIS_PROCESS, MOST_RANGES = 440, -10_000, 1024
+_PROCESS_MADVISE, _THIS_PROCESS, MAX_RANGES = 440, -10_000, 1024
 
 
 class Unsupported(OSError):
@@ -49,88 +49,88 @@ def syscall(
 
 
 #: A function of the C library, its arguments as it takes them, and its name: all is ready but the call.
-Call = tuple[Any, tuple[object, ...], str]
+PreparedCall = tuple[Any, tuple[object, ...], str]
 
 
-def make(calls: Iterable[Call]) -> None:
+def run_calls(calls: Iterable[PreparedCall]) -> None:
     """Makes these calls in order, without letting go of the interpreter's lock. Raises OSError when one fails."""
     for function, arguments, what in calls:
         if function(*arguments) < 0:
             _checked(-1, what)
 
 
-def hint(calls: Iterable[Call]) -> None:
+def run_calls_ignoring_errors(calls: Iterable[PreparedCall]) -> None:
     """Makes calls that only save time: what the kernel does not do for them is done when it is needed."""
     for function, arguments, _ in calls:
         function(*arguments)
 
 
-def made(call: Call) -> int:
+def run_call(call: PreparedCall) -> int:
     """Makes one call; returns what it does. Raises OSError."""
     function, arguments, what = call
     return _checked(function(*arguments), what)
 
 
-def number() -> ctypes.c_int:
+def late_bound_descriptor() -> ctypes.c_int:
     """A place for a descriptor that is known when the call is made."""
     return ctypes.c_int(-1)
 
 
-def duplicating(descriptor: ctypes.c_int, onto: int) -> Call:
-    return _held.dup2, (descriptor, ctypes.c_int(onto)), "dup2"
+def prepare_dup2(descriptor: ctypes.c_int, onto: int) -> PreparedCall:
+    return _libc_with_gil.dup2, (descriptor, ctypes.c_int(onto)), "dup2"
 
 
-def writing(descriptor: ctypes.c_int, data: bytes) -> Call:
-    return _held.write, (descriptor, data, ctypes.c_size_t(len(data))), "write"
+def prepare_write(descriptor: ctypes.c_int, data: bytes) -> PreparedCall:
+    return _libc_with_gil.write, (descriptor, data, ctypes.c_size_t(len(data))), "write"
 
 
-def closing(first: int, last: int) -> Call:
+def prepare_close_range(first: int, last: int) -> PreparedCall:
     """All descriptors from the first to the last."""
-    return system_call("close_range", 436, first, last, 0)
+    return prepare_system_call("close_range", 436, first, last, 0)
 
 
-def opening(path: str, flags: int) -> Call:
+def prepare_open(path: str, flags: int) -> PreparedCall:
     """At the lowest number that is free."""
-    return _held.open, (path.encode(), ctypes.c_int(flags)), f"open({path})"
+    return _libc_with_gil.open, (path.encode(), ctypes.c_int(flags)), f"open({path})"
 
 
-def going(folder: str) -> Call:
-    return _held.chdir, (folder.encode(),), f"chdir({folder})"
+def prepare_chdir(folder: str) -> PreparedCall:
+    return _libc_with_gil.chdir, (folder.encode(),), f"chdir({folder})"
 
 
-def bounding(kind: int, soft: int, hard: int) -> Call:
+def prepare_setrlimit(kind: int, soft: int, hard: int) -> PreparedCall:
     """A limit on a resource."""
-    return _held.setrlimit, (ctypes.c_int(kind), (ctypes.c_ulong * 2)(soft, hard)), f"setrlimit({kind})"
+    return _libc_with_gil.setrlimit, (ctypes.c_int(kind), (ctypes.c_ulong * 2)(soft, hard)), f"setrlimit({kind})"
 
 
-def system_call(what: str, number: int, *arguments: int | bytes | ctypes.Structure) -> Call:
-    return _held.syscall, (ctypes.c_long(number), *map(_argument, arguments)), what
+def prepare_system_call(what: str, number: int, *arguments: int | bytes | ctypes.Structure) -> PreparedCall:
+    return _libc_with_gil.syscall, (ctypes.c_long(number), *map(_argument, arguments)), what
 
 
-def process_control(option: int, *arguments: int | ctypes.Structure) -> Call:
+def prepare_prctl(option: int, *arguments: int | ctypes.Structure) -> PreparedCall:
     """A `prctl`."""
     filled = (*arguments, 0, 0, 0, 0)[:4]
-    return _held.prctl, (ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})"
+    return _libc_with_gil.prctl, (ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})"
 
 
-def mounting(target: str, kind: str, flags: int, options: str) -> Call:
+def prepare_mount(target: str, kind: str, flags: int, options: str) -> PreparedCall:
     arguments = (b"none", target.encode(), kind.encode(), ctypes.c_ulong(flags), options.encode())
-    return _held.mount, arguments, f"mount({target})"
+    return _libc_with_gil.mount, arguments, f"mount({target})"
 
 
-class Range(ctypes.Structure):
-    """A ``struct iovec``: `place` and `length`."""
+class MemoryRange(ctypes.Structure):
+    """A ``struct iovec``: `address` and `length`."""
 
-    _fields_ = (("place", ctypes.c_void_p), ("length", ctypes.c_size_t))
-
-
-Ranges = Range * MOST_RANGES
+    _fields_ = (("address", ctypes.c_void_p), ("length", ctypes.c_size_t))
 
 
-def advising(advice: int, ranges: ctypes.Array[Range], count: ctypes.c_long) -> Call:
+MemoryRanges = MemoryRange * MAX_RANGES
+
+
+def prepare_process_madvise(advice: int, ranges: ctypes.Array[MemoryRange], count: ctypes.c_long) -> PreparedCall:
     """A `process_madvise` on the first of these ranges of this process's own memory, as many as `count` then says."""
     numbers = map(ctypes.c_long, (_PROCESS_MADVISE, _THIS_PROCESS))
-    return _held.syscall, (*numbers, ranges, count, ctypes.c_long(advice), ctypes.c_long(0)), "process_madvise"
+    return _libc_with_gil.syscall, (*numbers, ranges, count, ctypes.c_long(advice), ctypes.c_long(0)), "process_madvise"
 
 
 def set_host_name(name: bytes) -> None:
@@ -149,7 +149,7 @@ def mount(source: str, target: str, kind: str | None, flags: int, options: str |
     _checked(_libc.mount(source_, target_, kind_, ctypes.c_ulong(flags), data), f"mount({target})")
 
 
-def detach(target: str) -> None:
+def unmount_lazily(target: str) -> None:
     _checked(_libc.umount2(target.encode(), 2), f"umount2({target})")
 
 
@@ -157,14 +157,14 @@ def unshare(flags: int) -> None:
     _checked(_libc.unshare(ctypes.c_int(flags)), f"unshare({flags:#x})")
 
 
-def column() -> int:
+def architecture_column() -> int:
     if MACHINE not in ARCHITECTURES:
         raise Unsupported(38, f"architecture inconnue : {MACHINE}")
     return ARCHITECTURES[MACHINE][0]
 
 
 def audit_architecture() -> int:
-    column()
+    architecture_column()
     return ARCHITECTURES[MACHINE][1]
 
 
@@ -187,12 +187,12 @@ def drop_bounding_capabilities() -> None:
             raise
 
 
-def dropping_capabilities() -> tuple[Call, Call]:
+def prepare_capability_drop() -> tuple[PreparedCall, PreparedCall]:
     """Empties the ambient, effective, permitted and inheritable sets."""
     header, data = _CapabilityHeader(0x20080522, 0), _CapabilityData()
-    ambient = process_control(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
-    return ambient, (_held.capset, (ctypes.byref(header), ctypes.byref(data)), "capset")
+    ambient = prepare_prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
+    return ambient, (_libc_with_gil.capset, (ctypes.byref(header), ctypes.byref(data)), "capset")
 
 
 def drop_capabilities() -> None:
-    make(dropping_capabilities())
+    run_calls(prepare_capability_drop())

@@ -15,7 +15,7 @@ NAME = "mes_fonctions"
 
 
 @dataclass(frozen=True)
-class Shelf:
+class EarlierFile:
     """One earlier file: what it is called, the functions that it gives, and its text or its code."""
 
     label: str
@@ -30,15 +30,15 @@ class Shelf:
         return compile(self.file, f"{NAME}/{self.label}.py", "exec", dont_inherit=True)
 
 
-def shelves(told: Sequence[tuple[str, tuple[str, ...], np.ndarray[Any, Any], bool]]) -> tuple[Shelf, ...]:
+def decode_library(told: Sequence[tuple[str, tuple[str, ...], np.ndarray[Any, Any], bool]]) -> tuple[EarlierFile, ...]:
     """As the question that loads a program tells them."""
-    return tuple(Shelf(label, functions, file.tobytes(), compiled) for label, functions, file, compiled in told)
+    return tuple(EarlierFile(label, functions, file.tobytes(), compiled) for label, functions, file, compiled in told)
 
 
-class Library(ModuleType):
+class EarlierFunctions(ModuleType):
     """The module of these functions. A file is run at the first need of one of them, with the names of the kit."""
 
-    def __init__(self, shelved: Sequence[Shelf], injected: Mapping[str, object]) -> None:
+    def __init__(self, shelved: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
         super().__init__(NAME, "Les fonctions que vous avez déjà écrites.")
         self.__all__ = [function for shelf in shelved for function in shelf.functions]
         homes = {function: shelf for shelf in shelved for function in shelf.functions}
@@ -55,7 +55,7 @@ class Library(ModuleType):
         vars(self)["__getattr__"] = find
 
 
-def _run(shelf: Shelf, injected: Mapping[str, object]) -> dict[str, object]:
+def _run(shelf: EarlierFile, injected: Mapping[str, object]) -> dict[str, object]:
     home = ModuleType(f"{NAME}.{shelf.label}")
     vars(home).update(injected)
     sys.modules[home.__name__] = home
@@ -66,7 +66,7 @@ def _run(shelf: Shelf, injected: Mapping[str, object]) -> dict[str, object]:
     return {function: vars(home)[function] for function in shelf.functions}
 
 
-def install(shelved: Sequence[Shelf], injected: Mapping[str, object]) -> None:
+def install_library(shelved: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
     """The module can be imported from now on, where there is something in it."""
     if shelved:
-        sys.modules[NAME] = Library(shelved, injected)
+        sys.modules[NAME] = EarlierFunctions(shelved, injected)

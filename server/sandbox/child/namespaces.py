@@ -28,19 +28,19 @@ _FOLDER_FLAGS = 2 | 4 | 8  # nosuid, nodev, noexec
 _BY_WALL = {"view": NEWNS, "uts": NEWUTS, "ipc": NEWIPC, "pid": NEWPID, "network": NEWNET}
 
 
-def flags(lifted: Collection[str]) -> int:
+def wall_flags(lifted: Collection[str]) -> int:
     """The namespaces of all walls but those left down, the user's apart."""
     return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
 
 
-def of_forks(lifted: Collection[str]) -> int:
+def fork_flags(lifted: Collection[str]) -> int:
     """Those that a fork gets of its own.
 
     It shares the network of its template, where there is nothing, as long as it can neither make a socket (a filter of
     the template's, and its own) nor reach another's (Landlock): making a network costs as much as all other walls.
     """
     shares = landlock.scopes_sockets() and not {"seccomp", "landlock"} & set(lifted)
-    return NEWUSER | flags({*lifted, "network"} if shares else lifted)
+    return NEWUSER | wall_flags({*lifted, "network"} if shares else lifted)
 
 
 def can_become_unprivileged() -> bool:
@@ -49,21 +49,21 @@ def can_become_unprivileged() -> bool:
         return False
     with open("/proc/self/setgroups", encoding="ascii") as file:
         may_leave_groups = file.read().strip() == "allow"
-    return may_leave_groups and all(_knows(f"/proc/self/{name}") for name in ("uid_map", "gid_map"))
+    return may_leave_groups and all(_maps_unprivileged(f"/proc/self/{name}") for name in ("uid_map", "gid_map"))
 
 
-def _knows(path: str) -> bool:
+def _maps_unprivileged(path: str) -> bool:
     with open(path, encoding="ascii") as file:
         ranges = [tuple(map(int, line.split())) for line in file]
     return any(first <= UNPRIVILEGED < first + count for first, _, count in ranges)
 
 
-def enter(lifted: Collection[str]) -> None:
+def enter_namespaces(lifted: Collection[str]) -> None:
     """Puts the calling process in new namespaces; with a user's own unless it is root enough. Raises OSError."""
     user, group = os.geteuid(), os.getegid()
-    if not (can_become_unprivileged() and _allowed(flags(lifted))):
-        libc.unshare(NEWUSER | flags(lifted))
-        take(_identity("/proc/self", user, group))
+    if not (can_become_unprivileged() and _allowed(wall_flags(lifted))):
+        libc.unshare(NEWUSER | wall_flags(lifted))
+        write_files(_identity_files("/proc/self", user, group))
     if "uts" not in lifted:
         libc.set_host_name(HOST)
 
@@ -76,13 +76,13 @@ def _allowed(flags: int) -> bool:
     return True
 
 
-def _identity(folder: str, user: int, group: int) -> tuple[tuple[str, bytes], ...]:
+def _identity_files(folder: str, user: int, group: int) -> tuple[tuple[str, bytes], ...]:
     """What the first process of a user namespace writes, and where, to be nobody there."""
     maps = {"setgroups": "deny", "uid_map": f"{UNPRIVILEGED} {user} 1", "gid_map": f"{UNPRIVILEGED} {group} 1"}
     return tuple((f"{folder}/{name}", text.encode("ascii")) for name, text in maps.items())
 
 
-def take(identity: tuple[tuple[str, bytes], ...], base: int | None = None) -> None:
+def write_files(identity: tuple[tuple[str, bytes], ...], base: int | None = None) -> None:
     """Writes it; `base` is the folder of paths that are not absolute."""
     for path, text in identity:
         descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC, dir_fd=base)
@@ -98,20 +98,20 @@ class _CloneArguments(ctypes.Structure):
 
 
 #: What every fork is in its own namespace of users.
-_NOBODY = _identity("self", UNPRIVILEGED, UNPRIVILEGED)
+_NOBODY_FILES = _identity_files("self", UNPRIVILEGED, UNPRIVILEGED)
 
 
 @dataclass(frozen=True)
-class Nest:
+class ForkNamespaces:
     """How a template forks children into namespaces of their own.
 
     `processes` is a descriptor on /proc, opened before the view is changed: a child writes its map of identities there.
     """
 
     processes: int
-    clone: libc.Call
+    clone: libc.PreparedCall
     folder: bool
-    tells: bool
+    has_fork_hooks: bool
 
     def fork(self) -> int:
         """As `os.fork`, into the namespaces. Raises OSError where the machine refuses them.
@@ -119,12 +119,12 @@ class Nest:
         Python is told only where a library of the template `tells` it what to do then, since that takes as long as the
         fork: with one thread, there is nothing else to mend but the generators of random numbers, which a child seeds.
         """
-        if not self.tells:
-            return libc.made(self.clone)
+        if not self.has_fork_hooks:
+            return libc.run_call(self.clone)
         python, pid = ctypes.pythonapi, -1
         python.PyOS_BeforeFork()
         try:
-            pid = libc.made(self.clone)
+            pid = libc.run_call(self.clone)
         finally:
             if pid == 0:
                 python.PyOS_AfterFork_Child()
@@ -132,34 +132,34 @@ class Nest:
                 python.PyOS_AfterFork_Parent()
         return pid
 
-    def settle(self) -> None:
+    def write_identity(self) -> None:
         """In the child: its identity. Raises OSError."""
-        take(_NOBODY, self.processes)
+        write_files(_NOBODY_FILES, self.processes)
 
-    def furnish(self, folder_bytes: int) -> tuple[libc.Call, ...]:
+    def prepare_folder(self, folder_bytes: int) -> tuple[libc.PreparedCall, ...]:
         """Once it has settled: its private folder, where it then is."""
         if not self.folder:
             return ()
         options = f"size={folder_bytes},nr_inodes={MAX_FILES},mode=700,uid={UNPRIVILEGED},gid={UNPRIVILEGED}"
-        return libc.mounting(FOLDER, "tmpfs", _FOLDER_FLAGS, options), libc.going(FOLDER)
+        return libc.prepare_mount(FOLDER, "tmpfs", _FOLDER_FLAGS, options), libc.prepare_chdir(FOLDER)
 
-    def refused(self) -> str:
+    def refusal_reason(self) -> str:
         """Why no child can be forked so on this machine; "" when one can: it has been tried."""
         try:
             pid = self.fork()
         except OSError as error:
             return str(error)
         if pid == 0:
-            self._try()
+            self._run_trial_child()
         _, status = os.waitpid(pid, 0)
         code = os.waitstatus_to_exitcode(status)
         return "" if code == 0 else f"a trial fork ended with {code}: {os.strerror(max(code, 0))}"
 
-    def _try(self) -> None:
+    def _run_trial_child(self) -> None:
         code = 255
         try:
-            self.settle()
-            libc.make(self.furnish(1 << 16))
+            self.write_identity()
+            libc.run_calls(self.prepare_folder(1 << 16))
             code = 0
         except OSError as error:
             code = error.errno or code
@@ -167,9 +167,9 @@ class Nest:
             os._exit(code)
 
 
-def cloning(flags: int) -> libc.Call:
+def prepare_clone(flags: int) -> libc.PreparedCall:
     """The C library keeps the thread's number in its own memory: the kernel must write the child's there."""
     address = ctypes.c_uint64()
     libc.prctl(_GET_TID_ADDRESS, ctypes.cast(ctypes.byref(address), ctypes.c_void_p).value or 0)
     arguments = _CloneArguments(flags | _CHILD_SETTID, 0, address.value, 0, signal.SIGCHLD, 0, 0, 0)
-    return libc.system_call("clone3", _CLONE3, arguments, ctypes.sizeof(arguments))
+    return libc.prepare_system_call("clone3", _CLONE3, arguments, ctypes.sizeof(arguments))

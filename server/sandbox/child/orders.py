@@ -7,7 +7,7 @@ import struct
 from typing import NamedTuple
 
 
-class Limits(NamedTuple):
+class ChildLimits(NamedTuple):
     """The part of a policy that is known inside: what the kernel enforces, then what bounds answers and prints."""
 
     cpu_seconds: float
@@ -22,40 +22,40 @@ class Limits(NamedTuple):
     items: int
 
 
-class Report(NamedTuple):
+class ExitReport(NamedTuple):
     """How a child ended, as `os.wait4` tells it; `memory` is what the template holds of its own."""
 
-    number: int
+    child_number: int
     status: int
     cpu_seconds: float
     max_rss_bytes: int
-    memory: int
+    template_memory: int
 
 
 _NUMBER, _LIMITS, _REPORT = struct.Struct("<Q"), struct.Struct("<d9Q"), struct.Struct("<Qidqq")
 
 
-def fork(number: int, limits: Limits) -> bytes:
+def pack_fork(number: int, limits: ChildLimits) -> bytes:
     return _NUMBER.pack(number) + _LIMITS.pack(*limits)
 
 
-def kill(number: int) -> bytes:
+def pack_kill(number: int) -> bytes:
     return _NUMBER.pack(number)
 
 
-def read(order: bytes) -> tuple[int, bytes]:
+def unpack_order(order: bytes) -> tuple[int, bytes]:
     """The number of a child, and the packed limits of one that is to be forked: none of one that is to be killed."""
     return _NUMBER.unpack_from(order)[0], order[_NUMBER.size :]
 
 
-def limits(packed: bytes) -> Limits:
-    return Limits(*_LIMITS.unpack(packed))
+def unpack_limits(packed: bytes) -> ChildLimits:
+    return ChildLimits(*_LIMITS.unpack(packed))
 
 
-def report(report: Report) -> bytes:
+def pack_report(report: ExitReport) -> bytes:
     return _REPORT.pack(*report)
 
 
-def reported(data: bytes) -> Report:
+def unpack_report(data: bytes) -> ExitReport:
     """Raises struct.error for what is no report."""
-    return Report(*_REPORT.unpack(data))
+    return ExitReport(*_REPORT.unpack(data))

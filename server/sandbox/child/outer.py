@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator
 
 from . import libc
-from .namespaces import FOLDER, UNPRIVILEGED, enter
+from .namespaces import FOLDER, UNPRIVILEGED, enter_namespaces
 
 _OPEN_TREE, _MOVE_MOUNT, _MOUNT_SETATTR = 428, 429, 442  # the same on every architecture
 _RECURSIVE, _EMPTY_PATH, _CWD = 0x8000, 0x1000, -100
@@ -29,10 +29,10 @@ def tie_to_parent(parent: int) -> None:
         os._exit(70)
 
 
-def split_off(inside: Callable[[], None], control: int, lifted: Collection[str]) -> int:
+def run_in_namespaces(inside: Callable[[], None], control: int, lifted: Collection[str]) -> int:
     """Enters new namespaces and runs `inside` in their first process; returns its exit code, REFUSED without them."""
     try:
-        enter(lifted)
+        enter_namespaces(lifted)
     except OSError:
         traceback.print_exc()
         return REFUSED
@@ -75,19 +75,19 @@ def mapped_files() -> list[str]:
     return sorted(name for name in names if name.startswith("/") and os.path.isfile(name))
 
 
-def outermost(paths: Iterable[str]) -> list[str]:
+def drop_nested(paths: Iterable[str]) -> list[str]:
     """The existing paths that lie below no other one of them."""
     there = {os.path.abspath(path) for path in paths if os.path.exists(path)}
-    return sorted(path for path in there if there.isdisjoint(_above(path)))
+    return sorted(path for path in there if there.isdisjoint(_parents(path)))
 
 
-def _above(path: str) -> Iterator[str]:
+def _parents(path: str) -> Iterator[str]:
     """The folders that an absolute path lies below, but for the root."""
     while path := path.rpartition("/")[0]:
         yield path
 
 
-def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
+def replace_root(libraries: Iterable[str], packages: Iterable[str]) -> None:
     """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
 
     `libraries` are directories or files taken whole, without the folder of installed packages that they may hold;
@@ -95,17 +95,17 @@ def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     done.
     """
     try:
-        _change_view(libraries, packages)
+        _replace_root(libraries, packages)
     except OSError:
         traceback.print_exc()
         sys.stderr.flush()
         os._exit(REFUSED)
 
 
-def _change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
+def _replace_root(libraries: Iterable[str], packages: Iterable[str]) -> None:
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
     loose = [path for path in dict.fromkeys(packages) if os.path.exists(path)]
-    whole = [path for path in outermost(libraries) if not path.startswith(tuple(f"{package}/" for package in loose))]
+    whole = [path for path in drop_nested(libraries) if not path.startswith(tuple(f"{package}/" for package in loose))]
     trees = {path: _clone(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
     devices = {path: _clone(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
     root = next(path for path in ("/tmp", "/var/tmp", "/mnt", "/usr") if os.path.isdir(path))
@@ -154,6 +154,6 @@ def _hide_packages(tree: str) -> list[str]:
 
 def _pivot(root: str) -> None:
     os.chdir(root)
-    libc.syscall("pivot_root", libc.PIVOT_ROOT[libc.column()], b".", b".")
-    libc.detach(".")
+    libc.syscall("pivot_root", libc.PIVOT_ROOT[libc.architecture_column()], b".", b".")
+    libc.unmount_lazily(".")
     os.chdir("/")

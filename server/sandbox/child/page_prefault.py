@@ -23,40 +23,42 @@ import numpy as np
 from . import libc
 
 #: Bits that /proc/self/pagemap tells of a page: it is there, it is a file's, no other process has it.
-_THERE, _OF_A_FILE, _ALONE = (np.uint64(1 << bit) for bit in (63, 61, 56))
+_PRESENT, _FILE_BACKED, _EXCLUSIVE = (np.uint64(1 << bit) for bit in (63, 61, 56))
 _READ, _WRITE = 22, 23
 #: Advice of each call that a fork makes, on as many ranges as one can hold: pages that are written are many.
 _ADVICE = np.array((_WRITE, _WRITE, _WRITE, _READ))
 #: A kernel that looks for one page of a file maps those that are there of so many.
-_AROUND = 16
+_FAULT_AROUND_PAGES = 16
 
 Numbers = np.ndarray[Any, np.dtype[np.uint64]]
 
 
-def offered() -> bool:
+def is_supported() -> bool:
     """Whether this kernel takes a list of ranges of one's own memory."""
-    ranges = _room()
-    ranges[0].place, ranges[0].length = ctypes.addressof(ranges), mmap.PAGESIZE
+    ranges = _allocate_ranges()
+    ranges[0].address, ranges[0].length = ctypes.addressof(ranges), mmap.PAGESIZE
     with suppress(OSError):
-        return libc.made(libc.advising(_WRITE, ranges, ctypes.c_long(1))) == mmap.PAGESIZE
+        return libc.run_call(libc.prepare_process_madvise(_WRITE, ranges, ctypes.c_long(1))) == mmap.PAGESIZE
     return False
 
 
-def needed(fork: Callable[[], int], life: Callable[[], object], processes: int) -> tuple[libc.Call, ...]:
+def learn_prefault_calls(
+    fork: Callable[[], int], life: Callable[[], object], processes: int
+) -> tuple[libc.PreparedCall, ...]:
     """What asks for the pages that a fork needs to live so; none where that cannot be learnt.
 
     `processes` is a descriptor on /proc. What goes wrong in the fork is written on the standard error.
     """
-    if not offered():
+    if not is_supported():
         return ()
-    ranges, counts = [_room() for _ in _ADVICE], [ctypes.c_long() for _ in _ADVICE]
-    calls = [libc.advising(*each) for each in zip(_ADVICE.tolist(), ranges, counts, strict=True)]
-    spans = _spans(processes)
-    bits = _shared(int((spans[:, 1] - spans[:, 0]).sum()))
-    told = _shared(len(_ADVICE) * (1 + 2 * libc.MOST_RANGES)).reshape(len(_ADVICE), -1)
+    ranges, counts = [_allocate_ranges() for _ in _ADVICE], [ctypes.c_long() for _ in _ADVICE]
+    calls = [libc.prepare_process_madvise(*each) for each in zip(_ADVICE.tolist(), ranges, counts, strict=True)]
+    spans = _private_mappings(processes)
+    bits = _shared_array(int((spans[:, 1] - spans[:, 0]).sum()))
+    told = _shared_array(len(_ADVICE) * (1 + 2 * libc.MAX_RANGES)).reshape(len(_ADVICE), -1)
     pid = fork()
     if pid == 0:
-        _live(life, processes, spans, bits, told)
+        _run_and_record(life, processes, spans, bits, told)
     os.waitpid(pid, 0)
     for one, count, row in zip(ranges, counts, told, strict=True):
         count.value = int(row[0])
@@ -64,36 +66,40 @@ def needed(fork: Callable[[], int], life: Callable[[], object], processes: int) 
     return tuple([call for call, count in zip(calls, counts, strict=True) if count.value])
 
 
-def _room() -> ctypes.Array[libc.Range]:
+def _allocate_ranges() -> ctypes.Array[libc.MemoryRange]:
     """For the ranges of a call, in memory of its own."""
-    memory = mmap.mmap(-1, ctypes.sizeof(libc.Ranges), flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    return libc.Ranges.from_buffer(memory)
+    memory = mmap.mmap(-1, ctypes.sizeof(libc.MemoryRanges), flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    return libc.MemoryRanges.from_buffer(memory)
 
 
-def _shared(length: int) -> Numbers:
+def _shared_array(length: int) -> Numbers:
     """Memory that a fork shares: pages of its own would count."""
     return np.frombuffer(mmap.mmap(-1, 8 * length), np.uint64)
 
 
-def _spans(processes: int) -> Numbers:
+def _private_mappings(processes: int) -> Numbers:
     """First page, page after the last, and whether they may be written, of all private memory that may be read."""
     maps = os.open("self/maps", os.O_RDONLY | os.O_CLOEXEC, dir_fd=processes)
     with open(maps, encoding="utf-8") as lines:
         fields = [line.split() for line in lines if "[v" not in line]
     found = [
-        (*_bounds(place), rights[1] == "w") for place, rights, *_ in fields if rights[0] == "r" and rights[3] == "p"
+        (*_page_bounds(place), rights[1] == "w")
+        for place, rights, *_ in fields
+        if rights[0] == "r" and rights[3] == "p"
     ]
-    spans = _shared(3 * len(found)).reshape(-1, 3)
+    spans = _shared_array(3 * len(found)).reshape(-1, 3)
     spans[:] = found
     return spans
 
 
-def _bounds(place: str) -> tuple[int, int]:
+def _page_bounds(place: str) -> tuple[int, int]:
     first, end = (int(bound, 16) // mmap.PAGESIZE for bound in place.split("-"))
     return first, end
 
 
-def _live(life: Callable[[], object], processes: int, spans: Numbers, bits: Numbers, told: Numbers) -> NoReturn:
+def _run_and_record(
+    life: Callable[[], object], processes: int, spans: Numbers, bits: Numbers, told: Numbers
+) -> NoReturn:
     """In the fork, which ends: tells the ranges of the pages that it needed, and of each row how many there are."""
     code, at = 70, 0
     try:
@@ -101,11 +107,11 @@ def _live(life: Callable[[], object], processes: int, spans: Numbers, bits: Numb
         account = os.open("self/pagemap", os.O_RDONLY | os.O_CLOEXEC, dir_fd=processes)
         for first, end, _ in spans:
             at += os.preadv(account, [bits[at : at + int(end - first)].data], 8 * int(first)) // 8
-        for advice, numbers in zip((_WRITE, _READ), _needed(spans, bits), strict=True):
+        for advice, numbers in zip((_WRITE, _READ), _pages_to_prefault(spans, bits), strict=True):
             rows = told[advice == _ADVICE]
-            ranges = _ranges(numbers)[: len(rows) * libc.MOST_RANGES]
+            ranges = _contiguous_ranges(numbers)[: len(rows) * libc.MAX_RANGES]
             for number, row in enumerate(rows):
-                here = ranges[number * libc.MOST_RANGES :][: libc.MOST_RANGES]
+                here = ranges[number * libc.MAX_RANGES :][: libc.MAX_RANGES]
                 row[0], row[1 : 1 + here.size] = len(here), here.ravel()
             told[advice == _ADVICE] = rows
         code = 0
@@ -115,17 +121,19 @@ def _live(life: Callable[[], object], processes: int, spans: Numbers, bits: Numb
         os._exit(code)
 
 
-def _needed(spans: Numbers, bits: Numbers) -> tuple[Numbers, Numbers]:
+def _pages_to_prefault(spans: Numbers, bits: Numbers) -> tuple[Numbers, Numbers]:
     """Numbers of the pages that this process alone has; where none may be written, of those of a file, one of all that
     the kernel finds together."""
     numbers = np.concatenate([np.arange(first, end, dtype=np.uint64) for first, end, _ in spans])
     own = np.repeat(spans[:, 2] != 0, (spans[:, 1] - spans[:, 0]).astype(np.intp))
-    there, of_a_file, alone = ((bits & bit) != 0 for bit in (_THERE, _OF_A_FILE, _ALONE))
+    there, of_a_file, alone = ((bits & bit) != 0 for bit in (_PRESENT, _FILE_BACKED, _EXCLUSIVE))
     read = numbers[~own & there & of_a_file]
-    return numbers[own & there & ~of_a_file & alone], read[np.unique(read // np.uint64(_AROUND), return_index=True)[1]]
+    return numbers[own & there & ~of_a_file & alone], read[
+        np.unique(read // np.uint64(_FAULT_AROUND_PAGES), return_index=True)[1]
+    ]
 
 
-def _ranges(numbers: Numbers) -> Numbers:
+def _contiguous_ranges(numbers: Numbers) -> Numbers:
     """Place and length of each row of pages that lie side by side."""
     starts = np.flatnonzero(np.diff(numbers, prepend=np.uint64(0)) != 1)
     lengths = np.diff(starts, append=numbers.size).astype(np.uint64)

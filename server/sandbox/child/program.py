@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from . import drawing, last_expression, library, report
-from .codec import Limits, TooBig, Unsendable, Value, encode, encode_returned
+from .codec import UnsendableValue, Value, ValueLimits, ValueTooBig, encode, encode_returned
 from .frames import FAULT_LIMITS
-from .kits import Kit, show
+from .kits import KitModules, expose_kit
 from .tracer import Tracer
 
 MODULE = "solution"
@@ -31,7 +31,7 @@ RECURSION = 20_000
 Fault = dict[str, Value]
 
 
-class Failure(Exception):
+class ProgramFailure(Exception):
     """What the student's program did wrong, as the fields of a fault."""
 
     def __init__(self, fault: Fault) -> None:
@@ -42,7 +42,7 @@ class Failure(Exception):
 class Program:
     """`configure` and `load` once, then `call`; the last two return encoded values or raise Failure."""
 
-    def __init__(self, kits: Mapping[str, Kit], free_reserve: Callable[[], None]) -> None:
+    def __init__(self, kits: Mapping[str, KitModules], free_reserve: Callable[[], None]) -> None:
         """`free_reserve` gives memory back, to report a lack of it."""
         self._kits, self._free_reserve = kits, free_reserve
         self._limits = FAULT_LIMITS
@@ -52,9 +52,9 @@ class Program:
         self._drivers: Mapping[str, Callable[..., Any]] = {}
         self._globals: dict[str, Any] = {}
         self._functions: frozenset[str] = frozenset()
-        self._waiting: list[CodeType] = []
+        self._deferred_code: list[CodeType] = []
 
-    def begin(self, limits: Limits) -> None:
+    def set_answer_limits(self, limits: ValueLimits) -> None:
         """Sets what answers are bounded by."""
         self._limits = limits
 
@@ -63,28 +63,28 @@ class Program:
         source: bytes,
         filename: str,
         *,
-        shows_last: bool = False,
-        waits: bool = False,
-        shelved: Sequence[library.Shelf] = (),
+        echo_last: bool = False,
+        deferred: bool = False,
+        library_files: Sequence[library.EarlierFile] = (),
     ) -> bytes:
         """Runs the file's top level; returns the names of the callables that it defines, encoded.
 
         With `shows_last`, the value of a last expression is printed. With `waits`, `trace` alone runs it.
         """
-        codes = self._compile(source, filename, last_expression.parts if shows_last else _whole)
-        if shows_last:
-            sys.displayhook = last_expression.show
+        codes = self._compile(source, filename, last_expression.split_last_expression if echo_last else _compile_whole)
+        if echo_last:
+            sys.displayhook = last_expression.print_value
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module
-        library.install(shelved, self._injected)
+        library.install_library(library_files, self._injected)
         self._globals = module.__dict__
-        self._waiting = codes
-        if not waits:
-            self._guarded(self._run)
-        if drawing.offered():
+        self._deferred_code = codes
+        if not deferred:
+            self._run_student_code(self._run_deferred)
+        if drawing.is_loaded():
             self._globals[drawing.FIGURES] = drawing.figures
-        names = self._defined()
+        names = self._defined_names()
         self._functions = frozenset(names)
         return encode(names, self._limits)
 
@@ -92,9 +92,9 @@ class Program:
         """Whether this is among the names that `load` has returned."""
         return function in self._functions
 
-    def _run(self) -> None:
+    def _run_deferred(self) -> None:
         """What waits of the file's top level."""
-        codes, self._waiting = self._waiting, []
+        codes, self._deferred_code = self._deferred_code, []
         for code in codes:
             exec(code, self._globals)
 
@@ -110,8 +110,10 @@ class Program:
         Returns what came back, encoded: as `Described.value` tells it, and itself where it can be sent, in a tuple.
         """
         tracer = Tracer(self._filename, self._globals, tell)
-        action = self._run if function is None else partial(self._called, function, arguments, **named)
-        value = self._guarded(tracer.run, action)
+        action = (
+            self._run_deferred if function is None else partial(self._call_with_driver, function, arguments, **named)
+        )
+        value = self._run_student_code(tracer.run, action)
         described = tracer.described(value)
         try:
             return encode((described, (value,)), self._limits)
@@ -120,14 +122,14 @@ class Program:
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
-        value = self._guarded(self._called, function, arguments)
-        return self._encoded(value, arguments if return_arguments else None, function)
+        value = self._run_student_code(self._call_with_driver, function, arguments)
+        return self._encode_result(value, arguments if return_arguments else None, function)
 
-    def _called(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
+    def _call_with_driver(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
         asked, driver = self._globals[function], self._drivers.get(function)
         return asked(*arguments, **named) if driver is None else driver(asked, *arguments, **named)
 
-    def forget(self) -> None:
+    def unload(self) -> None:
         """Lets go of the file and of its kit: their names, which hold each other, its module and its lines."""
         self._globals.clear()
         self._globals, self._injected, self._drivers, self._functions = {}, {}, {}, frozenset()
@@ -145,17 +147,17 @@ class Program:
             seed = int.from_bytes(os.urandom(8), "little")
         random.seed(seed)
         np.random.seed(seed % 2**32)
-        show(self._kits, kit)
+        expose_kit(self._kits, kit)
         if kit is not None:
             module = self._kits[kit][kit]
             names = dict(module.configurer(**parameters))
             self._drivers = names.pop(DRIVERS, {})
             self._injected = names
             if without:
-                self._leave_out(without)
+                self._remove_kit_names(without)
             module.__dict__.update(self._injected)
 
-    def _leave_out(self, without: tuple[str, ...]) -> None:
+    def _remove_kit_names(self, without: tuple[str, ...]) -> None:
         """Empties the kits, which hold what makes these names."""
         for name in without:
             del self._injected[name]
@@ -172,33 +174,35 @@ class Program:
         try:
             return parts(source, filename)
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
-            raise Failure(report.describe_syntax(error, self._lines)) from None
+            raise ProgramFailure(report.describe_syntax(error, self._lines)) from None
 
-    def _guarded(self, action: Callable[..., Any], *given: Any) -> Any:
+    def _run_student_code(self, action: Callable[..., Any], *given: Any) -> Any:
         try:
             return action(*given)
         except BaseException as error:  # SystemExit and KeyboardInterrupt too are the student's
             if isinstance(error, MemoryError):
                 self._free_reserve()
-            raise Failure(report.describe(error, self._filename, self._lines)) from None
+            raise ProgramFailure(report.describe(error, self._filename, self._lines)) from None
 
-    def _encoded(self, value: object, arguments: tuple[Value, ...] | None, function: str) -> bytes:
+    def _encode_result(self, value: object, arguments: tuple[Value, ...] | None, function: str) -> bytes:
         try:
             if arguments is None:
                 return encode_returned(value, self._limits)
             return encode((value, arguments), self._limits)
-        except TooBig as error:
+        except ValueTooBig as error:
             kind = "output_limit" if error.what != "depth" else "invalid_output"
-            raise Failure(_result_fault(kind, error.what, "", function, "")) from None
-        except Unsendable as error:
-            raise Failure(_result_fault("invalid_output", error.reason, error.culprit, function, error.place)) from None
+            raise ProgramFailure(_result_fault(kind, error.what, "", function, "")) from None
+        except UnsendableValue as error:
+            raise ProgramFailure(
+                _result_fault("invalid_output", error.reason, error.culprit, function, error.place)
+            ) from None
         except BaseException as error:  # __array__ and the like are the student's code
             fault = report.describe(error, self._filename, self._lines)
             if fault["kind"] != "memory_limit":
                 fault["kind"] = "invalid_output"
-            raise Failure(fault) from None
+            raise ProgramFailure(fault) from None
 
-    def _defined(self) -> tuple[str, ...]:
+    def _defined_names(self) -> tuple[str, ...]:
         injected = self._injected
         names = [
             name
@@ -207,7 +211,7 @@ class Program:
         ]
         return tuple(name[:MAX_NAME] for name in names[:MAX_NAMES])
 
-    def interrupted(self, frame: Any) -> Fault:
+    def timeout_fault(self, frame: Any) -> Fault:
         """The fault of a program caught computing at `frame` when its time was up."""
         frames: list[tuple[int, str, str]] = []
         while frame is not None:
@@ -222,7 +226,7 @@ class Program:
         }
 
 
-def _whole(source: bytes, filename: str) -> list[CodeType]:
+def _compile_whole(source: bytes, filename: str) -> list[CodeType]:
     return [compile(source, filename, "exec", dont_inherit=True)]
 
 
@@ -237,7 +241,7 @@ def _result_fault(kind: str, reason: str, culprit: str, function: str, place: st
     }
 
 
-def print_to(stream: Any) -> None:
+def redirect_output(stream: Any) -> None:
     """Whatever the program prints goes to this stream."""
     sys.stdout = sys.stderr = sys.__stdout__ = sys.__stderr__ = stream  # type: ignore[misc]
 

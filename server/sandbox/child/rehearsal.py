@@ -18,15 +18,15 @@ from contextlib import contextmanager, suppress
 import numpy as np
 
 from . import codec, drawing, frames, inner, libc, orders
-from .frames import QUESTION_LIMITS, framed
-from .kits import Kit
-from .namespaces import Nest, take
+from .frames import QUESTION_LIMITS, pack_frame
+from .kits import KitModules
+from .namespaces import ForkNamespaces, write_files
 from .program import Program
-from .serve import Child, calls, configuring, loading, row
+from .serve import ForkServer, sample_arguments, sample_calls, sample_configure, sample_load
 
 #: The interpreter has then made of the code of a fork what it will stay.
-_TIMES = 16
-LIMITS = orders.Limits(1000.0, 0, 0, 0, 0, 1, 1 << 16, 1 << 16, 8, 1000)
+_REPETITIONS = 16
+REHEARSAL_LIMITS = orders.ChildLimits(1000.0, 0, 0, 0, 0, 1, 1 << 16, 1 << 16, 8, 1000)
 #: What is rehearsed is no exercise's: a child knows nothing of a course, and every program can read this.
 _SAMPLE = b"""
 from __future__ import annotations
@@ -40,22 +40,22 @@ def panne(u):
 """
 
 
-def warm_up(kits: Mapping[str, Kit]) -> None:
+def warm_up(kits: Mapping[str, KitModules]) -> None:
     """Leaves nothing behind but what is warm: no name, no number drawn, no timer, no descriptor."""
-    with _as_it_was():
+    with _restoring_state():
         for kit in kits:
             with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
                 Program(kits, _nothing).configure(kit, {"seed": 0})
-        for _ in range(_TIMES):
-            _live(kits)
+        for _ in range(_REPETITIONS):
+            _rehearse_fork_life(kits)
         np.random.default_rng(0).normal(size=3)
         _warm_linear_algebra()
-        if drawing.offered():
+        if drawing.is_loaded():
             drawing.warm_up()
 
 
 @contextmanager
-def _as_it_was() -> Iterator[None]:
+def _restoring_state() -> Iterator[None]:
     state, numpy_state = random.getstate(), np.random.get_state()
     streams = sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__
     try:
@@ -66,50 +66,50 @@ def _as_it_was() -> Iterator[None]:
         np.random.set_state(numpy_state)
 
 
-def _live(kits: Mapping[str, Kit]) -> None:
+def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
     """The life of a fork, without its walls."""
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        ours.sendall(_questions())
+        ours.sendall(_sample_questions())
         ours.shutdown(socket.SHUT_WR)
-        ends, child = inner.Ends(), Child(kits, _nothing)
-        ends.take(theirs.fileno(), 1, theirs.fileno())
-        child.begin(LIMITS)
+        ends, child = inner.ForkDescriptors(), ForkServer(kits, _nothing)
+        ends.assign(theirs.fileno(), 1, theirs.fileno())
+        child.set_limits(REHEARSAL_LIMITS)
         try:
-            inner.Walls(inner.connected(ends), (), (), _Ground(), (), os.getppid()).stand(0)
+            inner.ForkWalls(inner.prepare_descriptors(ends), (), (), _NoNamespaces(), (), os.getppid()).raise_walls(0)
             child.rehearse()
             child.send(0, frames.READY, b"")
             child.serve()
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
             os.close(inner.WIRE)
-            os.close(inner.WORDS)
-            child.forget()
+            os.close(inner.TRACEBACK)
+            child.unload()
 
 
 def _nothing() -> None:
     """There is no reserve to free."""
 
 
-class _Ground(Nest):
+class _NoNamespaces(ForkNamespaces):
     """Where a template stands already."""
 
     def __init__(self) -> None:
-        super().__init__(0, libc.going("/"), folder=False, tells=False)
+        super().__init__(0, libc.prepare_chdir("/"), folder=False, has_fork_hooks=False)
 
-    def settle(self) -> None:
-        take((("/dev/null", b"x"),) * 3, self.processes)
+    def write_identity(self) -> None:
+        write_files((("/dev/null", b"x"),) * 3, self.processes)
 
 
-def _questions() -> bytes:
+def _sample_questions() -> bytes:
     one, two = np.array([1.0, 2.0, 0.5]), np.array([3.0, 0.5, 1.0])
-    columns = framed(0, frames.COLUMNS, codec.encode((np.stack([one, two]), np.stack([two, one])), QUESTION_LIMITS))
+    columns = pack_frame(0, frames.COLUMNS, codec.encode((np.stack([one, two]), np.stack([two, one])), QUESTION_LIMITS))
     asked = (
-        calls("essai", 2, row(one, two), row(one, [1.0, 2.0, 3.0]), keeping=True),
-        calls("essai", 2, columns),
-        calls("panne", 2, row(one), row(0.0)),
+        sample_calls("essai", 2, sample_arguments(one, two), sample_arguments(one, [1.0, 2.0, 3.0]), keeping=True),
+        sample_calls("essai", 2, columns),
+        sample_calls("panne", 2, sample_arguments(one), sample_arguments(0.0)),
     )
-    return framed(1, frames.TOGETHER, b"".join((configuring(), loading(_SAMPLE), *asked)))
+    return pack_frame(1, frames.TOGETHER, b"".join((sample_configure(), sample_load(_SAMPLE), *asked)))
 
 
 def _warm_linear_algebra() -> None:

@@ -31,7 +31,7 @@ _PRCTLS = (15, 16, 3, 0x53564D41)
 _FCNTLS = (0, 1, 2, 3, 4, 1030, 1032, 1034)
 _FUTEX_PRIVATE = 128
 #: Calls whose first argument names a process, answered for one's own (0) only.
-_OF_A_PROCESS = ("prlimit64", "getpgid", "getsid", "sched_getaffinity", "sched_getparam", "sched_getscheduler")
+_SELF_ONLY_CALLS = ("prlimit64", "getpgid", "getsid", "sched_getaffinity", "sched_getparam", "sched_getscheduler")
 
 Instruction = bytes
 Block = tuple[Instruction, ...]
@@ -41,7 +41,7 @@ def _op(code: int, value: int, then: int = 0, otherwise: int = 0) -> Instruction
     return struct.pack("=HBBI", code, then, otherwise, value)
 
 
-def _answer(action: int) -> Instruction:
+def _return(action: int) -> Instruction:
     return _op(_RETURN, action)
 
 
@@ -49,36 +49,36 @@ def _argument(index: int, *, high: bool = False) -> int:
     return 16 + 8 * index + (4 if high else 0)
 
 
-def _among(index: int, values: tuple[int, ...]) -> Block:
-    tests = [piece for v in values for piece in (_op(_JUMP_EQUAL, v, 0, 1), _answer(ALLOW))]
-    return (_op(_LOAD, _argument(index)), *tests, _answer(ERRNO | EPERM))
+def _allow_values(index: int, values: tuple[int, ...]) -> Block:
+    tests = [piece for v in values for piece in (_op(_JUMP_EQUAL, v, 0, 1), _return(ALLOW))]
+    return (_op(_LOAD, _argument(index)), *tests, _return(ERRNO | EPERM))
 
 
-def _thread_only(threads: bool) -> Block:
+def _clone_block(threads: bool) -> Block:
     """A thread when threads are allowed; new namespaces are an attack; a new process is refused."""
     return (
         _op(_LOAD, _argument(0)),
         _op(_JUMP_BITS, CLONE_NAMESPACES, 0, 1),
-        _answer(KILL),
+        _return(KILL),
         _op(_JUMP_BITS, CLONE_THREAD, 0, 1),
-        _answer(ALLOW if threads else ERRNO | EPERM),
-        _answer(ERRNO | EPERM),
+        _return(ALLOW if threads else ERRNO | EPERM),
+        _return(ERRNO | EPERM),
     )
 
 
-def _own_futexes(threads: bool) -> Block:
+def _futex_block(threads: bool) -> Block:
     """A futex in the memory of one process; threads wait for each other's end by one that could be shared."""
     return (
         _op(_LOAD, _argument(1)),
         _op(_JUMP_BITS, _FUTEX_PRIVATE, 0, 1),
-        _answer(ALLOW),
-        _answer(ALLOW if threads else ERRNO | EPERM),
+        _return(ALLOW),
+        _return(ALLOW if threads else ERRNO | EPERM),
     )
 
 
 def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
     """What each known call of an architecture comes to in the end, as instructions that always return."""
-    blocks: dict[int, Block] = {number: (_answer(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
+    blocks: dict[int, Block] = {number: (_return(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
     tables = (
         (syscalls.ALLOWED, ALLOW),
         (syscalls.REFUSED, ERRNO | EPERM),
@@ -86,15 +86,15 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
         (syscalls.ABSENT, ERRNO | ENOSYS),
     )
     for table, action in tables:
-        blocks |= dict.fromkeys(syscalls.numbers(table, column), (_answer(action),))
+        blocks |= dict.fromkeys(syscalls.numbers(table, column), (_return(action),))
     conditional = {
-        "clone": _thread_only(threads),
-        "ioctl": _among(1, _IOCTLS),
-        "prctl": _among(0, _PRCTLS),
-        "fcntl": _among(1, _FCNTLS),
-        "futex": _own_futexes(threads),
-        "getpriority": _among(1, (0,)),
-        **dict.fromkeys(_OF_A_PROCESS, _among(0, (0,))),
+        "clone": _clone_block(threads),
+        "ioctl": _allow_values(1, _IOCTLS),
+        "prctl": _allow_values(0, _PRCTLS),
+        "fcntl": _allow_values(1, _FCNTLS),
+        "futex": _futex_block(threads),
+        "getpriority": _allow_values(1, (0,)),
+        **dict.fromkeys(_SELF_ONLY_CALLS, _allow_values(0, (0,))),
     }
     for name, block in conditional.items():
         number = syscalls.number(name, column)
@@ -112,56 +112,56 @@ def _ranges(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
     return runs if runs[-1][1] == beyond else [*runs, (syscalls.LAST_KNOWN + 1, beyond)]
 
 
-def _search(runs: list[tuple[int, Block]]) -> list[Instruction]:
+def _binary_search(runs: list[tuple[int, Block]]) -> list[Instruction]:
     """Goes to the run that holds the number, by halves."""
     if len(runs) == 1:
         return list(runs[0][1])
     middle = len(runs) // 2
-    low, high = _search(runs[:middle]), _search(runs[middle:])
+    low, high = _binary_search(runs[:middle]), _binary_search(runs[middle:])
     first = runs[middle][0]
     if len(low) < 256:
         return [_op(_JUMP_AT_LEAST, first, len(low), 0), *low, *high]
     return [_op(_JUMP_AT_LEAST, first, 0, 1), _op(_JUMP, len(low)), *low, *high]
 
 
-def first(*, folder: bool) -> bytes:
+def template_filter(*, folder: bool) -> bytes:
     """The part of a template, as an array of ``struct sock_filter``. Raises Unsupported on an unknown architecture.
 
     `folder` allows the calls that change folders and files, where there is a private place for them.
     """
-    column = libc.column()
-    spared = dict.fromkeys(syscalls.numbers(syscalls.SETTING_UP, column), (_answer(ALLOW),))
-    return _assembled(_ranges(_blocks(column, threads=False, folder=folder) | spared, (_answer(ERRNO | ENOSYS),)))
+    column = libc.architecture_column()
+    spared = dict.fromkeys(syscalls.numbers(syscalls.SETTING_UP, column), (_return(ALLOW),))
+    return _assemble(_ranges(_blocks(column, threads=False, folder=folder) | spared, (_return(ERRNO | ENOSYS),)))
 
 
-def second(*, threads: bool) -> bytes:
+def fork_filter(*, threads: bool) -> bytes:
     """The part of a fork."""
-    column = libc.column()
+    column = libc.architecture_column()
     whole, refused = _blocks(column, threads, folder=False), syscalls.numbers(syscalls.SETTING_UP, column)
-    allowed: Block = (_answer(ALLOW),)
-    return _assembled(_ranges({n: whole[n] if n in refused else allowed for n in whole}, allowed))
+    allowed: Block = (_return(ALLOW),)
+    return _assemble(_ranges({n: whole[n] if n in refused else allowed for n in whole}, allowed))
 
 
-def _assembled(runs: list[tuple[int, Block]]) -> bytes:
+def _assemble(runs: list[tuple[int, Block]]) -> bytes:
     program = [
         _op(_LOAD, _ARCH),
         _op(_JUMP_EQUAL, libc.audit_architecture(), 1, 0),
-        _answer(KILL),
+        _return(KILL),
         _op(_LOAD, _NR),
-        *(_x32_is_an_attack() if libc.column() == 0 else []),
-        *_search(runs),
+        *(_x32_is_an_attack() if libc.architecture_column() == 0 else []),
+        *_binary_search(runs),
     ]
     return b"".join(program)
 
 
 def _x32_is_an_attack() -> list[Instruction]:
-    return [_op(_JUMP_BITS, X32_BIT, 0, 1), _answer(KILL)]
+    return [_op(_JUMP_BITS, X32_BIT, 0, 1), _return(KILL)]
 
 
 class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def installing(program: bytes) -> libc.Call:
+def prepare_install(program: bytes) -> libc.PreparedCall:
     """Puts the filter on the calling thread, for ever. Needs no_new_privs."""
-    return libc.process_control(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))
+    return libc.prepare_prctl(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))

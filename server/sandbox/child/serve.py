@@ -17,23 +17,23 @@ import numpy as np
 from . import codec, frames, inner, library, orders
 from .codec import Value
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
-from .frames import framed as _framed
-from .kits import Kit
-from .program import Failure, Fault, Program, print_to
+from .frames import pack_frame as _framed
+from .kits import KitModules
+from .program import Fault, Program, ProgramFailure, redirect_output
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
 
 #: A timer of no seconds would never ring.
-_SHORTEST = 0.001
-_AGAIN = 0.01
+_MIN_TIMER_SECONDS = 0.001
+_RETRY_TIMER_SECONDS = 0.01
 
 
-def run(walls: inner.Walls, seats: int, child: Child) -> NoReturn:
+def run_fork(walls: inner.ForkWalls, seats: int, child: ForkServer) -> NoReturn:
     """Runs in a fresh fork, and ends the process."""
     ready = False
     try:
-        walls.stand(seats)
-        if not walls.memory:
+        walls.raise_walls(seats)
+        if not walls.prefault:
             child.rehearse()
         child.send(0, frames.READY, b"")
         ready = True
@@ -45,14 +45,14 @@ def run(walls: inner.Walls, seats: int, child: Child) -> NoReturn:
         os._exit(0 if ready else 70)
 
 
-def practise(walls: inner.Walls, child: Child) -> None:
+def rehearse_fork(walls: inner.ForkWalls, child: ForkServer) -> None:
     """The same, in a fork that is not told anything, up to what a submission begins with."""
-    walls.stand(0)
+    walls.raise_walls(0)
     child.rehearse()
     child.send(0, frames.READY, b"")
 
 
-class Child:
+class ForkServer:
     """What answers in a fork; made in the template, which finds it ready, and begun in the fork.
 
     Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them.
@@ -61,25 +61,25 @@ class Child:
     down where it is, from the signal handler itself: its last words.
     """
 
-    def __init__(self, kits: Mapping[str, Kit], free_reserve: Callable[[], None]) -> None:
+    def __init__(self, kits: Mapping[str, KitModules], free_reserve: Callable[[], None]) -> None:
         """What is printed goes to it from now on."""
         self._program, self._stream = Program(kits, free_reserve), BoundedText(BoundedBytes(1))
-        print_to(self._stream)
+        redirect_output(self._stream)
         self._cpu_seconds = 0.0
         self._wire = inner.WIRE
         self._token = 0
-        self._busy, self._writes = False, False
+        self._running_student_code, self._sending = False, False
         self._wall = 0.0
-        self._exhausted = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
-        signal.signal(signal.SIGALRM, self._late)
-        signal.signal(signal.SIGPROF, self._late)
-        faulthandler.register(signal.SIGXCPU, inner.WORDS, all_threads=False)
+        self._memory_fault = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
+        signal.signal(signal.SIGALRM, self._on_timer)
+        signal.signal(signal.SIGPROF, self._on_timer)
+        faulthandler.register(signal.SIGXCPU, inner.TRACEBACK, all_threads=False)
 
-    def begin(self, limits: orders.Limits) -> None:
+    def set_limits(self, limits: orders.ChildLimits) -> None:
         """What the program may use."""
         self._cpu_seconds = limits.cpu_seconds
-        self._program.begin(codec.Limits(limits.frame_bytes, limits.depth, limits.items))
-        self._stream.begin(limits.stdout_bytes)
+        self._program.set_answer_limits(codec.ValueLimits(limits.frame_bytes, limits.depth, limits.items))
+        self._stream.set_limit(limits.stdout_bytes)
 
     def rehearse(self) -> None:
         """Goes once through the least that a submission uses, and tells nobody.
@@ -92,28 +92,28 @@ class Child:
         self._wire, self._cpu_seconds = _NULL, 0.0  # of which no timer rings
         self._program.configure(None, {"seed": 0})
         np.random.Generator(np.random.PCG64(0))  # as many kits make one
-        for self._token, kind, question in frames.parted(_REHEARSED):
-            self._obey(kind, question)
+        for self._token, kind, question in frames.unpack_frames(_REHEARSAL_QUESTIONS):
+            self._answer_question(kind, question)
         self._wire, self._cpu_seconds = inner.WIRE, granted
-        self._program.forget()
+        self._program.unload()
 
-    def forget(self) -> None:
+    def unload(self) -> None:
         """Lets go of the program."""
-        self._program.forget()
+        self._program.unload()
 
     def serve(self) -> None:
         while header := self._read(frames.HEADER.size):
             length, self._token, kind = frames.HEADER.unpack(header)
             payload = self._read(length)
-            questions = frames.parted(payload) if kind == frames.TOGETHER else [(self._token, kind, payload)]
+            questions = frames.unpack_frames(payload) if kind == frames.TOGETHER else [(self._token, kind, payload)]
             for self._token, kind, question in questions:
-                if not self._obey(kind, question):
+                if not self._answer_question(kind, question):
                     break
 
-    def _obey(self, kind: int, payload: bytes) -> bool:
+    def _answer_question(self, kind: int, payload: bytes) -> bool:
         """Answers a question; False when those that came together with it are to be dropped."""
         if kind == frames.CALLS:
-            self._calls(payload)
+            self._answer_batch(payload)
         elif kind == frames.TRACE:
             self._trace(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.LOAD:
@@ -137,9 +137,9 @@ class Child:
             lambda: self._program.load(
                 question["source"].tobytes(),
                 question["filename"],
-                shows_last=question["shows_last"],
-                waits=question["waits"],
-                shelved=library.shelves(question["library"]),
+                echo_last=question["shows_last"],
+                deferred=question["waits"],
+                library_files=library.decode_library(question["library"]),
             ),
         )
         self.send(self._token, outcome, names)
@@ -147,84 +147,86 @@ class Child:
 
     def _trace(self, question: Any) -> None:
         """Answers a call, each of its steps on its way before the line that it tells of begins."""
-        told = (question["function"], question["arguments"], question["named"], self._step)
+        told = (question["function"], question["arguments"], question["named"], self._send_step)
         outcome, answer, self._wall = self._timed(question["wall"], lambda: self._program.trace(*told))
         self.send(self._token, outcome, answer)
 
-    def _step(self, told: Value) -> None:
+    def _send_step(self, told: Value) -> None:
         payload = codec.encode(told, STEP_LIMITS)
-        self._writes = True
+        self._sending = True
         try:
             self.send(self._token, frames.STEP, payload)
         finally:
-            self._writes = False
+            self._sending = False
 
-    def _calls(self, batch: bytes) -> None:
+    def _answer_batch(self, batch: bytes) -> None:
         """Answers the calls of a batch in order, each answer on its way before the next call begins."""
         end = self._token
-        parts = frames.parted(batch)
-        function, wall, faults, keeping = frames.told(next(parts)[2])
+        parts = frames.unpack_frames(batch)
+        function, wall, faults, keeping = frames.unpack_shared(next(parts)[2])
         if not self._program.defines(function):
             return
-        tokens = frames.tokens(next(parts)[2])
-        arguments = _Arguments(parts)
+        tokens = frames.unpack_tokens(next(parts)[2])
+        arguments = _BatchArguments(parts)
         last = len(tokens) - 1
-        self._busy = self._writes = True
-        signal.setitimer(signal.ITIMER_REAL, max(self._wall if wall is None else wall, _SHORTEST))
+        self._running_student_code = self._sending = True
+        signal.setitimer(signal.ITIMER_REAL, max(self._wall if wall is None else wall, _MIN_TIMER_SECONDS))
         for number, self._token in enumerate(tokens):
-            self._writes = False
+            self._sending = False
             outcome, answer = self._outcome(partial(self._call, function, arguments, number, keeping))
-            self._writes = True
+            self._sending = True
             faults -= outcome == frames.FAULT
             over = number == last or not faults
             began = monotonic()
             self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
-            if (waited := monotonic() - began) > _SHORTEST:  # nobody reads: that time is given back
+            if (waited := monotonic() - began) > _MIN_TIMER_SECONDS:  # nobody reads: that time is given back
                 signal.setitimer(signal.ITIMER_REAL, waited + signal.getitimer(signal.ITIMER_REAL)[0])
             if over:
                 break
-        self._busy = self._writes = False
+        self._running_student_code = self._sending = False
         self._wall, _ = signal.setitimer(signal.ITIMER_REAL, 0)
 
-    def _call(self, function: str, arguments: _Arguments, number: int, keeping: bool) -> bytes:
-        return self._program.call(function, arguments.of(number), return_arguments=keeping)
+    def _call(self, function: str, arguments: _BatchArguments, number: int, keeping: bool) -> bytes:
+        return self._program.call(function, arguments.of_call(number), return_arguments=keeping)
 
     def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
         """What an action comes to, and the seconds left of `wall`: those between two actions do not count."""
-        self._busy = True
-        signal.setitimer(signal.ITIMER_REAL, max(wall, _SHORTEST))
+        self._running_student_code = True
+        signal.setitimer(signal.ITIMER_REAL, max(wall, _MIN_TIMER_SECONDS))
         outcome, payload = self._outcome(action)
-        self._busy = False
+        self._running_student_code = False
         left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
         return outcome, payload, left
 
     def _outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
         try:
             return frames.VALUE, action()
-        except Failure as failure:
-            return frames.FAULT, self._encoded(failure.fault)
+        except ProgramFailure as failure:
+            return frames.FAULT, self._encode_fault(failure.fault)
         except MemoryError:
-            return frames.FAULT, self._exhausted
+            return frames.FAULT, self._memory_fault
         except BaseException as error:  # the student broke something of ours in their own process
-            return frames.FAULT, self._encoded(_fault("invalid_output", type(error).__name__))
+            return frames.FAULT, self._encode_fault(_fault("invalid_output", type(error).__name__))
 
-    def _encoded(self, fault: Fault) -> bytes:
+    def _encode_fault(self, fault: Fault) -> bytes:
         try:
             return codec.encode(fault, FAULT_LIMITS)
         except MemoryError:
-            return self._exhausted
+            return self._memory_fault
 
-    def _late(self, number: int, frame: FrameType | None) -> None:
-        if self._writes:  # a step or an answer is half on its way
-            signal.setitimer(signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _AGAIN)
-        elif self._busy:
-            self._busy = False
-            fault = self._program.interrupted(frame)
+    def _on_timer(self, number: int, frame: FrameType | None) -> None:
+        if self._sending:  # a step or an answer is half on its way
+            signal.setitimer(
+                signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _RETRY_TIMER_SECONDS
+            )
+        elif self._running_student_code:
+            self._running_student_code = False
+            fault = self._program.timeout_fault(frame)
             fault["detail"] = "cpu" if number == signal.SIGPROF else "wall"
             self.send(self._token, frames.FAULT, codec.encode(fault, FAULT_LIMITS))
             os._exit(0)
         elif number == signal.SIGPROF:  # between two calls: the next one will be told
-            signal.setitimer(signal.ITIMER_PROF, _AGAIN)
+            signal.setitimer(signal.ITIMER_PROF, _RETRY_TIMER_SECONDS)
 
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
         _write(self._wire, _framed(token, kind, payload) + then)
@@ -239,14 +241,14 @@ class Child:
         return bytes(pieces)
 
 
-class _Arguments:
+class _BatchArguments:
     """The arguments of each call of a batch, made when its turn comes: what is then lacking is told of that call."""
 
     def __init__(self, parts: Iterator[tuple[int, int, bytes]]) -> None:
         self._parts = [(kind, part) for _, kind, part in parts]
         self._columns: Any = None
 
-    def of(self, number: int) -> tuple[Value, ...]:
+    def of_call(self, number: int) -> tuple[Value, ...]:
         if self._parts[0][0] == frames.ARGUMENTS:
             row: Any = codec.decode(self._parts[number][1], QUESTION_LIMITS)
             return tuple(row)
@@ -267,24 +269,24 @@ def _write(descriptor: int, data: bytes) -> None:
         written += os.write(descriptor, memoryview(data)[written:])
 
 
-def configuring() -> bytes:
+def sample_configure() -> bytes:
     """A question, as the trusted side asks it."""
     return _framed(2, frames.CONFIGURE, _encoded({"kit": None, "parameters": {"seed": 0}, "without": ()}))
 
 
-def loading(source: bytes) -> bytes:
+def sample_load(source: bytes) -> bytes:
     load: dict[str, Value] = {"source": np.frombuffer(source, np.uint8), "filename": "solution.py", "wall": 1000.0}
     load |= {"shows_last": False, "waits": False, "library": ()}
     return _framed(3, frames.LOAD, _encoded(load))
 
 
-def calls(function: str, count: int, *arguments: bytes, keeping: bool = False) -> bytes:
+def sample_calls(function: str, count: int, *arguments: bytes, keeping: bool = False) -> bytes:
     """So many of them; `arguments` are the frames that hold theirs."""
-    shared = _framed(4, frames.SHARED, frames.shared(function, 1000.0, count + 1, keeping=keeping))
+    shared = _framed(4, frames.SHARED, frames.pack_shared(function, 1000.0, count + 1, return_arguments=keeping))
     return _framed(4, frames.CALLS, b"".join((shared, _framed(0, frames.TOKENS, bytes(8 * count)), *arguments)))
 
 
-def row(*arguments: Value) -> bytes:
+def sample_arguments(*arguments: Value) -> bytes:
     return _framed(0, frames.ARGUMENTS, _encoded(arguments))
 
 
@@ -295,6 +297,6 @@ def _encoded(value: Value) -> bytes:
 #: No descriptor of a program: its standard input.
 _NULL = 0
 #: No exercise's: a child knows nothing of a course, and every program can read this.
-_REHEARSED = loading(b"import numpy as np\ndef essai(u):\n    return np.array([u[0], 1.0])\n") + calls(
-    "essai", 1, row(np.zeros(3))
-)
+_REHEARSAL_QUESTIONS = sample_load(
+    b"import numpy as np\ndef essai(u):\n    return np.array([u[0], 1.0])\n"
+) + sample_calls("essai", 1, sample_arguments(np.zeros(3)))

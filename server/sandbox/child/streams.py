@@ -12,7 +12,7 @@ class BoundedBytes(io.RawIOBase):
     def __init__(self, descriptor: int) -> None:
         self._descriptor, self._bound, self._full = descriptor, 0, False
 
-    def begin(self, bound: int) -> None:
+    def set_limit(self, bound: int) -> None:
         self._bound = bound
 
     def writable(self) -> bool:
@@ -40,9 +40,9 @@ class BoundedText(io.TextIOBase):
     def __init__(self, raw: BoundedBytes) -> None:
         self._raw, self._bound = raw, 0
 
-    def begin(self, bound: int) -> None:
+    def set_limit(self, bound: int) -> None:
         self._bound = bound
-        self._raw.begin(bound)
+        self._raw.set_limit(bound)
 
     encoding = "utf-8"
     errors = "replace"

@@ -15,7 +15,7 @@ from types import CodeType, FrameType
 from typing import Any
 
 from .library import NAME as LIBRARY
-from .value_descriptions import Described, fingerprint, same, telling
+from .value_descriptions import ValueDescriber, describe_exception, fingerprint, is_same
 from .wire_values import Value
 
 globals()["__builtins__"] = dict(vars(builtins))
@@ -38,7 +38,7 @@ _GENERATES = CO_GENERATOR | CO_COROUTINE | CO_ASYNC_GENERATOR
 _NEVER = object()
 
 
-class _Entry:
+class _FollowedCall:
     """A call that is followed: its number, its code, what its variables were at the last step."""
 
     def __init__(self, number: int, code: CodeType, depth: int, begun: int) -> None:
@@ -56,16 +56,16 @@ class Tracer:
     """
 
     def __init__(self, filename: str, names: dict[str, Any], tell: Callable[[Value], None]) -> None:
-        self._filename, self._names, self._tell = filename, names, tell
-        self._described = Described()
-        self._entries: dict[int, _Entry] = {}
-        self._module: _Entry | None = None
+        self._filename, self._names, self._emit = filename, names, tell
+        self._described = ValueDescriber()
+        self._entries: dict[int, _FollowedCall] = {}
+        self._module: _FollowedCall | None = None
         self._before = dict(names)
         self._frames, self._steps, self._nodes, self._spent = 0, 0, 0, 0.0
-        self._left: set[str] = set()
-        self._told: set[str] = set()
-        self._over = False
-        self._hook, self._line_hook = self._enter, self._inside
+        self._omissions: set[str] = set()
+        self._reported_omissions: set[str] = set()
+        self._is_stopped = False
+        self._hook, self._line_hook = self._trace_call, self._trace_frame
 
     def run(self, action: Callable[[], Any]) -> Any:
         """What the action returns, or raises."""
@@ -75,44 +75,44 @@ class Tracer:
         try:
             result = action()
         except BaseException:
-            self._ended(hook, limit, whole=False)
+            self._finish(hook, limit, whole=False)
             raise
-        self._ended(hook, limit, whole=True)
+        self._finish(hook, limit, whole=True)
         return result
 
-    def _ended(self, hook: Any, limit: int, *, whole: bool) -> None:
+    def _finish(self, hook: Any, limit: int, *, whole: bool) -> None:
         """What is left to do; `whole` tells that the program came to its end. It may have broken all that is ours."""
         ours = gettrace() is hook
         settrace(None)
         try:
             setrecursionlimit(limit)
-            if not (ours or self._over or DEPTH_OVER in self._left):
-                self._leave_out(LOST)
-            if whole and self._module is not None and not self._over:
-                self._tell_step(self._module, self._names, "return")
-            for reason in self._left - self._told:
-                self._tell(("left", reason))
+            if not (ours or self._is_stopped or DEPTH_OVER in self._omissions):
+                self._report_omission(LOST)
+            if whole and self._module is not None and not self._is_stopped:
+                self._emit_step(self._module, self._names, "return")
+            for reason in self._omissions - self._reported_omissions:
+                self._emit(("left", reason))
         except Exception:
             return
 
     def described(self, value: object) -> Value:
-        return self._described.value(value)
+        return self._described.describe(value)
 
-    def _enter(self, frame: FrameType, event: str, arg: Any) -> Any:
+    def _trace_call(self, frame: FrameType, event: str, arg: Any) -> Any:
         """For `sys.settrace`: told of every call."""
-        return self._safely(self._called, frame, event, arg)
+        return self._guarded(self._on_call, frame, event, arg)
 
-    def _inside(self, frame: FrameType, event: str, arg: Any) -> Any:
+    def _trace_frame(self, frame: FrameType, event: str, arg: Any) -> Any:
         """For the frames that are followed."""
-        return self._safely(self._happened, frame, event, arg)
+        return self._guarded(self._on_event, frame, event, arg)
 
-    def _safely(self, look: Callable[[FrameType, str, Any], Any], frame: FrameType, event: str, arg: Any) -> Any:
+    def _guarded(self, look: Callable[[FrameType, str, Any], Any], frame: FrameType, event: str, arg: Any) -> Any:
         """Whatever happens to us is not the program's business: it is followed no further."""
         try:
             start = clock()
             hook = look(frame, event, arg)
             self._spent += clock() - start
-            if self._spent > SECONDS and not self._over:
+            if self._spent > SECONDS and not self._is_stopped:
                 self._stop(TIME_OVER)
         except BaseException:
             settrace(None)
@@ -120,61 +120,61 @@ class Tracer:
         return hook
 
     def _stop(self, reason: str) -> None:
-        self._over = True
+        self._is_stopped = True
         settrace(None)
-        self._leave_out(reason)
+        self._report_omission(reason)
 
-    def _leave_out(self, reason: str) -> None:
+    def _report_omission(self, reason: str) -> None:
         """Said at once; at the end, where the program has broken what says it."""
-        if reason in self._left:
+        if reason in self._omissions:
             return
-        self._left.add(reason)
+        self._omissions.add(reason)
         try:
-            self._tell(("left", reason))
-            self._told.add(reason)
+            self._emit(("left", reason))
+            self._reported_omissions.add(reason)
         except BaseException:
             settrace(None)
 
-    def _called(self, frame: FrameType, event: str, arg: Any) -> Any:
+    def _on_call(self, frame: FrameType, event: str, arg: Any) -> Any:
         code = frame.f_code
-        filename = _plain(code.co_filename)
+        filename = _exact_text(code.co_filename)
         if filename != self._filename:
             if filename.startswith(f"{LIBRARY}/"):
-                self._leave_out(NOT_OURS)
+                self._report_omission(NOT_OURS)
             return None
         if not code.co_flags & CO_OPTIMIZED:
-            return self._module_called(frame)
-        if _plain(code.co_name) in _INLINE:
+            return self._on_module(frame)
+        if _exact_text(code.co_name) in _INLINE:
             return None
         known = self._entries.get(id(frame))
         if known is not None and known.code is code and code.co_flags & _GENERATES and frame.f_lasti > known.begun:
             return self._line_hook  # a generator that goes on
-        parent, depth = self._place(frame)
+        parent, depth = self._followed_caller(frame)
         if depth >= DEPTH:
-            self._leave_out(DEPTH_OVER)
+            self._report_omission(DEPTH_OVER)
             return None
-        self._entries[id(frame)] = entry = self._entered(code, parent, depth, frame.f_lasti)
-        self._step(entry, frame, "call")
+        self._entries[id(frame)] = entry = self._register_call(code, parent, depth, frame.f_lasti)
+        self._emit_frame_step(entry, frame, "call")
         return self._line_hook
 
-    def _module_called(self, frame: FrameType) -> Any:
+    def _on_module(self, frame: FrameType) -> Any:
         """The top level of the file, which may come in two parts; the body of a class is not followed."""
         if frame.f_globals is not self._names or frame.f_locals is not self._names:
             return None
         if self._module is None:
-            self._module = self._entered(frame.f_code, None, 0, 0)
+            self._module = self._register_call(frame.f_code, None, 0, 0)
         self._module.code = frame.f_code
         self._entries[id(frame)] = self._module
         return self._line_hook
 
-    def _entered(self, code: CodeType, parent: _Entry | None, depth: int, begun: int) -> _Entry:
-        entry = _Entry(self._frames, code, depth, begun)
+    def _register_call(self, code: CodeType, parent: _FollowedCall | None, depth: int, begun: int) -> _FollowedCall:
+        entry = _FollowedCall(self._frames, code, depth, begun)
         self._frames += 1
         above = None if parent is None else parent.number
-        self._tell(("frame", _plain(code.co_name)[:LONGEST_FUNCTION], max(code.co_firstlineno, 0), above))
+        self._emit(("frame", _exact_text(code.co_name)[:LONGEST_FUNCTION], max(code.co_firstlineno, 0), above))
         return entry
 
-    def _place(self, frame: FrameType) -> tuple[_Entry | None, int]:
+    def _followed_caller(self, frame: FrameType) -> tuple[_FollowedCall | None, int]:
         """The nearest call that is followed among those that wait for this one, and how deep this one is."""
         back = frame.f_back
         for _ in range(BETWEEN):
@@ -186,41 +186,41 @@ class Tracer:
             back = back.f_back
         return None, DEPTH
 
-    def _happened(self, frame: FrameType, event: str, arg: Any) -> Any:
+    def _on_event(self, frame: FrameType, event: str, arg: Any) -> Any:
         entry = self._entries.get(id(frame))
         if entry is None or entry.code is not frame.f_code:
             return None
         if event == "line":
             entry.raised = False
-            self._step(entry, frame, event)
+            self._emit_frame_step(entry, frame, event)
         elif event == "exception":
-            self._raised(entry, frame, arg)
+            self._on_exception(entry, frame, arg)
         elif event == "return":
-            self._returned(entry, frame, arg)
+            self._on_return(entry, frame, arg)
         return self._line_hook
 
-    def _raised(self, entry: _Entry, frame: FrameType, arg: Any) -> None:
+    def _on_exception(self, entry: _FollowedCall, frame: FrameType, arg: Any) -> None:
         kind, value, traceback = arg
         if kind is StopIteration and traceback is None:
             return  # the end of a loop
         entry.raised = True
         if kind is not GeneratorExit:
-            self._step(entry, frame, "exception", words=telling(kind, value))
+            self._emit_frame_step(entry, frame, "exception", words=describe_exception(kind, value))
 
-    def _returned(self, entry: _Entry, frame: FrameType, value: Any) -> None:
+    def _on_return(self, entry: _FollowedCall, frame: FrameType, value: Any) -> None:
         if entry is not self._module and not entry.raised:
-            self._step(entry, frame, "return", back=(self._counted(value),))
+            self._emit_frame_step(entry, frame, "return", back=(self._describe_counted(value),))
         if not entry.code.co_flags & _GENERATES:
             del self._entries[id(frame)]
 
-    def _step(self, entry: _Entry, frame: FrameType, event: str, **more: Any) -> None:
+    def _emit_frame_step(self, entry: _FollowedCall, frame: FrameType, event: str, **more: Any) -> None:
         names = self._names if entry is self._module else frame.f_locals
         entry.line = max(frame.f_lineno or entry.line, 0)
-        self._tell_step(entry, names, event, **more)
+        self._emit_step(entry, names, event, **more)
 
-    def _tell_step(
+    def _emit_step(
         self,
-        entry: _Entry,
+        entry: _FollowedCall,
         names: Any,
         event: str,
         back: tuple[Value, ...] = (),
@@ -230,12 +230,12 @@ class Tracer:
             return self._stop(STEPS_OVER)
         self._steps += 1
         changes, gone = self._changes(entry, names)
-        self._tell(("step", event, entry.number, entry.line, changes, gone, back, words))
+        self._emit(("step", event, entry.number, entry.line, changes, gone, back, words))
         if self._nodes > NODES:
             self._stop(NODES_OVER)
         return None
 
-    def _changes(self, entry: _Entry, names: Any) -> tuple[Value, Value]:
+    def _changes(self, entry: _FollowedCall, names: Any) -> tuple[Value, Value]:
         """Name and value of each variable that is new or has another value; names of those that are no more."""
         changes: list[Value] = []
         there: set[str] = set()
@@ -243,32 +243,32 @@ class Tracer:
             if (
                 type(name) is not str
                 or len(name) > LONGEST_NAME
-                or (entry is self._module and self._is_not_theirs(name, value))
+                or (entry is self._module and self._is_foreign_name(name, value))
             ):
                 continue
             if len(there) >= VARIABLES:
-                self._leave_out(VARIABLES_OVER)
+                self._report_omission(VARIABLES_OVER)
                 break
             there.add(name)
             now = fingerprint(value, self._described)
-            if not same(entry.seen.get(name, _NEVER), now):
+            if not is_same(entry.seen.get(name, _NEVER), now):
                 entry.seen[name] = now
-                changes.append((name, self._counted(value)))
+                changes.append((name, self._describe_counted(value)))
         gone = tuple(name for name in entry.seen if name not in there)
         for name in gone:
             del entry.seen[name]
         return tuple(changes), gone
 
-    def _counted(self, value: object) -> Value:
-        described = self._described.value(value)
+    def _describe_counted(self, value: object) -> Value:
+        described = self._described.describe(value)
         self._nodes += self._described.nodes
         return described
 
-    def _is_not_theirs(self, name: str, value: object) -> bool:
+    def _is_foreign_name(self, name: str, value: object) -> bool:
         """A name that the file has not given itself: the kit's, the interpreter's."""
         return name.startswith("__") or self._before.get(name, _NEVER) is value
 
 
-def _plain(text: str) -> str:
+def _exact_text(text: str) -> str:
     """What the interpreter says of code; code can be made by hand, of texts that are not only texts."""
     return text if type(text) is str else ""

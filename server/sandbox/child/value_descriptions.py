@@ -46,23 +46,23 @@ _MUTABLE = frozenset(map(id, (list, set, deque)))
 _NAMED = frozenset(map(id, (FunctionType, BuiltinFunctionType)))
 
 
-class Described:
+class ValueDescriber:
     """Describes values. The same object has the same number (`alias`) each time, as long as it lives."""
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
         self.nodes = 0  # of the last value
 
-    def value(self, value: object) -> Value:
+    def describe(self, value: object) -> Value:
         """One of ("none",), ("bool", b), ("int", n), ("big", bits), ("float", x), ("complex", z), ("numpy", dtype,
         number), ("text", beginning, length), ("sequence", type, alias, length, items), ("mapping", alias, length,
         pairs), ("array", dtype, alias, shape, numbers), ("other", type, name)."""
         room = [NODES]
-        described = self._of(value, 1, room)
+        described = self._describe(value, 1, room)
         self.nodes = NODES - room[0]
         return described
 
-    def _of(self, value: Any, level: int, room: list[int]) -> Value:
+    def _describe(self, value: Any, level: int, room: list[int]) -> Value:
         room[0] -= 1
         kind = id(type(value))
         if kind in _SCALARS:
@@ -75,24 +75,24 @@ class Described:
             return self._sequence(value, kind, level, room)
         if kind == _DICT:
             return self._mapping(value, level, room)
-        return "other", type_name(type(value)), _own_name(value, kind)
+        return "other", type_name(type(value)), _object_name(value, kind)
 
     def _sequence(self, value: Any, kind: int, level: int, room: list[int]) -> Value:
-        items = [self._of(one, level + 1, room) for one in _first(value, level, room) if room[0] > 0]
+        items = [self._describe(one, level + 1, room) for one in _take_items(value, level, room) if room[0] > 0]
         alias = self.alias(value) if kind in _MUTABLE else None
         return "sequence", _SEQUENCES[kind], alias, _length(value), tuple(items)
 
     def _mapping(self, value: dict[Any, Any], level: int, room: list[int]) -> Value:
         pairs = [
-            (self._of(key, level + 1, room), self._of(one, level + 1, room))
-            for key, one in _first(value.items(), level, room)
+            (self._describe(key, level + 1, room), self._describe(one, level + 1, room))
+            for key, one in _take_items(value.items(), level, room)
             if room[0] > 0
         ]
         return "mapping", self.alias(value), len(value), tuple(pairs)
 
     def _array(self, array: Any, room: list[int]) -> Value:
         most = NUMBERS if room[0] == NODES - 1 else max(0, min(NUMBERS, room[0]))
-        numbers = _numbers(array, most)
+        numbers = _first_numbers(array, most)
         room[0] -= len(numbers)
         return "array", array.dtype.str, self.alias(array), array.shape, tuple(numbers)
 
@@ -100,7 +100,7 @@ class Described:
         return self._numbers.setdefault(id(value), len(self._numbers))
 
 
-def _first(items: Any, level: int, room: list[int]) -> list[Any]:
+def _take_items(items: Any, level: int, room: list[int]) -> list[Any]:
     """As many as there is room for. They are taken out first: describing them may let a collection of garbage run
     what the student wrote for the end of an object."""
     return list(islice(items, max(0, room[0]))) if level <= LEVELS else []
@@ -131,7 +131,7 @@ def _number(value: Any) -> Any:
     return _COMPLEX_NAN if type(value) is complex else _NAN
 
 
-def _numbers(array: Any, most: int) -> list[Any]:
+def _first_numbers(array: Any, most: int) -> list[Any]:
     """The first items of an array, row by row: numbers, or texts where they are none."""
     kind = array.dtype.kind
     if kind not in "biufcUO":
@@ -161,7 +161,7 @@ def type_name(kind: type) -> str:
     return name[:NAME] if type(name) is str else ""
 
 
-def _own_name(value: Any, kind: int) -> str:
+def _object_name(value: Any, kind: int) -> str:
     if kind == _METHOD:
         value, kind = value.__func__, id(type(value.__func__))
     if kind in _NAMED:
@@ -175,7 +175,7 @@ def _own_name(value: Any, kind: int) -> str:
     return name[:NAME] if type(name) is str else ""
 
 
-def telling(kind: type, value: Any) -> tuple[str, str]:
+def describe_exception(kind: type, value: Any) -> tuple[str, str]:
     """The name of an exception and what it says, where that is a text or a number that it was made with."""
     said = value
     if any(base is BaseException for base in _MRO(type(value))):
@@ -187,19 +187,19 @@ def telling(kind: type, value: Any) -> tuple[str, str]:
     return type_name(kind), str(said) if plain else ""
 
 
-def fingerprint(value: Any, described: Described) -> Any:
+def fingerprint(value: Any, described: ValueDescriber) -> Any:
     """What tells whether a variable has another value than before, for `same`; it is ours, or cannot change."""
     kind = id(type(value))
     if kind in _SCALARS or kind in _NUMPY:
         return value
     if kind == _ARRAY:
-        return Print(id(value), (array_print(value), value.shape, value.dtype.str))
+        return Fingerprint(id(value), (array_fingerprint(value), value.shape, value.dtype.str))
     if kind in _SEQUENCES or kind == _DICT:
-        return Print(id(value), described.value(value))
-    return Print(id(value), type_name(type(value)))
+        return Fingerprint(id(value), described.describe(value))
+    return Fingerprint(id(value), type_name(type(value)))
 
 
-class Print:
+class Fingerprint:
     """The fingerprint of what may change."""
 
     __slots__ = ("content", "number")
@@ -208,10 +208,10 @@ class Print:
         self.number, self.content = number, content
 
 
-def same(before: Any, now: Any) -> bool:
+def is_same(before: Any, now: Any) -> bool:
     if type(before) is not type(now):
         return False
-    if type(now) is Print:
+    if type(now) is Fingerprint:
         return before.number == now.number and _alike(before.content, now.content)
     return before is now or bool(before == now) or bool(before != before and now != now)  # noqa: PLR0124
 
@@ -225,7 +225,7 @@ def _alike(one: Any, other: Any) -> bool:
     return one is other or bool(one == other)
 
 
-def array_print(array: Any) -> int:
+def array_fingerprint(array: Any) -> int:
     """The same number as long as an array keeps its content; of a very large one, what is looked at of it."""
     if array.nbytes <= COMPARED:
         return crc32(array.tobytes())

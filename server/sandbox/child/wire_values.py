@@ -33,7 +33,7 @@ COMPLEX = struct.Struct("<dd")
 
 
 @dataclass(frozen=True)
-class Limits:
+class ValueLimits:
     """Bounds of one encoded value: bytes, nesting, number of nodes."""
 
     size: int
@@ -41,15 +41,15 @@ class Limits:
     items: int
 
 
-class Malformed(ValueError):
+class MalformedValue(ValueError):
     """The bytes are not a value within the limits."""
 
 
-class TooMany(Malformed):
+class TooManyItems(MalformedValue):
     """The bytes may be a value, of more items than the limits allow."""
 
 
-class Unsendable(TypeError):
+class UnsendableValue(TypeError):
     """A Python object that is no value: `culprit` is its type, `place` where it was found."""
 
     def __init__(self, reason: str, culprit: str, place: str) -> None:
@@ -57,7 +57,7 @@ class Unsendable(TypeError):
         self.reason, self.culprit, self.place = reason, culprit, place
 
 
-class TooBig(ValueError):
+class ValueTooBig(ValueError):
     """A value beyond the limits; `what` is size, depth or items."""
 
     def __init__(self, what: str) -> None:

@@ -5,6 +5,6 @@ def traceur():
         cadre = cadre.f_back
     return cadre.f_locals["self"]
 def suivre():
-    dit = traceur()._tell
+    dit = traceur()._emit
     dit(("step", "line", 0, 1, (("a", ("html", "<b>")),), (), (), ("", "")))
     return "rien"

@@ -5,7 +5,7 @@ def traceur():
         cadre = cadre.f_back
     return cadre.f_locals["self"]
 def suivre():
-    dit = traceur()._tell
+    dit = traceur()._emit
     while True:
         dit(("left", "steps"))
     return "rien"
