@@ -34,7 +34,7 @@ from server.course import Course
 from server.gradebook.histories import load_attempts, load_revisions
 from server.identity.models import Account
 from server.marks.repository import load_overrides
-from server.marks.schemas import ActiveOverride, EffectivePoints
+from server.marks.schemas import ActiveOverride
 from server.rights import service as rights
 from server.rights.models import Right
 
@@ -55,7 +55,7 @@ class BoardInputs:
     def board(self) -> Board:
         progress = self.progress
         cells = {
-            (student.id, exercise): self._cell((student.id, exercise))
+            (student.id, exercise): self._cell(student.id, exercise)
             for student in progress.students
             for exercise in progress.scope.exercises
         }
@@ -70,13 +70,14 @@ class BoardInputs:
             misconceptions=progress.misconceptions,
         )
 
-    def _cell(self, pair: Pair) -> ProgressCell:
-        totals = self.progress.standings.get(pair)
+    def _cell(self, student: UUID, exercise: str) -> ProgressCell:
+        pair = student, exercise
+        totals, override = self.progress.standings.get(pair), self.overrides.get(pair)
         automatic = None if totals is None else round(MAX_POINTS * totals.best_score, 4)
         return ProgressCell(
-            student=pair[0],
-            exercise=pair[1],
-            points=EffectivePoints(automatic, self.overrides.get(pair)).points,
+            student=student,
+            exercise=exercise,
+            points=automatic if override is None else override.points,
             attempts=totals.attempts if totals else 0,
             state=progress_state(totals, stuck=pair in self.progress.stuck),
             misconception=totals.last_diagnosis if totals else None,

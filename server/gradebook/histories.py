@@ -87,7 +87,7 @@ class AttemptHistories:
         if missing:
             for account_id, history in _read_histories(db, missing).items():
                 histories[account_id] = self._histories.put(account_id, history)
-        return dict(sorted(histories.items()))
+        return {account_id: histories[account_id] for account_id in sorted(histories)}
 
     def clear(self) -> None:
         self._histories.clear()
