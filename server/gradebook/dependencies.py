@@ -1,4 +1,4 @@
-"""What routes ask of the gradebook."""
+"""Dependencies of routes that open or close solutions."""
 
 from collections.abc import Callable
 from typing import Annotated, Literal
@@ -11,17 +11,17 @@ from server.gradebook import solutions
 from server.identity.dependencies import SignedIn
 
 
-def _door(
+def _solution_toggle(
     account: SignedIn,
     db: Db,
     ouvrir: Annotated[bool, Form()],
     classe: Annotated[UUID | Literal[""], Form()] = "",
 ) -> Callable[[str], None]:
-    def turn(solution: str) -> None:
-        solutions.set_solution_open(db, account, solution, classe or None, wanted=ouvrir)
+    def set_open(exercise: str) -> None:
+        solutions.set_solution_open(db, account, exercise, classe or None, is_open=ouvrir)
 
-    return turn
+    return set_open
 
 
-#: What a form says of a solution, by its id: open or closed, to a class, or to everyone where none is named.
-SolutionToggle = Annotated[Callable[[str], None], Depends(_door)]
+#: Opens or closes the solution of an exercise as a form says: to a class, or to everyone where none is named.
+SolutionToggle = Annotated[Callable[[str], None], Depends(_solution_toggle)]

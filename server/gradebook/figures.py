@@ -1,4 +1,4 @@
-"""The data of a verdict's figures and films: what is drawn of them is the business of `server.figures`."""
+"""Load the data of a verdict's figures and films; `server.figures` draws them."""
 
 from typing import Any
 from uuid import UUID
@@ -13,34 +13,35 @@ NO_FIGURE = "Cette figure n’existe pas."
 NO_FILM = "Il n’y a rien à revoir ici."
 
 
-def load_figure_data(db: Session, attempt: Attempt, name: str, grading: UUID | None = None) -> dict[str, Any]:
-    """The stored data of a figure of this attempt's verdict; raises NotFound.
+def load_figure_data(db: Session, attempt: Attempt, name: str, grading_id: UUID | None = None) -> dict[str, Any]:
+    """Return the stored data of a figure of this attempt. Raise NotFound.
 
-    Of one of its gradings, where that is named: a page that is open shows what it said, whatever counts since.
+    `grading_id`: one of its gradings, as an open page shows what that one said, whichever counts since.
     """
-    shown = _shown(db, attempt, grading)
-    data = None if shown is None else repository.figures_of(db, shown).get(name)
+    visible_id = _visible_grading(db, attempt, grading_id)
+    data = None if visible_id is None else repository.load_figures(db, visible_id).get(name)
     if not isinstance(data, dict):
         raise NotFound(NO_FIGURE)
     return data
 
 
 def load_film_data(
-    db: Session, attempt: Attempt, check: str, grading: UUID | None = None
+    db: Session, attempt: Attempt, check: str, grading_id: UUID | None = None
 ) -> tuple[dict[str, Any], str]:
-    """The same of a film, with the title of its check."""
-    shown = _shown(db, attempt, grading)
-    found = None if shown is None else repository.film_of(db, shown, check)
-    if found is None or not isinstance(found[0], dict):
+    """Return the film of a check of this attempt, and the title of the check. Raise NotFound."""
+    visible_id = _visible_grading(db, attempt, grading_id)
+    row = None if visible_id is None else repository.load_film(db, visible_id, check)
+    if row is None or not isinstance(row[0], dict):
         raise NotFound(NO_FILM)
-    film, verdict = found
-    titles = {one["id"]: one["title"] for one in verdict["checks"]}
+    film, verdict = row
+    titles = {result["id"]: result["title"] for result in verdict["checks"]}
     return film, titles.get(check, check)
 
 
-def _shown(db: Session, attempt: Attempt, grading: UUID | None) -> UUID | None:
-    """The grading that is looked at: none of an attempt that a test holds back, whichever is named."""
+def _visible_grading(db: Session, attempt: Attempt, grading_id: UUID | None) -> UUID | None:
+    """Return the grading to show: none of a withheld attempt, whichever is asked for."""
     counting = None if attempt.grading is None else attempt.grading.id
-    if grading is None or grading == counting:
+    if grading_id is None or grading_id == counting:
         return counting
-    return grading if attempt.held is None and repository.is_of(db, grading, attempt.submission.id) else None
+    belongs = attempt.held is None and repository.is_grading_of(db, grading_id, attempt.submission.id)
+    return grading_id if belongs else None

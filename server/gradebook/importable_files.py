@@ -1,4 +1,4 @@
-"""The files of one student whose functions later programs may import: the last to get full marks in each exercise."""
+"""The files of a student that later programs may import: in each exercise, the last one with full marks."""
 
 from collections.abc import Collection, Mapping
 from datetime import datetime
@@ -19,54 +19,55 @@ from server.submissions.repository import Sent
 
 
 def load_importable_files(db: Session, course: Course, submission: Submission | Sent) -> Own:
-    """The files that an attempt may import from, as they stood when it was sent; none where it does not ask."""
-    sent = submission
-    return _used(db, course, sent.account_id, sent.exercise, sent.source, sent.created_at)
+    """Load the files that an attempt may import, as of when it was sent; none where it does not mention any."""
+    return _load_files(db, course, submission.account_id, submission.exercise, submission.source, submission.created_at)
 
 
 def load_importable_files_now(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes) -> Own:
-    """The same of a file that is not sent."""
-    return _used(db, course, account_id, exercise, source, utc_now())
+    """Load the files that a program may import now, which has not been sent."""
+    return _load_files(db, course, account_id, exercise, source, utc_now())
 
 
-def _used(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, when: datetime) -> Own:
+def _load_files(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, sent_at: datetime) -> Own:
     reused = [one.id for one in course.reused(exercise)]
     if not reused or LIBRARY_MENTION not in source:
         return NOTHING_OWN
-    last = _last(db, account_id, reused, when)
-    rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(last)))
+    submissions = _select_importable(db, account_id, reused, sent_at)
+    rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(submissions)))
     return {row.exercise: row.source for row in rows}
 
 
 def importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
-    """When the files were sent that a program sent now would import from, by exercise."""
+    """Return when the files were sent that a program may import now, by exercise."""
     if not exercises:
         return {}
-    last = _last(db, account_id, exercises, utc_now())
-    rows = db.execute(select(Submission.exercise, Submission.created_at).where(Submission.id.in_(last)))
+    submissions = _select_importable(db, account_id, exercises, utc_now())
+    rows = db.execute(select(Submission.exercise, Submission.created_at).where(Submission.id.in_(submissions)))
     return {row.exercise: row.created_at for row in rows}
 
 
-def _last(db: Session, account_id: UUID, exercises: Collection[str], when: datetime) -> Select[tuple[UUID]]:
-    """In each exercise, the last attempt sent before `when` that got full marks, and that no test holds back."""
+def _select_importable(
+    db: Session, account_id: UUID, exercises: Collection[str], before: datetime
+) -> Select[tuple[UUID]]:
+    """Select in each exercise the last attempt with full marks sent before a time, whose verdict is not withheld."""
     order = (Submission.created_at.desc(), Submission.id.desc())
     ranked = (
         select(Submission.id, func.row_number().over(partition_by=Submission.exercise, order_by=order).label("rank"))
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(Submission.account_id == account_id, Grading.outcome == Outcome.OK, Submission.created_at < when)
-        .where(or_(*_shown(db, account_id, exercises)))
+        .where(Submission.account_id == account_id, Grading.outcome == Outcome.OK, Submission.created_at < before)
+        .where(or_(*_not_withheld(db, account_id, exercises)))
         .subquery()
     )
     return select(ranked.c.id).where(ranked.c.rank == 1)
 
 
-def _shown(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
-    """The attempts at these exercises of which the verdict is not held back: it must not be learned in this way."""
-    held = {exercise: found.held_since for exercise, found in feedback.load_all_holds(db, account_id).items()}
-    free = [exercise for exercise in exercises if held.get(exercise) is None]
-    until = [
-        and_(Submission.exercise == exercise, Submission.created_at < held_from)
+def _not_withheld(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
+    """Return conditions for attempts whose verdict is not withheld: an import must not reveal it."""
+    held_since = {exercise: holds.held_since for exercise, holds in feedback.load_all_holds(db, account_id).items()}
+    free = [exercise for exercise in exercises if held_since.get(exercise) is None]
+    earlier = [
+        and_(Submission.exercise == exercise, Submission.created_at < since)
         for exercise in exercises
-        if (held_from := held.get(exercise)) is not None
+        if (since := held_since.get(exercise)) is not None
     ]
-    return [Submission.exercise.in_(free), *until]
+    return [Submission.exercise.in_(free), *earlier]

@@ -1,4 +1,4 @@
-"""What was found each time that a submission was graded, what it comes to, and the solutions that are open."""
+"""Tables of gradings, of standings computed from them, and of open solutions."""
 
 from datetime import datetime
 from typing import Any
@@ -11,10 +11,10 @@ from server.database.base import Base, UtcDateTime, utc_now
 
 
 class Grading(Base):
-    """One grading of one submission, never changed afterwards. `score` is None for an error of ours.
+    """One grading of one submission, never changed afterwards. `score` is None for an internal error.
 
-    The columns repeat what lists and sums ask of the verdict, so that they need not open it. `films` are what the
-    program did, by check, and `filmed` these checks; None where there are none.
+    The columns repeat the parts of the verdict that lists and sums need. `films`: recordings of the program by check;
+    `filmed`: the checks that have one; None where there are none.
     """
 
     __tablename__ = "grading"
@@ -38,10 +38,10 @@ class Grading(Base):
 
 
 class Standing(Base):
-    """What one account's gradings in one exercise come to: those that count, and are not errors of ours.
+    """Totals of one account's counting gradings in one exercise, internal errors left out.
 
-    `last_…` are of the attempt that was sent last, and times are those of sending, so that it does not matter in which
-    order attempts are graded. It can be made again from the gradings (`gradebook.service.recount`).
+    `last_…` belong to the attempt that was sent last, and times are those of sending, so that the order of grading does
+    not matter. It can be rebuilt from the gradings (`gradebook.service.recount_standings`).
     """
 
     __tablename__ = "standing"
@@ -57,7 +57,7 @@ class Standing(Base):
 
 
 class SolutionOpening(Base):
-    """An administrator's decision: everyone may read the solution of this exercise."""
+    """An administrator has opened the solution of this exercise to everyone."""
 
     __tablename__ = "solution_opening"
 
@@ -67,7 +67,7 @@ class SolutionOpening(Base):
 
 
 class ClassOpening(Base):
-    """A teacher's decision: the members of a class may read the solution of this exercise."""
+    """A teacher has opened the solution of this exercise to the members of a class."""
 
     __tablename__ = "class_opening"
 

@@ -1,4 +1,4 @@
-"""Submissions that nothing grades any more, or that we have failed to grade: queued again."""
+"""Queue submissions again that lost their job, or whose grading ended as an internal error."""
 
 from collections.abc import Collection
 from uuid import UUID
@@ -13,22 +13,27 @@ NOTHING_TO_DO = "L’essai {name} a son verdict : une recorrection, depuis la cl
 
 
 def requeue(database: Database, submissions: Submissions, *, failed: bool, names: Collection[str] = ()) -> list[UUID]:
-    """Queues what waits without a job, with `failed` what ended as an error of ours too, or these alone; which.
+    """Queue submissions that wait without a job, with `failed` also those with an internal error, or these alone.
 
-    One transaction each: others write between. What fails again keeps its place in the history. Raises NotFound.
+    Each takes a transaction of its own. Failed gradings stay in the history. Return the ids; raise NotFound.
     """
     with database.read() as db:
-        found = (*stored.ungraded(db), *(repository.failed(db) if failed or names else ()))
-        candidates = {one.id: one.grading_id for one in found}
-    chosen = list(map(parse_id, names))
-    for name in sorted(set(chosen) - candidates.keys()):
+        rows = (*stored.ungraded(db), *(repository.list_failed_submissions(db) if failed or names else ()))
+        grading_by_submission = {submission.id: submission.grading_id for submission in rows}
+    wanted = list(map(parse_id, names))
+    for submission_id in sorted(set(wanted) - grading_by_submission.keys()):
         with database.read() as db:
-            raise NotFound(UNKNOWN if stored.by_id(db, name) is None else NOTHING_TO_DO.format(name=name))
-    return [name for name in chosen or candidates if _queued(database, submissions, name, candidates[name])]
+            unknown = stored.by_id(db, submission_id) is None
+        raise NotFound(UNKNOWN if unknown else NOTHING_TO_DO.format(name=submission_id))
+    return [
+        submission_id
+        for submission_id in wanted or grading_by_submission
+        if _requeue(database, submissions, submission_id, grading_by_submission[submission_id])
+    ]
 
 
-def _queued(database: Database, submissions: Submissions, name: UUID, grading: UUID | None) -> bool:
-    """False where it has been graded meanwhile, is queued already, or is gone."""
+def _requeue(database: Database, submissions: Submissions, submission_id: UUID, grading_id: UUID | None) -> bool:
+    """Return False where it has been graded meanwhile, is queued already, or is gone."""
     with database.write() as db:
-        row = repository.with_author(db, name)
-        return row is not None and row[0].grading_id == grading and submissions.requeue(db, *row)
+        row = repository.load_with_author(db, submission_id)
+        return row is not None and row[0].grading_id == grading_id and submissions.requeue(db, *row)

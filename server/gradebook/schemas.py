@@ -1,4 +1,4 @@
-"""What goes into the gradebook, and what comes out of it."""
+"""Inputs and outputs of the gradebook."""
 
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -9,17 +9,16 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
 from server.assignments.feedback import NO_HOLDS, FeedbackHolds, HoldingTest
 from server.database import utc_now
-from server.gradebook import verdicts
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
-#: Each hint of an exercise opens after so many changed attempts without success.
+#: The numbers of different failed attempts after which the hints of an exercise open.
 HINT_OPENS_AFTER = (1, 2, 4)
 
 
 @dataclass(frozen=True)
 class GradingResult:
-    """One grading as it ended, to be recorded."""
+    """A finished grading, to be recorded."""
 
     judgement: Judgement
     started_at: datetime
@@ -32,10 +31,10 @@ class GradingResult:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A submission as it is seen: what was sent, and the grading that counts.
+    """A submission with the grading that counts, as an account may see it.
 
-    None while it waits, and while a test holds it back from who looks (`held`): nothing tells these two apart, but that
-    an error of ours has left it ungraded (`failed`).
+    `grading` is None while it waits, and while a test withholds it (`held`). The two look the same to the account, but
+    for an internal error (`failed`).
     """
 
     submission: Submission
@@ -49,15 +48,15 @@ class Attempt:
 
     @property
     def held_text(self) -> str:
-        """What there is to say of an attempt whose verdict a test holds back; empty of another one."""
+        """The text shown in place of a withheld verdict; empty otherwise."""
         return "" if self.held is None else (FAILED if self.failed else HELD).format(title=self.held.title)
 
     @cached_property
     def verdict(self) -> Verdict | None:
-        """Without what is held back of it from who looks."""
+        """The verdict without what is withheld from the account."""
         if self.grading is None:
             return None
-        return self.feedback.redact(verdicts.read(self.grading.id, self.grading.verdict))
+        return self.feedback.redact(Verdict.from_json(self.grading.verdict))
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."
@@ -69,9 +68,9 @@ FAILED = (
 
 @dataclass(frozen=True)
 class AttemptLine:
-    """An attempt in a list: `outcome` and `score` are None while it waits, and while a test holds them back.
+    """An attempt in a list. `outcome` and `score` are None while it waits, and while a test withholds them (`held`).
 
-    `failed`: held back, and an error of ours has left it ungraded.
+    `failed`: withheld, and it ended as an internal error.
     """
 
     id: UUID
@@ -84,8 +83,8 @@ class AttemptLine:
 
 
 @dataclass(frozen=True)
-class Attempts:
-    """Some of an account's attempts at one exercise, newest first, and how many there are in all."""
+class AttemptList:
+    """Some of an account's attempts at one exercise, newest first; `total` counts all of them."""
 
     lines: tuple[AttemptLine, ...] = ()
     total: int = 0
@@ -93,9 +92,9 @@ class Attempts:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where one account stands in one exercise; `best` in [0, 1], None while nothing is graded.
+    """An account's progress at one exercise. `best`: the best score in [0, 1], None while nothing is graded.
 
-    `attempts` counts those that wait, those that a test holds back, and no error of ours that may be told.
+    `attempts` includes those that wait and those that a test withholds; internal errors are left out where known.
     """
 
     best: float | None

@@ -1,4 +1,7 @@
-"""Gradings and what they open. Every function works inside the caller's transaction."""
+"""Record gradings, choose the one that counts, and read attempts as an account may see them.
+
+Every function works inside the caller's transaction.
+"""
 
 from collections.abc import Collection, Mapping
 from datetime import datetime
@@ -11,10 +14,10 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import attempts, repository, standings, verdicts
-from server.gradebook.attempts import StoredAttempt
+from server.gradebook import repository, standings
+from server.gradebook.attempts import StoredAttempt, load_attempt, load_latest_attempt
 from server.gradebook.models import Grading
-from server.gradebook.schemas import Attempt, AttemptLine, Attempts, GradingResult, Progress
+from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, GradingResult, Progress
 from server.gradebook.standings import CountedAttempt, StandingTotals
 from server.identity.models import Account
 from server.sandbox.values import LIBRARY_MENTION
@@ -25,13 +28,13 @@ from server.submissions.service import UNKNOWN, digest, may_see, parse_id
 
 
 def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID | None:
-    """Adds a grading, which counts from now on; returns whose it is, None when the submission is gone meanwhile."""
+    """Add a grading, which counts from now on. Return the author, None where the submission is gone meanwhile."""
     row = repository.lock_submission(db, submission_id)
     if row is None:
         return None
-    account_id, exercise, sent_at, earlier = row
+    account_id, exercise, sent_at, earlier_grading = row
     repository.set_counting_grading(db, submission_id, repository.add_grading(db, submission_id, graded))
-    if earlier is not None:
+    if earlier_grading is not None:
         standings.recount(db, account_id, exercise)
     elif graded.verdict.outcome.counts:
         verdict = graded.verdict
@@ -41,35 +44,37 @@ def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> U
 
 
 def add_uncounted_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
-    """Adds a grading that does not count (yet) to a submission's history; returns its name."""
+    """Add a grading that does not count (yet) to the history of a submission. Return its id."""
     return repository.add_grading(db, submission_id, graded)
 
 
 def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
-    """Has another of a submission's gradings count. Raises NotFound."""
+    """Make another of a submission's gradings count. Raise NotFound."""
     row = repository.lock_submission(db, submission_id)
-    if row is None or not repository.is_of(db, grading_id, submission_id):
+    if row is None or not repository.is_grading_of(db, grading_id, submission_id):
         raise NotFound(UNKNOWN)
     repository.set_counting_grading(db, submission_id, grading_id)
     recount_standings(db, row[0], row[1])
 
 
-def set_counting_gradings(db: Session, exercise: str, accounts: Collection[UUID], chosen: Mapping[UUID, UUID]) -> None:
-    """The same for many at once: of submissions of these accounts to an exercise, each with a grading of its own.
+def set_counting_gradings(
+    db: Session, exercise: str, accounts: Collection[UUID], grading_by_submission: Mapping[UUID, UUID]
+) -> None:
+    """Make these gradings count, of submissions of these accounts to an exercise.
 
-    The caller has locked the accounts (`standings.lock`), and read what it chooses from since.
+    The caller has locked the accounts (`standings.lock_accounts`) before it read the gradings.
     """
-    repository.set_counting_gradings(db, chosen)
+    repository.set_counting_gradings(db, grading_by_submission)
     standings.recount_all(db, accounts, exercise)
 
 
 def recount_standings(db: Session, account_id: UUID, exercise: str | None = None) -> int:
-    """Makes an account's standings again from its history; returns how many have changed."""
+    """Rebuild an account's standings from its history. Return how many have changed."""
     return standings.recount(db, account_id, exercise)
 
 
 def rebuild_all_standings(database: Database) -> tuple[int, int]:
-    """Makes every standing again, one account at a time: others write between. How many there are, and have changed."""
+    """Rebuild every standing, one account a transaction. Return how many there are, and how many have changed."""
     with database.read() as db:
         accounts = standings.list_accounts(db)
     changed = 0
@@ -81,7 +86,7 @@ def rebuild_all_standings(database: Database) -> tuple[int, int]:
 
 
 def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Gives a guest's attempts and deals to the account that the same person has just opened."""
+    """Move a guest's attempts and variants to the account that the same person has just opened."""
     standings.lock_accounts(db, [guest_id, account_id])
     stored.move(db, guest_id, account_id)
     deals.adopt(db, guest_id, account_id)
@@ -90,131 +95,130 @@ def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
 
 def find_attempt(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
-    """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
-    found = attempts.load_attempt(db, parse_id(submission_id))
-    if found is None or account is None or not may_see(db, account, found.submission):
+    """Return an attempt that this account may see (`server.rights`). Raise NotFound for any other, existing or not."""
+    attempt = load_attempt(db, parse_id(submission_id))
+    if attempt is None or account is None or not may_see(db, account, attempt.submission):
         raise NotFound(UNKNOWN)
-    return _seen(db, account.id, found)
+    return _attempt_seen_by(db, account.id, attempt)
 
 
-def _seen(db: Session, account_id: UUID, found: StoredAttempt) -> Attempt:
-    if not found.may_be_held:
-        feedback.remember_no_holds(db, found.submission.account_id, found.submission.exercise)
-    return attempt_seen_by(db, account_id, found.submission, found.grading)
+def _attempt_seen_by(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
+    if not attempt.may_be_held:
+        feedback.remember_no_holds(db, attempt.submission.account_id, attempt.submission.exercise)
+    return attempt_seen_by(db, account_id, attempt.submission, attempt.grading)
 
 
 def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, grading: Grading | None) -> Attempt:
-    """To its author, without what is held back from them; to anybody else who may see it, whole."""
+    """Return an attempt without what is withheld from its author; whole for anybody else who may see it."""
     if submission.account_id != account_id:
         return Attempt(submission, grading)
-    known = feedback.load_holds(db, account_id, submission.exercise)
-    if known.test_holding(submission.created_at) is None:
-        return Attempt(submission, grading, known)
+    holds = feedback.load_holds(db, account_id, submission.exercise)
+    if holds.test_holding(submission.created_at) is None:
+        return Attempt(submission, grading, holds)
     failed = grading is not None and grading.outcome == Outcome.INTERNAL_ERROR
-    return Attempt(submission, None, known, failed)
+    return Attempt(submission, None, holds, failed)
 
 
 def find_latest_attempt(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
-    """One's last attempt at an exercise."""
-    found = None if account is None else attempts.load_latest_attempt(db, account.id, exercise_id)
-    return None if found is None or account is None else _seen(db, account.id, found)
+    """Return the account's last attempt at an exercise."""
+    attempt = None if account is None else load_latest_attempt(db, account.id, exercise_id)
+    return None if attempt is None or account is None else _attempt_seen_by(db, account.id, attempt)
 
 
-def list_attempts(db: Session, account: Account | None, exercise_id: str, most: int, skipped: int = 0) -> Attempts:
-    """One's attempts at an exercise, newest first, without the `skipped` newest; empty beyond the oldest."""
+def list_attempts(db: Session, account: Account | None, exercise_id: str, limit: int, offset: int = 0) -> AttemptList:
+    """Return the account's attempts at an exercise, newest first, without the `offset` newest."""
     if account is None:
-        return Attempts()
-    rows = repository.attempts(db, account.id, exercise_id, most=most, skipped=skipped)
-    known = feedback.load_holds(db, account.id, exercise_id)
+        return AttemptList()
+    rows = repository.list_attempts(db, account.id, exercise_id, limit=limit, offset=offset)
+    holds = feedback.load_holds(db, account.id, exercise_id)
     lines = (
-        AttemptLine(name, total - place, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR)
-        if known.test_holding(sent_at)
-        else AttemptLine(name, total - place, sent_at, outcome, score)
-        for place, (total, name, sent_at, outcome, score) in enumerate(rows, skipped)
+        AttemptLine(id, total - index, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR)
+        if holds.test_holding(sent_at)
+        else AttemptLine(id, total - index, sent_at, outcome, score)
+        for index, (total, id, sent_at, outcome, score) in enumerate(rows, offset)
     )
-    return Attempts(tuple(lines), rows[0][0] if rows else 0)
+    return AttemptList(tuple(lines), rows[0][0] if rows else 0)
 
 
 def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
-    """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
+    """Return the account's attempt with the same code, where grading it again in this version gives the same verdict.
 
-    None too for an attempt that ended at a limit of time or of memory: it may be tried again. But of attempts that a
-    test holds back any will do, however it ended: whether a new one is made would tell it. And for code that speaks of
-    earlier functions, which may be others by now.
+    An attempt that met a limit of time or memory is no duplicate, as it may be tried again; nor is code that imports
+    earlier functions, which may have changed. Where a test withholds verdicts, every attempt is a duplicate, however
+    it ended: otherwise a new attempt would reveal how the first one ended.
     """
     source = code.encode(errors="surrogatepass")
-    known = feedback.load_holds(db, account.id, exercise_id)
-    if known.refusal or LIBRARY_MENTION in source:
+    holds = feedback.load_holds(db, account.id, exercise_id)
+    if holds.refusal or LIBRARY_MENTION in source:
         return None
-    file = repository.File(account.id, exercise_id, digest(code), source)
-    return repository.sent_before(db, file, version, known.held_since)
+    file = repository.SentFile(account.id, exercise_id, digest(code), source)
+    return repository.find_duplicate(db, file, version, holds.held_since)
 
 
 def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
-    """That of its author's attempt just before this one at the exercise."""
-    found = repository.before(db, attempt.submission)
-    return None if found is None else attempt.feedback.redact(verdicts.read(*found))
+    """Return the verdict of the attempt just before this one, of the same author at the same exercise."""
+    verdict = repository.load_previous_verdict(db, attempt.submission)
+    return None if verdict is None else attempt.feedback.redact(Verdict.from_json(verdict))
 
 
 def attempt_number(db: Session, submission: Submission) -> int:
-    """1 for its author's first attempt at the exercise."""
-    return repository.count_until(db, submission)
+    """Return 1 for the author's first attempt at the exercise, and so on."""
+    return repository.count_attempts_until(db, submission)
 
 
 def load_progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, Progress]:
-    """Where an account stands, by exercise, as it may know it: in all that it has tried, or in one alone."""
+    """Return an account's progress as it may know it, by exercise: in all that it has tried, or in one alone."""
     if account is None:
         return {}
-    counted = load_visible_standings(db, account.id, exercise_id)
-    waiting = stored.waiting(db, account.id, exercise_id)
+    visible = load_visible_standings(db, account.id, exercise_id)
+    held_since = load_withholding_times(db, account.id, exercise_id)
     waiting = {
-        **waiting,
-        **stored.waiting_or_since(db, account.id, load_withholding_times(db, account.id, exercise_id)),
+        **stored.waiting(db, account.id, exercise_id),
+        **stored.waiting_or_since(db, account.id, held_since),
     }
-    return {
-        name: Progress(sums.best_score, sums.attempts + waiting.get(name, 0), sums.first_success_at is not None)
-        for name, sums in counted.items()
-    } | {name: Progress(None, count) for name, count in waiting.items() if name not in counted}
+    graded = {
+        exercise: Progress(own.best_score, own.attempts + waiting.get(exercise, 0), own.first_success_at is not None)
+        for exercise, own in visible.items()
+    }
+    return {**{exercise: Progress(None, count) for exercise, count in waiting.items()}, **graded}
 
 
 def load_visible_standings(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, StandingTotals]:
-    """An account's standings, as if what tests hold back had not been sent."""
-    counted = dict(standings.load_account_standings(db, account_id, exercise_id))
-    since = {
-        name: when for name, when in load_withholding_times(db, account_id, exercise_id).items() if name in counted
-    }
-    if since:
-        earlier = standings.load_standings_until(db, account_id, since)
-        counted = {name: one for name, one in counted.items() if name not in since} | dict(earlier)
-    return counted
+    """Return an account's standings as if the attempts that tests withhold had not been sent."""
+    totals = dict(standings.load_account_standings(db, account_id, exercise_id))
+    held_since = load_withholding_times(db, account_id, exercise_id)
+    held_since = {exercise: since for exercise, since in held_since.items() if exercise in totals}
+    if not held_since:
+        return totals
+    visible = {exercise: own for exercise, own in totals.items() if exercise not in held_since}
+    return visible | dict(standings.load_standings_until(db, account_id, held_since))
 
 
 def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
-    """From when on attempts are held back, by exercise, in those where some are."""
+    """Return from when on attempts are withheld, by exercise, where some are."""
     if exercise_id is None:
-        known = feedback.load_all_holds(db, account_id)
+        holds = feedback.load_all_holds(db, account_id)
     else:
-        known = {exercise_id: feedback.load_holds(db, account_id, exercise_id)}
-    return {name: one.held_since for name, one in known.items() if one.held_since is not None}
+        holds = {exercise_id: feedback.load_holds(db, account_id, exercise_id)}
+    return {exercise: own.held_since for exercise, own in holds.items() if own.held_since is not None}
 
 
 def count_attempts_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
-    """How many attempts somebody has sent from these times on, graded or not, by exercise, in these alone."""
+    """Count an account's attempts sent from these times on, graded or not, by exercise."""
     return stored.sent_since(db, account_id, since)
 
 
 def count_internal_errors_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
-    """How many of these we have failed to grade: the one thing that may be told of what a test holds back."""
-    return repository.failed_since(db, account_id, since)
+    """Count those that ended as an internal error: all that may be said of withheld attempts."""
+    return repository.count_internal_errors_since(db, account_id, since)
 
 
 def count_distinct_failures(
     db: Session, account: Account | None, exercise_id: str, *, besides: str | None = None
 ) -> int:
-    """How many different codes one knows to have been graded without full marks; `besides`: a code that does not count
-    (starter)."""
+    """Count the different codes whose failure the account knows of, but for `besides` (the starter code)."""
     if account is None:
         return 0
-    held_from = feedback.load_holds(db, account.id, exercise_id).held_since
-    uncounted = "" if besides is None else digest(besides)
-    return repository.failed_digests(db, account.id, exercise_id, uncounted, held_from)
+    held_since = feedback.load_holds(db, account.id, exercise_id).held_since
+    excluded_digest = "" if besides is None else digest(besides)
+    return repository.count_distinct_failures(db, account.id, exercise_id, excluded_digest, held_since)

@@ -1,4 +1,4 @@
-"""Who may read the solution of an exercise, and who opens it. Functions work inside the caller's transaction."""
+"""Access to the solution of an exercise, and its opening. Functions work inside the caller's transaction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from server.rights.models import Right
 
 
 class AccessReason(StrEnum):
-    """Why a solution is open to somebody: the first that holds."""
+    """Why a solution is open to an account, in order of precedence."""
 
     to_all = "to_all"
     to_class = "to_class"
@@ -30,7 +30,7 @@ class AccessReason(StrEnum):
 
 @dataclass(frozen=True)
 class SolutionAudience:
-    """Those to whom one may open a solution: the students of a class, or everyone (no class)."""
+    """The students of a class, or everyone (no class), to whom an account may open a solution."""
 
     class_id: UUID | None
     class_name: str
@@ -39,9 +39,9 @@ class SolutionAudience:
 
 @dataclass(frozen=True)
 class SolutionAccess:
-    """What opens an exercise's hints and solution to an account, whatever it has done, and what holds them back.
+    """What opens an exercise's hints and solution to an account apart from its attempts, and what withholds them.
 
-    Nothing holds them back from who teaches.
+    Nothing is withheld from teachers.
     """
 
     to_all: bool
@@ -50,75 +50,77 @@ class SolutionAccess:
     hints_held: FeedbackHold | None = None
     solution_held: FeedbackHold | None = None
 
-    def because(self, progress: Progress) -> AccessReason | None:
-        """Why the account may read the solution, or None where it may not."""
+    def reason(self, progress: Progress) -> AccessReason | None:
+        """Return why the account may read the solution, None where it may not."""
         if self.solution_held is not None:
             return AccessReason.teaches if self.teaches else None
-        return self._reason(progress)
+        return self._open_reason(progress)
 
     def would_open(self, progress: Progress) -> bool:
-        """Whether the solution would be open, were it not held back."""
-        return self.solution_held is not None and not self.teaches and self._reason(progress) is not None
+        """Whether the solution is closed only because it is withheld."""
+        return self.solution_held is not None and not self.teaches and self._open_reason(progress) is not None
 
-    def _reason(self, progress: Progress) -> AccessReason | None:
+    def _open_reason(self, progress: Progress) -> AccessReason | None:
         reasons = {
             AccessReason.to_all: self.to_all,
             AccessReason.to_class: self.to_class,
             AccessReason.succeeded: progress.succeeded,
             AccessReason.teaches: self.teaches,
         }
-        return next((why for why, holds in reasons.items() if holds), None)
+        return next((reason for reason, holds in reasons.items() if holds), None)
 
 
 def load_solution_access(db: Session, account: Account | None, exercise_id: str) -> SolutionAccess:
-    """In one query, besides what is held back."""
+    """Load the access of an account in one query, besides what is withheld."""
     if account is None:
-        return SolutionAccess(repository.opening(db, exercise_id) is not None, False, False)
+        return SolutionAccess(repository.find_opening(db, exercise_id) is not None, False, False)
     module = rights.module_of(exercise_id)
-    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, module, rights.teaches_clause)
-    known = feedback.load_holds(db, account.id, exercise_id)
-    return SolutionAccess(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
+    to_all, to_class, teaches = repository.load_solution_access(
+        db, account.id, exercise_id, module, rights.teaches_clause
+    )
+    holds = feedback.load_holds(db, account.id, exercise_id)
+    return SolutionAccess(to_all, to_class, teaches or account.is_teacher, holds.hints, holds.solution)
 
 
 def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Sequence[SolutionAudience]:
-    """What this account may open or close, its classes in the order of their names."""
+    """Return to whom this account may open or close a solution, classes in the order of their names."""
     if account is None:
         return []
     to_all = (
-        [SolutionAudience(None, "", repository.opening(db, exercise_id) is not None)]
+        [SolutionAudience(None, "", repository.find_opening(db, exercise_id) is not None)]
         if Right.open_solutions_to_all in rights.server_rights(account)
         else []
     )
     classes = rights.classes_to_open(db, account, exercise_id)
-    already = repository.classes_opened(db, exercise_id, [one.id for one in classes])
-    return to_all + [SolutionAudience(one.id, one.name, one.id in already) for one in classes]
+    opened = repository.list_classes_with_solution(db, exercise_id, [one.id for one in classes])
+    return to_all + [SolutionAudience(one.id, one.name, one.id in opened) for one in classes]
 
 
-def set_solution_open(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, wanted: bool) -> None:
-    """Opens the solution to a class, or to everyone, or closes it. Raises Forbidden or NotFound."""
+def set_solution_open(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, is_open: bool) -> None:
+    """Open the solution to a class, or to everyone, or close it. Raise Forbidden or NotFound."""
     if class_id is None:
         rights.require_server_right(account, Right.open_solutions_to_all)
     else:
         place = rights.require_right(db, account, Right.open_solutions, class_id)
         if place.school_class.module != rights.module_of(exercise_id):
             raise NotFound(UNKNOWN_CLASS)
-    opened = _opened(db, exercise_id, class_id)
-    if wanted and opened is None:
-        db.add(_opening(exercise_id, class_id, account.id))
-    elif not wanted and opened is not None:
-        db.delete(opened)
+    opening = _find_opening(db, exercise_id, class_id)
+    if is_open and opening is None:
+        db.add(_new_opening(exercise_id, class_id, account.id))
+    elif not is_open and opening is not None:
+        db.delete(opening)
 
 
 Opening = SolutionOpening | ClassOpening
 
 
-def _opened(db: Session, exercise: str, class_id: UUID | None) -> Opening | None:
+def _find_opening(db: Session, exercise: str, class_id: UUID | None) -> Opening | None:
     if class_id is None:
-        return repository.opening(db, exercise)
-    return repository.class_opening(db, class_id, exercise)
+        return repository.find_opening(db, exercise)
+    return repository.find_class_opening(db, class_id, exercise)
 
 
-def _opening(exercise: str, class_id: UUID | None, by: UUID) -> Opening:
+def _new_opening(exercise: str, class_id: UUID | None, by: UUID) -> Opening:
     if class_id is None:
         return SolutionOpening(exercise=exercise, opened_by=by)
     return ClassOpening(class_id=class_id, exercise=exercise, opened_by=by)

@@ -1,4 +1,4 @@
-"""Queries on standings: kept as gradings come, made again from the history, read for many accounts at once."""
+"""Standings: updated as gradings arrive, rebuilt from the history, and read for many accounts at once."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -13,22 +13,22 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import ask, change, prepared, table_of, upserting
+from server.database import change, table_of, upserting
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
 
 KEY = ("account_id", "exercise")
 
-History = Select[UUID, str, datetime, str, float | None, str | None]
-Rows = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
+HistoryQuery = Select[UUID, str, datetime, str, float | None, str | None]
+StandingQuery = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
 
 
-Standings = Mapping[tuple[UUID, str], "StandingTotals"]
+TotalsByPair = Mapping[tuple[UUID, str], "StandingTotals"]
 
 
 class Countable(Protocol):
-    """What tells as much as `Counted`."""
+    """An attempt with the properties of `CountedAttempt`."""
 
     @property
     def sent_at(self) -> datetime: ...
@@ -45,7 +45,7 @@ class Countable(Protocol):
 
 @dataclass(frozen=True)
 class CountedAttempt:
-    """What counts of an attempt: by which score it was graded, when it was sent."""
+    """The properties of a graded attempt that count in a standing."""
 
     sent_at: datetime
     outcome: str
@@ -55,7 +55,7 @@ class CountedAttempt:
 
 @dataclass(frozen=True)
 class StandingTotals:
-    """What a row of standing holds of an account's counted attempts at an exercise."""
+    """Totals of an account's counted attempts at an exercise: the columns of a `Standing`."""
 
     best_score: float
     attempts: int
@@ -65,16 +65,16 @@ class StandingTotals:
     last_at: datetime
 
 
-SUMMED = tuple(field.name for field in fields(StandingTotals))
+TOTAL_COLUMNS = tuple(field.name for field in fields(StandingTotals))
 
 
-def compute_totals(counted: Sequence[Countable]) -> StandingTotals:
-    """Of attempts in the order in which they were sent, one at least."""
-    successes = [attempt.sent_at for attempt in counted if attempt.outcome == Outcome.OK]
-    last = counted[-1]
+def compute_totals(attempts: Sequence[Countable]) -> StandingTotals:
+    """Return the totals of attempts in the order of sending, one at least."""
+    successes = [attempt.sent_at for attempt in attempts if attempt.outcome == Outcome.OK]
+    last = attempts[-1]
     return StandingTotals(
-        best_score=max(attempt.score for attempt in counted),
-        attempts=len(counted),
+        best_score=max(attempt.score for attempt in attempts),
+        attempts=len(attempts),
         last_outcome=last.outcome,
         last_diagnosis=last.diagnosis,
         first_success_at=successes[0] if successes else None,
@@ -83,17 +83,17 @@ def compute_totals(counted: Sequence[Countable]) -> StandingTotals:
 
 
 def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: CountedAttempt) -> None:
-    """Counts an attempt's first grading, in one statement: two workers that end at once both count.
+    """Count an attempt's first grading, in one statement: two workers that end at once are both counted.
 
-    Two attempts of one account at one instant do not happen: sending takes turns at the account's allowance.
+    No two attempts of one account have the same time: the rate limit of the account serialises them.
     """
     row = {"account_id": account_id, "exercise": exercise, **vars(compute_totals([attempt]))}
-    change(db, _counting(db.get_bind().dialect.name), row)
+    change(db, _count_statement(db.get_bind().dialect.name), row)
 
 
 @cache
-def _counting(dialect: str) -> Insert:
-    """The statement that `add` runs, made once: it stands on the way to a verdict."""
+def _count_statement(dialect: str) -> Insert:
+    """Return the statement of `count_attempt`, built once: it is on the hot path of a verdict."""
     insert = postgresql.insert if dialect == "postgresql" else sqlite.insert
     statement = insert(table_of(Standing))
     new, old = statement.excluded, table_of(Standing).c
@@ -111,56 +111,57 @@ def _counting(dialect: str) -> Insert:
 
 
 def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
-    """Makes an account's standings again, in one exercise or in all; returns how many were not as they ought to be."""
+    """Rebuild an account's standings, in one exercise or in all. Return how many have changed."""
     return recount_all(db, [account_id], exercise)
 
 
 def recount_all(db: Session, accounts: Collection[UUID], exercise: str | None = None) -> int:
-    """The same for many accounts at once.
+    """Rebuild the standings of many accounts.
 
-    The accounts' rows and their standings are locked before the history is read, so that a grading that ends meanwhile
-    (`add` inserts, which asks for the account's row, or updates) is counted after.
+    The rows of the accounts and of their standings are locked before the history is read, so that a grading that ends
+    meanwhile is counted afterwards: `count_attempt` waits for the row of the standing, or for that of the account.
     """
     lock_accounts(db, accounts)
-    stored = _kept(db, accounts, exercise)
-    right = _from_history(db, accounts, exercise)
-    wrong = [key for key in stored.keys() | right.keys() if stored.get(key) != right.get(key)]
-    _write(db, {key: right.get(key) for key in wrong})
+    stored = _load_locked(db, accounts, exercise)
+    rebuilt = _from_history(db, accounts, exercise)
+    wrong = [key for key in stored.keys() | rebuilt.keys() if stored.get(key) != rebuilt.get(key)]
+    _write(db, {key: rebuilt.get(key) for key in wrong})
     return len(wrong)
 
 
 def lock_accounts(db: Session, accounts: Collection[UUID]) -> None:
-    """Keeps others from adding to what these accounts have sent, until the commit. Always in the same order."""
+    """Lock accounts until the commit, always in the same order, so that nothing is added to their history."""
     db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
-def _write(db: Session, made: Mapping[tuple[UUID, str], StandingTotals | None]) -> None:
-    """Standings as they ought to be; those that are none any more go."""
-    rows = [{"account_id": key[0], "exercise": key[1], **vars(sums)} for key, sums in made.items() if sums is not None]
+def _write(db: Session, totals_by_pair: Mapping[tuple[UUID, str], StandingTotals | None]) -> None:
+    """Insert or update standings, and delete those without totals."""
+    rows = [
+        {"account_id": account_id, "exercise": exercise, **vars(totals)}
+        for (account_id, exercise), totals in totals_by_pair.items()
+        if totals is not None
+    ]
     if rows:
         statement = upserting(db, Standing)
-        db.execute(
-            statement.on_conflict_do_update(
-                index_elements=KEY, set_={name: statement.excluded[name] for name in SUMMED}
-            ),
-            rows,
-        )
-    for account_id, exercise in [key for key, sums in made.items() if sums is None]:
-        db.execute(delete(Standing).where(Standing.account_id == account_id, Standing.exercise == exercise))
+        changes = {name: statement.excluded[name] for name in TOTAL_COLUMNS}
+        db.execute(statement.on_conflict_do_update(index_elements=KEY, set_=changes), rows)
+    for (account_id, exercise), totals in totals_by_pair.items():
+        if totals is None:
+            db.execute(delete(Standing).where(Standing.account_id == account_id, Standing.exercise == exercise))
 
 
-def _kept(db: Session, accounts: Collection[UUID], exercise: str | None) -> Standings:
-    query = _rows().where(Standing.account_id.in_(accounts))
+def _load_locked(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
+    query = _select_standings().where(Standing.account_id.in_(accounts))
     query = query if exercise is None else query.where(Standing.exercise == exercise)
-    return _by_key(db, query.order_by(Standing.account_id, Standing.exercise).with_for_update())
+    return _by_pair(db, query.order_by(Standing.account_id, Standing.exercise).with_for_update())
 
 
-def _from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> Standings:
-    query = _history(accounts)
-    return _summed(db, query if exercise is None else query.where(Submission.exercise == exercise))
+def _from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> TotalsByPair:
+    query = _select_history(accounts)
+    return _load_totals(db, query if exercise is None else query.where(Submission.exercise == exercise))
 
 
-def _history(accounts: Collection[UUID]) -> History:
+def _select_history(accounts: Collection[UUID]) -> HistoryQuery:
     sent = Submission
     return (
         select(sent.account_id, sent.exercise, sent.created_at, Grading.outcome, Grading.score, Grading.diagnosis)
@@ -170,18 +171,20 @@ def _history(accounts: Collection[UUID]) -> History:
     )
 
 
-def _summed(db: Session, query: History) -> Standings:
+def _load_totals(db: Session, query: HistoryQuery) -> TotalsByPair:
     groups = groupby(db.execute(query), key=lambda row: (row[0], row[1]))
-    return {key: compute_totals([_counted(*row[2:]) for row in rows]) for key, rows in groups}
+    return {key: compute_totals([_counted_attempt(*row[2:]) for row in rows]) for key, rows in groups}
 
 
 def load_standings_until(db: Session, account_id: UUID, until: Mapping[str, datetime]) -> Mapping[str, StandingTotals]:
-    """What the attempts come to that were sent before these times, by exercise, in these exercises alone."""
+    """Return the totals of the attempts sent before these times, by exercise, in these exercises alone."""
     earlier = [and_(Submission.exercise == name, Submission.created_at < when) for name, when in until.items()]
-    return {key[1]: sums for key, sums in _summed(db, _history([account_id]).where(or_(*earlier))).items()}
+    return {
+        key[1]: totals for key, totals in _load_totals(db, _select_history([account_id]).where(or_(*earlier))).items()
+    }
 
 
-def _rows() -> Rows:
+def _select_standings() -> StandingQuery:
     return select(
         Standing.account_id,
         Standing.exercise,
@@ -194,35 +197,30 @@ def _rows() -> Rows:
     )
 
 
-def _counted(sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None) -> CountedAttempt:
+def _counted_attempt(sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None) -> CountedAttempt:
     if score is None:
         raise ValueError(f"a grading that ended as {outcome} has no score")
     return CountedAttempt(sent_at, outcome, score, diagnosis)
 
 
-def _by_key(db: Session, query: Rows) -> Standings:
+def _by_pair(db: Session, query: StandingQuery) -> TotalsByPair:
     return {(row[0], row[1]): StandingTotals(*row[2:]) for row in db.execute(query)}
 
 
-@prepared
-def _of_account(account_id: UUID, exercise: str, *, everywhere: bool) -> Rows:
-    query = _rows().where(Standing.account_id == account_id)
-    return query if everywhere else query.where(Standing.exercise == exercise)
-
-
 def load_account_standings(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, StandingTotals]:
-    """An account's standings, by exercise."""
-    found = ask(db, *_of_account(account_id, exercise or "", everywhere=exercise is None))
-    return {row[1]: StandingTotals(*row[2:]) for row in found}
+    """Return an account's standings, by exercise: in one exercise, or in all."""
+    query = _select_standings().where(Standing.account_id == account_id)
+    rows = db.execute(query if exercise is None else query.where(Standing.exercise == exercise))
+    return {row[1]: StandingTotals(*row[2:]) for row in rows}
 
 
-def load_standings(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Standings:
-    """The standings of many accounts in many exercises, in one query."""
-    return _by_key(db, _rows().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises)))
+def load_standings(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> TotalsByPair:
+    """Return the standings of many accounts in many exercises, in one query."""
+    return _by_pair(db, _select_standings().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises)))
 
 
 def list_accounts(db: Session) -> Sequence[UUID]:
-    """Every account that has a standing, or ought to."""
+    """Return every account that has a standing, or should have one."""
     senders = select(Submission.account_id).where(Submission.grading_id.is_not(None))
     return db.execute(union(senders, select(Standing.account_id))).scalars().all()
 

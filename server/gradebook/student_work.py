@@ -1,4 +1,4 @@
-"""Queries on one student's work, as who teaches them reads it: all of it, or what was sent until a time."""
+"""Queries on one student's work, as a teacher reads it: all of it, or what was sent until a time."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, select
+from sqlalchemy import ColumnElement, and_, func, select
 from sqlalchemy.orm import Session
 
-from server.database import NEVER, ask, prepared
+from server.database import NEVER
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
-#: Of a verdict, without reading the whole of it.
-MISTAKE = Grading.verdict["diagnosis"]["title"].as_string()
+#: Read out of the JSON, without loading the whole verdict.
+MISCONCEPTION_TITLE = Grading.verdict["diagnosis"]["title"].as_string()
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class AttemptSummary:
 
 @dataclass(frozen=True)
 class ExerciseWork:
-    """What somebody's attempts at an exercise come to; `best` in [0, 1], None while nothing is graded."""
+    """A student's attempts at an exercise, summed up; `best` in [0, 1], None while nothing is graded."""
 
     attempts: int
     best: float | None
@@ -41,83 +41,70 @@ class ExerciseWork:
     mistake: str
 
 
-@prepared
-def _attempts(
-    account_id: UUID, exercise: str, until: datetime, skipped: int, *, most: int
-) -> Select[int, UUID, datetime, str | None, float | None, str | None, str | None]:
-    there = _sent(account_id, exercise, until)
-    total = select(func.count()).select_from(Submission).where(there).scalar_subquery()
+def list_attempts(
+    db: Session, account_id: UUID, exercise: str, until: datetime | None, *, limit: int, offset: int = 0
+) -> tuple[Sequence[AttemptSummary], int]:
+    """Return some attempts, newest first, and how many there are in all."""
+    sent = _sent(account_id, exercise, until)
+    total = select(func.count()).select_from(Submission).where(sent).scalar_subquery()
+    columns = (Submission.id, Submission.created_at, Grading.outcome, Grading.score, MISCONCEPTION_TITLE)
     query = (
-        select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score, MISTAKE, Grading.diagnosis)
+        select(total, *columns, Grading.diagnosis)
         .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(there)
+        .where(sent)
         .order_by(Submission.created_at.desc(), Submission.id.desc())
     )
-    return query.limit(most).offset(skipped)
-
-
-def list_attempts(
-    db: Session, account_id: UUID, exercise: str, until: datetime | None, *, most: int, skipped: int = 0
-) -> tuple[Sequence[AttemptSummary], int]:
-    """Some attempts, newest first, and how many there are in all."""
-    rows = ask(db, *_attempts(account_id, exercise, until or NEVER, skipped, most=most)).all()
-    tried = [
-        AttemptSummary(name, count - place, sent_at, outcome, score, mistake or "", diagnosis)
-        for place, (count, name, sent_at, outcome, score, mistake, diagnosis) in enumerate(rows, skipped)
+    rows = db.execute(query.limit(limit).offset(offset)).all()
+    attempts = [
+        AttemptSummary(id, count - index, sent_at, outcome, score, mistake or "", diagnosis)
+        for index, (count, id, sent_at, outcome, score, mistake, diagnosis) in enumerate(rows, offset)
     ]
-    return tried, rows[0][0] if rows else 0
-
-
-@prepared
-def _in_order(account_id: UUID, exercise: str, until: datetime, skipped: int, most: int) -> Select[Submission]:
-    query = select(Submission).where(_sent(account_id, exercise, until))
-    return query.order_by(Submission.created_at, Submission.id).limit(most).offset(skipped)
+    return attempts, rows[0][0] if rows else 0
 
 
 def load_with_previous(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, number: int
 ) -> Sequence[Submission]:
-    """The attempt of that number (from 1) after the one before it; it alone where it is the first; none beyond."""
-    first = max(0, number - 2)
-    query = _in_order(account_id, exercise, until or NEVER, first, number - first)
-    found = db.execute(*query).scalars().all()
-    return found if len(found) == number - first else []
+    """Return the attempt of that number (from 1) after the one before it; the first one alone; nothing beyond."""
+    offset = max(0, number - 2)
+    query = select(Submission).where(_sent(account_id, exercise, until))
+    query = query.order_by(Submission.created_at, Submission.id).limit(number - offset).offset(offset)
+    submissions = db.execute(query).scalars().all()
+    return submissions if len(submissions) == number - offset else []
 
 
 def load_by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, ExerciseWork]:
-    """What somebody's attempts come to, for each exercise of a module that they have tried."""
-    mistakes = {row[0]: row[1] for row in ask(db, *_last_mistakes(account_id, until or NEVER))}
+    """Return a student's work at each exercise of a module that they have tried."""
+    query = select(
+        Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at)
+    ).outerjoin(Grading, Grading.id == Submission.grading_id)
+    query = query.where(Submission.account_id == account_id, Submission.created_at <= (until or NEVER))
+    mistakes = _load_latest_mistakes(db, account_id, until or NEVER)
     return {
         exercise: ExerciseWork(count, best, last_at, mistakes.get(exercise) or "")
-        for exercise, count, best, last_at in ask(db, *_sums(account_id, until or NEVER))
+        for exercise, count, best, last_at in db.execute(query.group_by(Submission.exercise))
         if exercise.startswith(f"{module}/")
     }
 
 
-@prepared
-def _sums(account_id: UUID, until: datetime) -> Select[str, int, float | None, datetime]:
-    query = select(
-        Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at)
-    ).outerjoin(Grading, Grading.id == Submission.grading_id)
-    query = query.where(Submission.account_id == account_id, Submission.created_at <= until)
-    return query.group_by(Submission.exercise)
-
-
-@prepared
-def _last_mistakes(account_id: UUID, until: datetime) -> Select[str, str | None]:
-    """Of the latest attempt at each exercise that was graded without an error of ours."""
-    turn = func.row_number().over(
+def _load_latest_mistakes(db: Session, account_id: UUID, until: datetime) -> Mapping[str, str | None]:
+    """Return the title of the misconception of the latest attempt at each exercise, internal errors left out."""
+    rank = func.row_number().over(
         partition_by=Submission.exercise, order_by=(Submission.created_at.desc(), Submission.id.desc())
     )
-    numbered = (
-        select(Submission.exercise, Submission.grading_id, turn.label("turn"))
+    ranked = (
+        select(Submission.exercise, Submission.grading_id, rank.label("rank"))
         .join(Grading, Grading.id == Submission.grading_id)
         .where(Submission.account_id == account_id, Submission.created_at <= until, Grading.score.is_not(None))
         .subquery()
     )
-    latest = select(numbered.c.exercise, MISTAKE).join(Grading, Grading.id == numbered.c.grading_id)
-    return latest.where(numbered.c.turn == 1)
+    query = select(ranked.c.exercise, MISCONCEPTION_TITLE).join(Grading, Grading.id == ranked.c.grading_id)
+    return {row[0]: row[1] for row in db.execute(query.where(ranked.c.rank == 1))}
 
 
-def _sent(account_id: UUID, exercise: str, until: datetime) -> ColumnElement[bool]:
-    return and_(Submission.account_id == account_id, Submission.exercise == exercise, Submission.created_at <= until)
+def _sent(account_id: UUID, exercise: str, until: datetime | None) -> ColumnElement[bool]:
+    return and_(
+        Submission.account_id == account_id,
+        Submission.exercise == exercise,
+        Submission.created_at <= (until or NEVER),
+    )

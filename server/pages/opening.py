@@ -41,7 +41,7 @@ def solution(
     reader: Reader, exercise: Exercise, progress: Progress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
-    why = access.because(progress)
+    why = access.reason(progress)
     if why is None or (exercise.answers is not None and seed is None):
         return None
     html = (

@@ -16,7 +16,7 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import importable_files, solutions
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts
+from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import held, kits, marks, opening, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
@@ -168,13 +168,13 @@ def attempt_page(
     )
 
 
-def _beside(reader: Reader, attempt: Attempt, number: int) -> Attempts:
+def _beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
     """What is listed beside an attempt: its author's latest ones; it alone, for a teacher who looks."""
     submission, grading = attempt.submission, attempt.grading
     if reader.account is not None and submission.account_id == reader.account.id:
         return gradebook.list_attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
     marks = (grading.outcome, grading.score) if grading else (None, None)
-    return Attempts((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
+    return AttemptList((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
 
 
 def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPage:
@@ -198,7 +198,7 @@ def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPa
 def results(
     reader: Reader,
     exercise: Exercise,
-    attempts: Attempts,
+    attempts: AttemptList,
     work: WorkView | None,
     seed: int | None,
     diagnosis_held: FeedbackHold | None = None,
@@ -269,7 +269,7 @@ def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Ver
     return None if before is None or verdict is None else progress_since(before, verdict)
 
 
-def _rows(exercise: Exercise, attempts: Attempts) -> tuple[AttemptRow, ...]:
+def _rows(exercise: Exercise, attempts: AttemptList) -> tuple[AttemptRow, ...]:
     return tuple(_row(exercise, line) for line in attempts.lines)
 
 

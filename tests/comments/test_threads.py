@@ -282,7 +282,7 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
             ("autre", "Erreur", 1),
             ("signe", "Erreur", 1),
         ]
-        (tried,), total = student_work.list_attempts(db, cleo.id, EXERCISE, None, most=1)
+        (tried,), total = student_work.list_attempts(db, cleo.id, EXERCISE, None, limit=1)
         assert (tried.number, tried.mistake, tried.diagnosis, total) == (2, "Erreur", "autre", 2)
         assert len(student_work.load_with_previous(db, cleo.id, EXERCISE, None, 2)) == 2
         assert not student_work.load_with_previous(db, cleo.id, EXERCISE, None, 3)

@@ -372,7 +372,7 @@ def test_what_is_recorded_has_a_bound_and_says_what_it_leaves_out(database: Data
     with database.read() as db:
         grading = service.find_attempt(db, ada, submission).grading
         assert grading is not None
-        kept, figures = Verdict.from_json(grading.verdict), repository.figures_of(db, grading.id)
+        kept, figures = Verdict.from_json(grading.verdict), repository.load_figures(db, grading.id)
     assert weight(kept.to_json()) + weight(figures) <= VERDICT_BYTES
     assert (kept.outcome, kept.points, figures) == (heavy.outcome, heavy.points, {})
     assert "300000 caractères" in kept.checks[0].message

@@ -6,16 +6,14 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 from uuid import uuid4
 
 import pytest
 from sqlalchemy import event, select, text
 
-from server import database
 from server.app import Services
 from server.database import Database
-from server.gradebook import attempts, repository
+from server.gradebook import repository
 from server.gradebook.models import Grading
 from server.identity import tokens
 from server.identity.models import Account
@@ -114,23 +112,17 @@ def test_no_page_asks_more_for_more_attempts(ada: Ada, graded: bool) -> None:
 
 @contextmanager
 def loaded() -> Iterator[list[object]]:
-    """The submissions and gradings that are read whole within the block, by the session or for no session."""
+    """The submissions and gradings that are loaded whole within the block."""
     rows: list[object] = []
 
     def note(row: object, _context: object) -> None:
         rows.append(row)
 
-    def noted(*asked: Any) -> Any:
-        rows.append(database.loaded(*asked))
-        return rows[-1]
-
-    with pytest.MonkeyPatch.context() as patching:
-        patching.setattr(attempts, "loaded", noted)
-        for kind in (Submission, Grading):
-            event.listen(kind, "load", note)
-        yield rows
-        for kind in (Submission, Grading):
-            event.remove(kind, "load", note)
+    for kind in (Submission, Grading):
+        event.listen(kind, "load", note)
+    yield rows
+    for kind in (Submission, Grading):
+        event.remove(kind, "load", note)
 
 
 def test_sources_verdicts_and_figures_are_read_of_the_one_that_is_shown(ada: Ada) -> None:
@@ -149,7 +141,7 @@ def test_sources_verdicts_and_figures_are_read_of_the_one_that_is_shown(ada: Ada
 
 def test_lists_of_attempts_stand_on_an_index(sqlite: Database) -> None:
     with Counted(sqlite) as counted, sqlite.read() as db:
-        repository.attempts(db, uuid4(), EXERCISE, most=50, skipped=0)
+        repository.list_attempts(db, uuid4(), EXERCISE, limit=50, offset=0)
         (statement,) = counted.statements
         plan = db.execute(text(f"EXPLAIN QUERY PLAN {statement.replace('?', '1')}")).all()
     told = " ".join(str(row[3]) for row in plan)

@@ -184,7 +184,7 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
     def open_to() -> list[bool]:
         with desk.database.read() as db:
             return [
-                solutions.load_solution_access(db, account, EXERCISE).because(progress_of(db, account)) is not None
+                solutions.load_solution_access(db, account, EXERCISE).reason(progress_of(db, account)) is not None
                 for account in (ada, bob, eve, teacher, None)
             ]
 
@@ -194,7 +194,7 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
     def turn(by: Account, class_id: UUID | None, wanted: bool) -> None:
         for _ in range(2):
             with desk.database.write() as db:
-                solutions.set_solution_open(db, by, EXERCISE, class_id, wanted=wanted)
+                solutions.set_solution_open(db, by, EXERCISE, class_id, is_open=wanted)
 
     closed = [True, False, False, True, False]
     assert open_to() == closed
@@ -216,7 +216,7 @@ def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:
         listed = gradebook.list_attempts(db, ada, EXERCISE, 2)
         assert [(line.id, line.number) for line in listed.lines] == [(rows[2].id, 3), (rows[1].id, 2)]
         assert listed.total == 3
-        older = gradebook.list_attempts(db, ada, EXERCISE, 2, skipped=2)
+        older = gradebook.list_attempts(db, ada, EXERCISE, 2, offset=2)
         assert [(line.id, line.number) for line in older.lines] == [(rows[0].id, 1)]
         assert [gradebook.attempt_number(db, row) for row in rows] == [1, 2, 3]
         assert gradebook.list_attempts(db, None, EXERCISE, 2).total == 0

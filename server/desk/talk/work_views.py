@@ -122,7 +122,7 @@ def work_page(
     member, href = student.member, student.in_exercise(exercise.id)
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     found = (reader.db, member.id, exercise.id, student.until)
-    tried, total = student_work.list_attempts(*found, most=ATTEMPTS_A_PAGE, skipped=skipped)
+    tried, total = student_work.list_attempts(*found, limit=ATTEMPTS_A_PAGE, offset=skipped)
     if skipped and not tried:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     shown = chosen or (tried[0].number if tried else 0)
