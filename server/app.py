@@ -15,11 +15,10 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
-from server.base import middleware, root
-from server.base.chores import keep
-from server.base.gate import Gate
-from server.base.helper import Helper
-from server.base.provided import check_provided, provide
+from server.base import middleware, root_path
+from server.base.app_services import check_provided, provide
+from server.base.concurrency import Gate, keep
+from server.base.helpers import Helper
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
@@ -267,7 +266,7 @@ def create_app(
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     school_time.use(services.settings.time_zone)
-    root.use(services.settings.root_path)
+    root_path.use(services.settings.root_path)
     provide(app, services.settings, course, services.database, services.events, services.cells, services.steps)
     provide(app, AccountService(services.database, services.settings, adopt=adopt))
     provide(
@@ -292,4 +291,4 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.Encodings)
     app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
-        app.add_middleware(root.Mounted, root=settings.root_path)
+        app.add_middleware(root_path.Mounted, root=settings.root_path)

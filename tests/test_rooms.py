@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 
 DEV = ROOT / "server" / "docs" / "dev"
 README_BYTES = 12_000

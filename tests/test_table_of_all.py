@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from tests.benchmarks import gather
 from tests.benchmarks.euros import Price
 from tests.benchmarks.measure import ADDITIONS, REFERENCE, Goal, Pace, Row

@@ -23,7 +23,7 @@ from server.assignments.models import Assignment, Exemption, LatePolicy
 from server.assignments.rules import rules_in_force
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
 from server.assignments.student_assignments import StudentAssignment
-from server.base import root
+from server.base import root_path
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
 from server.classes.models import Membership
@@ -68,7 +68,7 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
         **columns,
         **in_force,
     }
-    url = root.address(f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}")
+    url = root_path.address(f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}")
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 

@@ -9,9 +9,9 @@ from fastapi.concurrency import run_in_threadpool
 from server.api.class_schemas import ClassOut, ClassSeen, JoinCode, NewClass, RejectedOut, RosterOut, StudentOut
 from server.api.documentation import problems
 from server.audit.members import recording_membership_changes
-from server.base import root
+from server.base import root_path
 from server.base.errors import NotFound
-from server.base.request import client_address
+from server.base.http import client_address
 from server.classes import repository, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.importing import ImportPlan
@@ -44,7 +44,7 @@ LIST = {
 
 
 def url_of(school_class: SchoolClass) -> str:
-    return root.address(f"/api/v1/classes/{school_class.id}")
+    return root_path.address(f"/api/v1/classes/{school_class.id}")
 
 
 def _seen(place: ClassAccess) -> ClassSeen:

@@ -5,7 +5,7 @@ from fastapi.exceptions import RequestValidationError
 
 from server.api.comment_schemas import MessageOut, NewComment, ThreadChange, ThreadOut
 from server.api.documentation import problems
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf
 from server.base.errors import NotFound
 from server.comments import service
 from server.comments.line_tracking import LineRange

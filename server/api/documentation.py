@@ -5,7 +5,7 @@ from typing import Any
 from fastapi import FastAPI
 
 from server.api.schemas import ProblemOut
-from server.base import root
+from server.base import root_path
 
 PROBLEM_SCHEMA = "#/components/schemas/ProblemOut"
 MEANINGS = {
@@ -52,8 +52,8 @@ def _completed(document: dict[str, Any]) -> dict[str, Any]:
                 operation["responses"].update({"422": problems(422)[422]})
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
-    if root.root():
-        document["servers"] = [{"url": root.root()}]
+    if root_path.root():
+        document["servers"] = [{"url": root_path.root()}]
     return document
 
 

@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from graders.core.answers import Paper, Question
 from server.api.documentation import problems
 from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, GivenOut, LimitsOut, PieceOut, QuestionOut
-from server.base import root
+from server.base import root_path
 from server.base.errors import NotFound
 from server.course.dependencies import CourseOf
 from server.course.models import Course, Exercise
@@ -82,5 +82,5 @@ def _summary(exercise: Exercise) -> ExerciseOut:
         functions=[
             FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
         ],
-        url=root.address(f"/api/v1/exercises/{exercise.id}"),
+        url=root_path.address(f"/api/v1/exercises/{exercise.id}"),
     )

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from server.api.words import ANYTHING, PARAMETERS, ROUTES, STATUSES, TYPES
-from server.base.root import service_address
+from server.base.root_path import service_address
 from server.course import Course
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import OptionalAccount

@@ -12,7 +12,7 @@ from server.api.mark_schemas import EventOut, GradebookOut, LogOut, MarkOut, New
 from server.audit import repository as audit
 from server.audit.models import AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.classes.service import NOT_A_MEMBER
 from server.course.dependencies import CourseOf
 from server.database import utc_now

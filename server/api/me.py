@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, problems
 from server.api.schemas import Strict
-from server.base.request import client_address
+from server.base.http import client_address
 from server.database import utc_now
 from server.identity.dependencies import AccountServiceOf, ApiAccount
 from server.personal.dependencies import PersonalOf

@@ -14,8 +14,8 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource, url_of
-from server.base.provided import needed
-from server.base.request import client_address
+from server.base.app_services import needed
+from server.base.http import client_address
 from server.course.models import Course, Exercise
 from server.database import Database, is_away
 from server.database.dependencies import DatabaseOf, Db

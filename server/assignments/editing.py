@@ -26,7 +26,7 @@ from server.assignments.schemas import AssignmentInput, Weighted, validate_assig
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import NotFound
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.service import require_open

@@ -20,7 +20,7 @@ from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import FieldsRefused, NotFound
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
 from server.classes.service import require_open

@@ -18,7 +18,7 @@ from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, Sittin
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force
 from server.base.errors import NotFound, NotNow
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.sandbox.values import LIBRARY_MENTION
 
 NO_TEST = "Ce contrôle n’existe pas."

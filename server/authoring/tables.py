@@ -21,7 +21,7 @@ from graders.core.compare import comparison, shrinking
 from graders.core.contract.outcomes import Outcome
 from graders.robotics import poses
 from server.authoring.keys import KEYS
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.course.kinds import KINDS
 from server.sandbox.policy import LIMIT_SPECS, Policy
 

@@ -1,11 +1,117 @@
-"""HTTP as this service reads it, for all that serves the application."""
+"""What this service reads of any HTTP request, the problem documents of its answers, and how it is served."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from ipaddress import IPv6Address, ip_address, ip_network
+from typing import TYPE_CHECKING, Any
 
-import uvicorn
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import JSONResponse, Response
 from starlette.types import ASGIApp
+
+from server.base import root_path
+from server.base.errors import FieldsRefused, ServiceError
+from server.base.validation import reason
+
+if TYPE_CHECKING:
+    import uvicorn
+
+
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+COOKIE = "balise_session"
+
+
+UNKNOWN = "inconnue"
+HOUSEHOLD = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
+
+
+#: The weight by which `Accept-Encoding` says of an encoding that it is not taken.
+REFUSED = re.compile(r"q=0(\.0*)?")
+
+
+def encodings(header: str) -> Sequence[str]:
+    """The encodings that an `Accept-Encoding` names and takes."""
+    named = (one.lower().replace(" ", "").partition(";") for one in header.split(","))
+    return [name for name, _, weight in named if name and not REFUSED.fullmatch(weight)]
+
+
+def session_token(connection: HTTPConnection) -> str:
+    """The session that a browser shows, or nothing. Of several the first: it is that of the nearest path, the others
+    were set when the service stood elsewhere on its site."""
+    pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))
+    return next((value.strip() for name, _, value in pairs if name.strip() == COOKIE), "")
+
+
+def client_address(connection: HTTPConnection) -> str:
+    """Whom the limits count as one visitor: an IPv4 address, or the network of an IPv6 one.
+
+    It is what is at the other end, or what a trusted proxy says is behind it (`balise serve --trusted-proxy`).
+    """
+    return visitor_of(connection.client.host) if connection.client else UNKNOWN
+
+
+def visitor_of(host: str) -> str:
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return UNKNOWN
+    if not isinstance(address, IPv6Address):
+        return str(address)
+    if address.ipv4_mapped is not None:
+        return str(address.ipv4_mapped)
+    return str(ip_network((int(address), HOUSEHOLD), strict=False))
+
+
+PROBLEM_TYPE = "urn:balise:probleme:"
+TITLES = {
+    400: ("Demande illisible", "Cette demande ne peut pas être lue."),
+    404: ("Introuvable", "Il n’y a rien à cette adresse."),
+    405: ("Méthode refusée", "Cette adresse n’accepte pas cette méthode."),
+    422: ("Données refusées", "Les données envoyées ne conviennent pas."),
+    500: ("Erreur du serveur", "Une erreur est survenue de notre côté ; elle a été notée. Votre travail est conservé."),
+}
+
+
+def problem(
+    request: Request, status: int, title: str, detail: str, *, slug: str = "", **members: Any
+) -> dict[str, Any]:
+    """The members of a problem document; extension members are added as they are."""
+    kind = PROBLEM_TYPE + slug if slug else "about:blank"
+    told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
+    return {**told, "instance": root_path.address(request.url.path), **members}
+
+
+def _sendable(text: str) -> str:
+    """A lone surrogate of the request's cannot be sent back."""
+    return text.encode("utf-8", "replace").decode()
+
+
+def of_error(request: Request, error: ServiceError) -> dict[str, Any]:
+    members: dict[str, Any] = {}
+    if isinstance(error, FieldsRefused):
+        told = error.problems.items()
+        members["errors"] = [{"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in told]
+    return problem(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
+
+
+def as_json(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> Response:
+    return JSONResponse(body, body["status"], dict(headers or {}), "application/problem+json")
+
+
+def place(error: Mapping[str, Any]) -> dict[str, Any]:
+    """Where and why: a JSON pointer in the body, or the name of a parameter."""
+    source, *path = error["loc"]
+    detail = reason(error)
+    if source == "body":
+        return {"detail": detail, "pointer": _pointer([] if error["type"] == "json_invalid" else path)}
+    return {"detail": detail, "parameter": ".".join(str(part) for part in path)}
+
+
+def _pointer(path: Sequence[object]) -> str:
+    return "#" + "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)
+
 
 #: Bytes of a request without its body; and of what comes without anything of a body, or a request, being ended by it.
 HEAD = 64 * 1024
@@ -19,6 +125,8 @@ def configuration(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> u
     upgrade on as the next request, and bounds nothing; the loop of uvloop starts no process in a group of its own, and
     leaves those that it starts descriptors which are not theirs.
     """
+    import uvicorn
+
     return uvicorn.Config(
         app,
         loop="asyncio",

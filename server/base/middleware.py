@@ -14,10 +14,10 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
+from server.base.counters import VISITS
 from server.base.errors import Forbidden, ServiceError, TooLarge
-from server.base.request import COOKIE, SAFE_METHODS, encodings
-from server.base.sizes import size
-from server.base.tally import VISITS
+from server.base.http import COOKIE, SAFE_METHODS, encodings
+from server.base.validation import size
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (

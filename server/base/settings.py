@@ -17,7 +17,7 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from server.base.paths import default_data_dir
+from server.base.files import default_data_dir
 
 PREFIX = "BALISE_"
 #: Segments that no browser, proxy nor shell writes in two ways, and none of which goes upwards.

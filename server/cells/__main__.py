@@ -2,7 +2,7 @@
 
 import sys
 
-from server.base.line import to_service
+from server.base.helper_line import to_service
 
 
 def main(line: int, parent: int) -> None:

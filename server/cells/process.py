@@ -10,8 +10,8 @@ import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
-from server.base import frames
-from server.base.line import Line
+from server.base import helper_line
+from server.base.helper_line import Line
 from server.cells.run import POLICY, run
 from server.sandbox import Sandbox, SandboxFault
 from server.sandbox.install import DRAWING
@@ -47,9 +47,9 @@ def _answer(line: Line, sandbox: Sandbox, number: int, asked: bytes) -> None:
         shown = _followed(sandbox, asked) if "steps" in question else _run(sandbox, question)
     except Exception:
         log.exception("a cell could not be run, or a program not be followed: %.200r", asked)
-        line.answer(number, frames.FAILED, b"")
+        line.answer(number, helper_line.FAILED, b"")
     else:
-        line.answer(number, frames.DONE, shown)
+        line.answer(number, helper_line.DONE, shown)
 
 
 def _run(sandbox: Sandbox, question: dict[str, str]) -> bytes:

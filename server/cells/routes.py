@@ -5,10 +5,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf, provided
 from server.base.errors import NotFound
-from server.base.provided import provided
-from server.base.request import client_address
+from server.base.http import client_address
 from server.cells import service
 from server.cells.schemas import NewRun
 from server.cells.supervisor import Cells

@@ -2,9 +2,9 @@
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.encoding import encoded
 from server.base.errors import Crowded, Failed
 from server.base.settings import Settings
+from server.base.validation import encoded
 from server.cells.supervisor import Cells
 from server.database import Database
 from server.identity.models import Account

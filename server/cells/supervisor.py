@@ -9,12 +9,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from server.base.children import environment
+from server.base.concurrency import FullError, Gate, ShutError, Turns
 from server.base.errors import Crowded, Failed
-from server.base.gate import Gate, ShutError
-from server.base.helper import IDLE, Helper, Program, UnansweredError
+from server.base.helpers import IDLE, Helper, Program, UnansweredError
+from server.base.processes import environment
 from server.base.settings import Settings
-from server.base.turns import FullError, Turns
 
 COMMAND = (sys.executable, "-P", "-m", "server.cells")
 #: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.

@@ -16,8 +16,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from threading import BoundedSemaphore
 
-from server.base.children import bare_environment
 from server.base.errors import Crowded, Invalid
+from server.base.processes import bare_environment
 from server.classes.spreadsheet import MAX_COLUMNS, MAX_LINES
 
 SEPARATORS = (";", ",", "\t")

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from server.base import traces
-from server.base.refused import reason
 from server.base.settings import SECRETS_DIR, Settings, misspelt, variable
+from server.base.validation import reason
 from server.cli import CannotRun
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fastapi import FastAPI
 
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings

@@ -4,7 +4,7 @@ import json
 import os
 from pathlib import Path
 
-from server.base.whole import OWNER_ALONE, write_whole
+from server.base.files import OWNER_ALONE, write_whole
 from server.cli import CannotRun
 
 NAME = Path("balise", "tokens.json")

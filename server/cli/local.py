@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from server.base.paths import default_cache_dir
+from server.base.files import default_cache_dir
 from server.cli import CannotRun
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise, load

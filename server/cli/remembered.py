@@ -20,9 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from graders.courses import HERE, OWN
-from server.base.digest import digest
-from server.base.paths import default_cache_dir
-from server.base.whole import write_whole
+from server.base.files import default_cache_dir, digest, write_whole
 from server.course.closure import Imports
 from server.course.memory import Memory, source_of
 from server.course.models import Exercise, Module

@@ -18,8 +18,8 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
 from server.base import http, logs, traces
-from server.base.gate import Gate
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
+from server.base.concurrency import Gate
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.alone import alone

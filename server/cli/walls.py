@@ -16,9 +16,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from server.base.digest import digest
-from server.base.paths import default_cache_dir
-from server.base.whole import OWNER_ALONE, write_whole
+from server.base.files import OWNER_ALONE, default_cache_dir, digest, write_whole
 from server.sandbox.install import installation
 
 NAME = "walls.json"

@@ -12,8 +12,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.base.errors import Conflict, Invalid, NotFound
-from server.base.identities import identity_of
 from server.base.settings import Settings
+from server.base.validation import identity_of
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
 from server.comments import notes_repository, repository

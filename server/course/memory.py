@@ -16,8 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from server.base.digest import digest, files
-from server.base.whole import write_whole
+from server.base.files import digest, files, write_whole
 
 log = logging.getLogger(__name__)
 

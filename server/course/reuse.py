@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from server.base.digest import digest
+from server.base.files import digest
 from server.course import toml_file
 from server.course.models import Course, CourseFault, Exercise, Problem
 from server.course.toml_places import line_of

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from server.base.refused import reason
+from server.base.validation import reason
 from server.course.models import CourseFault, Problem
 from server.course.toml_places import Location, line_of
 

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from graders.core.contract.kits import Files, kits_of
-from server.base.digest import digest, files
+from server.base.files import digest, files
 from server.course.closure import Imports
 from server.course.schemas import ExerciseFile
 

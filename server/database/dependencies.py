@@ -9,8 +9,8 @@ from fastapi import Depends, Request
 from fastapi.concurrency import contextmanager_in_threadpool
 from sqlalchemy.orm import Session
 
-from server.base.provided import needed, provided
-from server.base.request import SAFE_METHODS
+from server.base.app_services import needed, provided
+from server.base.http import SAFE_METHODS
 from server.database.engine import Database
 
 DatabaseOf = Annotated[Database, Depends(provided(Database))]

@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from graders.courses import HERE
-from server.base.digest import digest
-from server.base.paths import ROOT
+from server.base.files import ROOT, digest
 from server.course.code import MANIPULATIONS
 from server.course.models import Drawing
 

@@ -11,9 +11,9 @@ from typing import Protocol
 from starlette.concurrency import run_in_threadpool
 
 from server.base.caches import LRUCache
+from server.base.concurrency import FullError, Turns
 from server.base.errors import Crowded, Failed
-from server.base.helper import UnansweredError
-from server.base.turns import FullError, Turns
+from server.base.helpers import UnansweredError
 from server.figures.orders import WARM, Order
 from server.figures.store import Store
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from graders.plotting import counterexample
-from server.base import frames
-from server.base.line import Line
+from server.base import helper_line
+from server.base.helper_line import Line
 from server.figures.program import LARGEST, LARGEST_REPLAY, MEMORY
 
 log = logging.getLogger(__name__)
@@ -38,13 +38,13 @@ def _answer(line: Line, number: int, asked: bytes) -> None:
         picture = drawn(json.loads(asked))
     except Exception:
         log.exception("a figure or a replay could not be drawn: %.200r", asked)
-        line.answer(number, frames.FAILED, b"")
+        line.answer(number, helper_line.FAILED, b"")
         return
     if len(picture) > LARGEST:
         log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
-        line.answer(number, frames.FAILED, b"")
+        line.answer(number, helper_line.FAILED, b"")
     else:
-        line.answer(number, frames.DONE, picture)
+        line.answer(number, helper_line.DONE, picture)
 
 
 def drawn(question: dict[str, Any]) -> bytes:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import sys
 
-from server.base.children import bare_environment
-from server.base.helper import Program
+from server.base.helpers import Program
+from server.base.processes import bare_environment
 
 COMMAND = (sys.executable, "-P", "-m", "server.figures")
 #: Seconds of processor for one drawing: however busy the machine is, it is the same drawings that are refused.

@@ -7,7 +7,7 @@ import socket
 import sys
 
 from server.base import logs, traces
-from server.base.children import die_with
+from server.base.processes import die_with
 
 
 def main(channel_fd: int, parent: int) -> None:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from server.base.children import environment
-from server.base.gate import Gate, ShutError
+from server.base.concurrency import Gate, ShutError
+from server.base.processes import environment
 from server.base.settings import Settings
 from server.queue.owner import Owner, owner_of
 from server.queue.switchboard import Switchboard

@@ -14,7 +14,7 @@ from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 from uuid import UUID
 
-from server.base.tally import REFUSED_LOGINS, TEMPLATE_RENEWALS, UNPOSTED
+from server.base.counters import REFUSED_LOGINS, TEMPLATE_RENEWALS, UNPOSTED
 from server.database import Database, utc_now
 from server.grading.supervisor import Supervisor
 from server.health import repository

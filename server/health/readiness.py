@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from server.base.gate import Gate
+from server.base.concurrency import Gate
 from server.database import Database
 from server.grading.supervisor import Supervisor
 from server.health import repository

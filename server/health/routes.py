@@ -6,11 +6,11 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import JSONResponse
 
+from server.base.app_services import provided
+from server.base.counters import VISITS
 from server.base.errors import Forbidden, NotFound, Unauthorised
 from server.base.logs import RECENT
-from server.base.provided import provided
 from server.base.settings import Settings
-from server.base.tally import VISITS
 from server.database.dependencies import Db
 from server.grading.supervisor import Supervisor
 from server.health import overview

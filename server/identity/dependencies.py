@@ -10,10 +10,10 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
+from server.base.app_services import provided, provided_to
+from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Unauthorised
-from server.base.provided import provided, provided_to
-from server.base.request import client_address, session_token
-from server.base.tally import REFUSED_LOGINS
+from server.base.http import client_address, session_token
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.identity import service, tokens

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
+from server.base.concurrency import FullError, Turns
 from server.base.errors import Crowded
-from server.base.turns import FullError, Turns
 from server.identity import secrets
 
 THREADS_OF_A_HASH = 4

@@ -13,9 +13,9 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
+from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Conflict, NotFound, TooMany
 from server.base.settings import Settings
-from server.base.tally import REFUSED_LOGINS
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
 from server.identity.hashing import PasswordHasher

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.provided import provided
+from server.base.app_services import provided
 from server.offline.schemas import OfflinePage
 from server.offline.service import Archives, Making
 from server.offline.site import folder

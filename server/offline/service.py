@@ -16,7 +16,7 @@ from pathlib import Path
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Crowded, NotFound, NotNow
-from server.base.whole import write_whole
+from server.base.files import write_whole
 from server.course import Course, Module
 from server.course.editions import MODULE
 from server.figures.orders import Theme

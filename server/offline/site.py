@@ -12,9 +12,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from server.base.archive import archive_of
-from server.base.digest import digest
-from server.base.paths import ROOT, TEMPLATES
+from server.base.files import ROOT, TEMPLATES, archive_of, digest
 from server.course import Course, Exercise, Module
 from server.figures import orders
 from server.figures.orders import Theme

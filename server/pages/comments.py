@@ -7,7 +7,7 @@ from uuid import UUID
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange

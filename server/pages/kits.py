@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from server.base.archive import archive_of
 from server.base.errors import NotFound
+from server.base.files import archive_of
 from server.course import Module
 
 

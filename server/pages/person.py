@@ -7,9 +7,9 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.provided import provided
-from server.base.request import client_address, session_token
-from server.base.root import service_address
+from server.base.app_services import provided
+from server.base.http import client_address, session_token
+from server.base.root_path import service_address
 from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db

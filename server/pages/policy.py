@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from server.base.sizes import NO_BREAK, size
+from server.base.validation import NO_BREAK, size
 from server.course import Exercise
 from server.sandbox.policy import LIMIT_SPECS, Unit
 from server.web.words import points

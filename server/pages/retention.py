@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from server.base.settings import Settings, variable
-from server.base.sizes import size
+from server.base.validation import size
 from server.figures.store import KEPT_BYTES
 from server.identity.service import BUCKET_RETENTION
 from server.personal.service import GUEST_GRACE

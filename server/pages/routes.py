@@ -12,10 +12,10 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
-from server.base import root
+from server.base import root_path
+from server.base.app_services import needed
 from server.base.errors import Invalid
-from server.base.provided import needed
-from server.base.request import SAFE_METHODS, client_address
+from server.base.http import SAFE_METHODS, client_address
 from server.comments import service as comments
 from server.comments.line_tracking import LineRange
 from server.comments.models import CHECK_LENGTH
@@ -177,9 +177,9 @@ def submit(
         "id": str(submission.id),
         "account": str(account.id),
         "text": _first_words(store, db, account, submission),
-        "page": root.address(href + query),
-        "events": root.address(f"{href}/evenements"),
-        "verdict": root.address(f"{href}/verdict{query}"),
+        "page": root_path.address(href + query),
+        "events": root_path.address(f"{href}/evenements"),
+        "verdict": root_path.address(f"{href}/verdict{query}"),
     }
     return JSONResponse(answer, 202)
 

@@ -15,7 +15,7 @@ from typing import Protocol
 
 from sqlalchemy.orm import Session
 
-from server.base.tally import TEMPLATE_RENEWALS
+from server.base.counters import TEMPLATE_RENEWALS
 from server.database import after_commit
 from server.queue.port import Call
 

@@ -8,7 +8,7 @@ ever: turns go up as they are served. So a line, however long, delays another by
 A line may be shared (guests of one address): its senders take turns within it in the same way, and a job that comes
 before others of its line takes the first one's turn, which each of them passes on to the next.
 
-`server.base.turns` shares in the same way what is waited for in one process; this one is for rows that outlive it.
+`server.base.concurrency` shares waiting time alike within one process; this module is for rows that outlive a process.
 """
 
 from dataclasses import dataclass

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from threading import Lock
 
-from server.base.archive import archive_of
 from server.base.errors import NotFound
+from server.base.files import archive_of
 from server.course import Course
 from server.course.code import load_file
 

@@ -9,10 +9,10 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
-from server.base import root
+from server.base import root_path
+from server.base.app_services import provided
 from server.base.errors import NotFound
-from server.base.provided import provided
-from server.base.request import client_address
+from server.base.http import client_address
 from server.course.dependencies import CourseOf
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
@@ -66,7 +66,7 @@ def say(module: str, body: NewAnswer, reader: Reading) -> JSONResponse:
     course_module = find_module(reader.course, module)
     poll = polls.find(course_module, body.question)
     marked = polls.say(reader.db, reader.account, course_module, poll, body.answer)
-    told = {**asdict(marked), "why": root.written(marked.why)}
+    told = {**asdict(marked), "why": root_path.written(marked.why)}
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
 
 

@@ -23,7 +23,7 @@ from server.assignments import repository as assignments
 from server.assignments.counting import ScoredAttempt
 from server.assignments.models import Assignment, AttemptSelection, Mode
 from server.base.errors import Conflict, Invalid, NotFound
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.classes import repository as classes
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member

@@ -10,11 +10,10 @@ from fastapi import APIRouter, Depends, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from graders.scene.parameters import Values
+from server.base.app_services import provided
+from server.base.concurrency import FullError, Turns
 from server.base.errors import ServiceError, TooMany
-from server.base.problems import as_json, of_error
-from server.base.provided import provided
-from server.base.request import client_address
-from server.base.turns import FullError, Turns
+from server.base.http import as_json, client_address, of_error
 from server.replays.service import Answer, Replays, Script
 from server.web.rendering import once
 

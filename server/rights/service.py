@@ -15,7 +15,7 @@ from sqlalchemy import ColumnElement
 from sqlalchemy.orm import Session
 
 from server.base.errors import Forbidden, NotFound
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.classes import repository as classes
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member

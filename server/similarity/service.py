@@ -14,8 +14,8 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.assignments.models import Assignment
-from server.base.children import bare_environment
 from server.base.errors import Crowded, Invalid
+from server.base.processes import bare_environment
 from server.course import Course, Exercise
 from server.similarity import repository
 from server.similarity.compare import MOST_CODES, SECONDS

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from server.base.provided import provided
-from server.base.request import client_address
+from server.base.app_services import provided
+from server.base.http import client_address
 from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.steps.schemas import NewCall, NewCell, NewReplay
 from server.steps.service import Steps

@@ -10,9 +10,9 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.assignments import feedback, sittings
-from server.base.encoding import encoded
 from server.base.errors import Crowded, Failed, Invalid, NotFound, NotNow
 from server.base.settings import Settings
+from server.base.validation import encoded
 from server.course import Course, Exercise
 from server.course.reuse import Own, shelves
 from server.database import Database

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.provided import provided
+from server.base.app_services import provided
 from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import Submissions

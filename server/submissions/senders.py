@@ -10,7 +10,7 @@ MEMBER_RANK, ACCOUNT_RANK, GUEST_RANK = 0, 1, 2
 def sender_of(account: Account, address: str, *, member: bool = False) -> Sender:
     """An account has turns of its own. Anybody may become as many guests as they like: these share their address's.
 
-    `address` is what the limits count as one visitor: see `server.base.request.client_address`. `member`: of a class,
+    `address` is what the limits count as one visitor: see `server.base.http.client_address`. `member`: of a class,
     which a teacher or a code has let in. Guests of classes and other guests of an address are two lines.
     """
     name = str(account.id)

@@ -12,10 +12,9 @@ from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical
 from server.assignments import sittings
-from server.base.encoding import encoded
 from server.base.errors import Invalid, TooMany
-from server.base.identities import identity_of
 from server.base.settings import Settings
+from server.base.validation import encoded, identity_of
 from server.classes import service as classes
 from server.course.models import SEED_BITS, Exercise
 from server.database import utc_now

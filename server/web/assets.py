@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from server.base.request import encodings
+from server.base.http import encodings
 
 log = logging.getLogger(__name__)
 

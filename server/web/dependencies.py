@@ -7,8 +7,8 @@ from typing import Annotated
 from fastapi import Depends, Request
 from starlette.convertors import Convertor, register_url_convertor
 
-from server.base.provided import needed
-from server.base.request import SAFE_METHODS
+from server.base.app_services import needed
+from server.base.http import SAFE_METHODS
 from server.classes.presence import PresenceRecorder
 from server.course import Course
 from server.course.editions import MODULE

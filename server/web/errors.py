@@ -13,10 +13,10 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
+from server.base.app_services import provided_to
 from server.base.errors import Away, Invalid, ServiceError
+from server.base.http import TITLES, as_json, of_error, place, problem
 from server.base.middleware import SECURITY_HEADERS, route_of
-from server.base.problems import TITLES, as_json, of_error, place, problem
-from server.base.provided import provided_to
 from server.database import Database, is_away
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account

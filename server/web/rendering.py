@@ -14,10 +14,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from graders.typography import french
-from server.base import root
-from server.base.paths import TEMPLATES
-from server.base.provided import provided_to
-from server.base.request import SAFE_METHODS
+from server.base import root_path
+from server.base.app_services import provided_to
+from server.base.files import TEMPLATES
+from server.base.http import SAFE_METHODS
 from server.course import Course, Module
 from server.identity.models import Account
 from server.text.highlight import highlight
@@ -161,4 +161,4 @@ def once(request: Request, answer: Answer) -> Answer:
 def fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
     """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
     body = environment().get_template(template).render(account=account_view(account), back=back, **context)
-    return HTMLResponse(root.written(body), headers={"Cache-Control": "private, no-store"})
+    return HTMLResponse(root_path.written(body), headers={"Cache-Control": "private, no-store"})

@@ -21,8 +21,8 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.api.guide import Guide, shape
 from server.api.words import PARAMETERS, ROUTES, STATUSES
-from server.base.helper import UnansweredError
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
+from server.base.helpers import UnansweredError
 from server.base.settings import Settings
 from server.course import Course
 from server.figures.service import Figures

@@ -10,7 +10,7 @@ import pytest
 
 from server.api.board import changes
 from server.api.board_schemas import DashboardOut
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.board import service
 from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board

@@ -8,7 +8,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from server.app import Services, create_app
-from server.base.provided import provide, provided, provided_to
+from server.base.app_services import provide, provided, provided_to
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from server.course import Course

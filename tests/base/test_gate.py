@@ -7,7 +7,7 @@ from threading import Thread
 
 import pytest
 
-from server.base.gate import Gate, ShutError
+from server.base.concurrency import Gate, ShutError
 from tests.support.quick import in_a_loop
 
 

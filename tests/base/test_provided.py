@@ -7,8 +7,8 @@ from typing import Annotated
 import pytest
 from fastapi import Depends, FastAPI
 
-from server.base import provided as room
-from server.base.provided import check_provided, provide, provided, provided_to
+from server.base import app_services as room
+from server.base.app_services import check_provided, provide, provided, provided_to
 from tests.support.client import TestClient
 
 

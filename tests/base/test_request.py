@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fastapi import FastAPI, Request
 
-from server.base.request import client_address, visitor_of
+from server.base.http import client_address, visitor_of
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings

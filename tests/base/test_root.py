@@ -16,9 +16,9 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments.models import Mode
-from server.base import root
-from server.base.provided import provided_to
-from server.base.request import COOKIE
+from server.base import root_path
+from server.base.app_services import provided_to
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.board.live import LiveBoards
 from server.database import Database
@@ -42,7 +42,7 @@ ADDRESS = re.compile(r"/(?![A-Za-z0-9+/=]{60})")
 @pytest.fixture
 def settings(tmp_path: Path) -> Iterator[Settings]:
     yield Settings(data_dir=tmp_path / "data", workers=0, root_path=ROOT, guest_burst=10_000, sign_up_burst=1000)
-    root.use("")
+    root_path.use("")
 
 
 class Addresses(HTMLParser):
@@ -149,7 +149,7 @@ def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, peop
     assert client.strays == set()
     assert len(client.seen) > 1000
     assert {one.removeprefix(ROOT) for one in client.seen} >= {"/", "/classes", "/compte", "/l20/lire/localiser"}
-    assert client.attributes <= set(root.ATTRIBUTES)
+    assert client.attributes <= set(root_path.ATTRIBUTES)
     assert client.attributes >= {"href", "src", "action", "data-action", "data-hands", "data-answers", "data-stream"}
 
 
@@ -265,16 +265,16 @@ def test_a_path_may_end_with_a_slash(text: str, path: str) -> None:
 
 
 def test_without_a_path_a_page_is_left_as_it_is() -> None:
-    root.use("")
+    root_path.use("")
     page = '<a href="/classes" title="/x">'
-    assert root.written(page) is page
+    assert root_path.written(page) is page
 
 
 def test_what_somebody_wrote_is_no_address() -> None:
-    root.use(ROOT)
+    root_path.use(ROOT)
     said = (
         '<p title="/scan" data-key="/scan" href="//ailleurs/" src="https://x/"> href=&quot;/classes&quot; /classes</p>'
     )
-    assert root.written(said) == said
-    assert root.written('<a class="x" href="/">') == '<a class="x" href="/balise/">'
-    root.use("")
+    assert root_path.written(said) == said
+    assert root_path.written('<a class="x" href="/">') == '<a class="x" href="/balise/">'
+    root_path.use("")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings, misspelt, table, variable
 from server.cli import CannotRun, configuration, main
 from server.cli.configuration import read_settings

@@ -15,8 +15,8 @@ from opentelemetry.trace import StatusCode
 from sqlalchemy import select
 
 from server.base import traces
+from server.base.files import ROOT
 from server.base.middleware import Trail
-from server.base.paths import ROOT
 from server.cli import main
 from server.queue.models import Job
 from tests.support.service import Site

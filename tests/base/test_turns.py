@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from server.base.turns import FullError, Turns
+from server.base.concurrency import FullError, Turns
 from tests.support.quick import in_a_loop
 
 

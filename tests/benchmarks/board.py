@@ -19,8 +19,8 @@ from functools import partial
 from pathlib import Path
 
 from server.app import create_app
-from server.base.provided import provided_to
-from server.base.request import COOKIE
+from server.base.app_services import provided_to
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.board import repository, service
 from server.course import Course, load

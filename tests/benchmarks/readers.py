@@ -14,7 +14,7 @@ from uuid import UUID
 import httpx
 from sqlalchemy import delete
 
-from server.base.request import COOKIE
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database, utc_now

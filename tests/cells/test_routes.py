@@ -12,9 +12,9 @@ import httpx
 import pytest
 from starlette.types import Message
 
+from server.base.app_services import provided, provided_to
 from server.base.errors import Crowded, Failed
-from server.base.provided import provided, provided_to
-from server.base.request import COOKIE
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from tests.support.client import TestClient

@@ -14,7 +14,7 @@ from graders.core.contract.local import LOCAL
 from graders.courses import HERE
 from graders.discovery import discover
 from server.authoring import new
-from server.base.paths import default_cache_dir
+from server.base.files import default_cache_dir
 from server.cli import check, remembered
 from server.course import load
 from server.course.closure import Imports

@@ -6,8 +6,8 @@ from concurrent.futures import Future
 
 import pytest
 
-from server.base.gate import Gate
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
+from server.base.concurrency import Gate
 from server.cli import serve
 from server.cli.serve import open_once_tried
 from server.health.metrics import Metrics

@@ -11,7 +11,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.cli.local import load_exercise
 from server.course.memory import MEMORY, Found, Memory, source_of
@@ -27,7 +27,7 @@ sys.addaudithook(lambda event, args: opened.update([str(args[0])]) if event == "
 
 from server.cli import serve
 from server.cli.configuration import read_settings
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.course import Course
 
 def told(app, *_):

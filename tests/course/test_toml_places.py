@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.course.toml_places import Location, first_line_of, line_of
 
 # Each value that is a whole number is the line on which it stands.

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from graders.core.contract.verdict import Outcome
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.course.closure import Imports
 from server.course.models import Exercise
 from server.course.schemas import ExerciseFile

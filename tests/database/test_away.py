@@ -12,8 +12,8 @@ import pytest
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
-from server.base.provided import provide
-from server.base.request import COOKIE
+from server.base.app_services import provide
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.database import Database, is_away
 from server.database import engine as engines

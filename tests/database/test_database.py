@@ -20,7 +20,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import insert, select, text, update
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.cli import main
 from server.database import Database, after_commit, engine, table_of

@@ -15,7 +15,7 @@ from sqlalchemy import create_engine, func, make_url, select, text
 
 from graders.core.contract.verdict import Outcome
 from server.app import Services
-from server.base.request import COOKIE
+from server.base.http import COOKIE
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database, utc_now

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.board import service
 from server.board.live import LiveBoards
 from server.board.schemas import Board

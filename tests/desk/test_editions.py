@@ -10,7 +10,7 @@ from uuid import UUID
 import pytest
 
 from server.assignments.models import AssignedExercise
-from server.base.provided import provide, provided_to
+from server.base.app_services import provide, provided_to
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.identity.models import Role

@@ -8,7 +8,7 @@ from uuid import UUID, uuid4
 
 import pytest
 
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.classes import service as classes
 from server.course.models import Course
 from server.figures.service import Figures

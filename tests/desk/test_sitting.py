@@ -18,8 +18,8 @@ from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, Visibility
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
+from server.base.app_services import provided_to
 from server.base.errors import Conflict
-from server.base.provided import provided_to
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments import notes
 from server.database import utc_now

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from server.base.errors import Crowded, Failed
-from server.base.helper import UnansweredError
+from server.base.helpers import UnansweredError
 from server.figures.orders import WARM, Order
 from server.figures.pictures import LONGEST_QUESTION, Pictures
 from server.figures.store import Store

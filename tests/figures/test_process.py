@@ -14,7 +14,7 @@ import pytest
 
 from graders.plotting import counterexample
 from graders.scene.films import wire
-from server.base.helper import Helper, Program, UnansweredError
+from server.base.helpers import Helper, Program, UnansweredError
 from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from server.course import Course
 from server.grading.calm import Calm
 from server.grading.process import _warm

@@ -8,7 +8,7 @@ import socket
 
 import pytest
 
-from server.base.gate import Gate
+from server.base.concurrency import Gate
 from server.base.settings import Settings
 from server.grading.supervisor import Supervisor, Wire
 from server.queue.owner import Owner

@@ -17,10 +17,10 @@ from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
 from server.base import logs
+from server.base.app_services import provide, provided_to
+from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
 from server.base.middleware import Trail
-from server.base.provided import provide, provided_to
-from server.base.tally import TEMPLATE_RENEWALS
 from server.grading.supervisor import Supervisor
 from server.health import repository
 from server.health.counts import Counts

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from server.base.app_services import provided_to
+from server.base.counters import Visits
 from server.base.logs import RECENT
-from server.base.provided import provided_to
-from server.base.tally import Visits
 from server.cli import main, top
 from server.grading.kinds import LANES
 from server.health.metrics import Metrics
@@ -73,7 +73,7 @@ def test_visitors_are_counted_for_a_while_and_who_watches_is_none(monkeypatch: p
         visits.note(who)
     assert (visits.visitors(), visits.last_minute()) == (2, 3)
     assert not {b"a", "a"} & set(visits._seen)
-    monkeypatch.setattr("server.base.tally.time.monotonic", lambda: 1e9)
+    monkeypatch.setattr("server.base.counters.time.monotonic", lambda: 1e9)
     assert visits.last_minute() == 0
 
 

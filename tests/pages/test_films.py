@@ -13,8 +13,8 @@ from sqlalchemy import select
 
 from graders.core.contract.findings import Judgement
 from server.assignments.models import Mode
-from server.base.helper import UnansweredError
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
+from server.base.helpers import UnansweredError
 from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook

@@ -9,7 +9,7 @@ from dataclasses import fields
 import pytest
 
 from server.api.schemas import LimitsOut
-from server.base.sizes import size
+from server.base.validation import size
 from server.course.schemas import PolicyEntry
 from server.pages.policy import policy_lines
 from server.sandbox.policy import LIMIT_SPECS, Policy

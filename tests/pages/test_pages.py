@@ -9,8 +9,8 @@ from uuid import UUID, uuid4
 import pytest
 
 from graders.core.contract.outcomes import Outcome
+from server.base.app_services import provided_to
 from server.base.errors import NotFound
-from server.base.provided import provided_to
 from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.identity.models import Account

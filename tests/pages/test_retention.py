@@ -8,7 +8,7 @@ from collections import Counter
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.pages.retention import Row, rows
 from server.tables import metadata

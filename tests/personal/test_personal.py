@@ -18,7 +18,7 @@ from sqlalchemy import func, select, text, update
 from server.app import Services
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
-from server.base.provided import provide, provided_to
+from server.base.app_services import provide, provided_to
 from server.base.settings import Settings
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.cli import main

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy import delete, select, text
 
-from server.base.request import visitor_of
+from server.base.http import visitor_of
 from server.database import Database
 from server.identity.models import Account, Role
 from server.queue.models import Job

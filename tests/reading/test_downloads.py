@@ -14,8 +14,8 @@ from reference.formats.map_server import read_map
 from reference.formats.trajectory_files import read_tum
 from reference.metrics import absolute_trajectory_error
 from reference.odometry import DifferentialDrive, integrate
-from server.base.archive import archive_of
 from server.base.errors import NotFound
+from server.base.files import archive_of
 from server.base.settings import Settings
 from server.reading.downloads import Downloads
 from tests.support.client import TestClient

@@ -12,7 +12,7 @@ import anyio.to_thread
 import pytest
 
 from server.app import create_app
-from server.base.provided import provided
+from server.base.app_services import provided
 from server.base.settings import Settings
 from server.database import Database
 from server.figures.service import Figures

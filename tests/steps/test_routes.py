@@ -12,8 +12,8 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
 from server.assignments import sittings
 from server.assignments.models import Mode
+from server.base.app_services import provide, provided_to
 from server.base.errors import Crowded, Failed
-from server.base.provided import provide, provided_to
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import service as gradebook

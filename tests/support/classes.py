@@ -8,7 +8,7 @@ from typing import Any
 from uuid import UUID
 
 from server.assignments.models import AssignedExercise, Assignment
-from server.base.request import COOKIE
+from server.base.http import COOKIE
 from server.classes import service
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, utc_now

@@ -220,20 +220,20 @@ class Site:
 
     @cached_property
     def database(self) -> Database:
-        from server.base.provided import provided_to
+        from server.base.app_services import provided_to
 
         return provided_to(self.app, Database)
 
     @property
     def accounts(self) -> AccountService:
-        from server.base.provided import provided_to
+        from server.base.app_services import provided_to
         from server.identity.service import AccountService
 
         return provided_to(self.app, AccountService)
 
     def tighten(self, **limits: float) -> None:
         """Other settings from now on."""
-        from server.base.provided import provide, provided_to
+        from server.base.app_services import provide, provided_to
         from server.classes.service import ClassService
         from server.submissions.service import Submissions
 
@@ -247,7 +247,7 @@ class Site:
         return self.worker_with(fake_grade)
 
     def worker_with(self, grade: Grade) -> Worker:
-        from server.base.provided import provided_to
+        from server.base.app_services import provided_to
         from server.submissions.service import Submissions
 
         return worker_of(self.database, self.settings, grade, provided_to(self.app, Submissions)._queue)

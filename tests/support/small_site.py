@@ -8,7 +8,7 @@ from typing import Any
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database

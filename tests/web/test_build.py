@@ -12,7 +12,7 @@ import pytest
 from starlette.responses import FileResponse, Response
 
 from server.app import create_app
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.web import assets
 from tests.support import scripts

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from markupsafe import Markup
 
-from server.base import root
+from server.base import root_path
 from server.web import packing
 
 TEXT = st.text(max_size=60) | st.text(max_size=3).map(lambda text: text * 9000)
@@ -40,7 +40,7 @@ def test_a_tag_is_of_all_that_is_sent() -> None:
 def test_addresses_go_out_under_the_path_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
     long, place = Markup('<a href="/l20">é</a>'), packing.PLACE
     for path in ("", "/balise"):
-        monkeypatch.setattr(root, "_roots", [path])
+        monkeypatch.setattr(root_path, "_roots", [path])
         page = packing.page(f'<p data-steps="/x">{place}', long)
         written = f'<p data-steps="{path}/x"><a href="{path}/l20">é</a>'
         assert (page.plain.decode(), gzip.decompress(page.packed).decode()) == (written, written)

@@ -11,7 +11,7 @@ from pathlib import Path
 from server.authoring import shapes
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
-from server.base.whole import write_whole
+from server.base.files import write_whole
 from server.course import Problem
 from server.figures import lessons
 from server.replays.faults import faults as of_replays

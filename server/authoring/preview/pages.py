@@ -29,7 +29,7 @@ from server.authoring.preview import faults
 from server.authoring.preview.asked import Asked, asked, figure_of
 from server.authoring.preview.supervising import Session
 from server.base.errors import NotFound
-from server.base.request import client_address
+from server.base.http import client_address
 from server.course import Course, Exercise, Problem
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db

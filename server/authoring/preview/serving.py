@@ -18,7 +18,7 @@ from server.authoring.preview.pages import Previewed, Version, router
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
 from server.base import http
-from server.base.provided import provided_to
+from server.base.app_services import provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.course.memory import MEMORY, Memory

@@ -110,7 +110,7 @@ def _forked(work: Callable[[], None], close: int | None = None) -> int:
         return child
     status = 1
     try:
-        from server.base.children import die_with
+        from server.base.processes import die_with
 
         die_with(parent)
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -10,7 +10,7 @@ import sys
 
 from watchfiles import DefaultFilter, watch
 
-from server.base.children import die_with
+from server.base.processes import die_with
 
 #: Milliseconds: an editor writes a file in several strokes.
 SETTLED, AT_MOST = 40, 400

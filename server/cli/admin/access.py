@@ -4,8 +4,8 @@ from argparse import Namespace
 from datetime import datetime
 
 from server.base.errors import NotFound
-from server.base.identities import identity_of
 from server.base.settings import Settings
+from server.base.validation import identity_of
 from server.cli import CannotRun
 from server.cli.admin.answer import Answer, told, who
 from server.database import Database

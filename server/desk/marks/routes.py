@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
 from server.base.errors import Invalid, NotFound, ServiceError
-from server.base.identities import identity_of
+from server.base.validation import identity_of
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db

@@ -9,9 +9,9 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing as assignments
 from server.audit.members import recording_membership_changes
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
-from server.base.root import service_address
+from server.base.root_path import service_address
 from server.classes import copying, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole

@@ -7,8 +7,8 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.audit.members import recording_membership_changes
 from server.base.errors import Invalid
-from server.base.request import client_address
-from server.base.root import service_address
+from server.base.http import client_address
+from server.base.root_path import service_address
 from server.classes import service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.schemas import validate_guest_name

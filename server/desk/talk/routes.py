@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
 from server.comments import notes
 from server.comments.models import CHECK_LENGTH

@@ -8,7 +8,7 @@ from uuid import UUID
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.base.dependencies import SettingsOf
+from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, TooMany
 from server.comments import notes, service
 from server.desk.asking import log_in_first

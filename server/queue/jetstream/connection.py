@@ -20,8 +20,8 @@ from nats.aio.client import Client
 from nats.aio.msg import Msg
 from nats.js import JetStreamContext
 
+from server.base.counters import UNPOSTED
 from server.base.settings import Settings
-from server.base.tally import UNPOSTED
 from server.queue.jetstream.access import Guarded, options, wants_tls
 from server.queue.jetstream.layout import CHANGED, Layout
 from server.queue.port import Call

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reference.world.raycast import cast_scans
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from tests.support.replays import cells, layer, scene, unpacked
 
 KIT = runpy.run_path(str(ROOT / "curriculum/l20/kit/l20.py"))

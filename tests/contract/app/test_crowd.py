@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from tests.benchmarks.crowd.browser import BrokenError, Browser, events
 from tests.benchmarks.crowd.plan import Person, Plan, Programs
 from tests.benchmarks.crowd.report import percentiles

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from server.base.request import COOKIE
+from server.base.http import COOKIE
 from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
 from server.identity.secrets import digest, new_token

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from tests.contract.browser.conftest import EXERCISE, NewVisit, Server, Visit, sync_api
 from tests.support.live import Live
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import PREFIX, SECRETS_DIR, Settings
 from server.cli import _parser, main
 from server.cli.admin import ACTIONS

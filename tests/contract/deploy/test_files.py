@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import yaml
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import ELSEWHERE, Settings, variable
 from server.board.live import MAX_STREAM_SECONDS
 from server.cli import _parser

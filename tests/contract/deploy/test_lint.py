@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 
 DEPLOY = ROOT / "server" / "deploy"
 BESIDE = str(Path(sys.executable).parent)

@@ -16,7 +16,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from tests.support.live import Live, balise, until
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from graders.plotting import THEMES, palette
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.course import Course
 from server.figures import lessons, orders
 from tests.support.quick import the_course

@@ -19,7 +19,7 @@ from sqlalchemy import select
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from server.base.paths import ROOT
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.course import Course
 from server.gradebook.models import Grading

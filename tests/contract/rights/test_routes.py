@@ -17,9 +17,9 @@ from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
-from server.base.paths import ROOT
-from server.base.provided import provided_to
-from server.base.request import COOKIE
+from server.base.app_services import provided_to
+from server.base.files import ROOT
+from server.base.http import COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.board.live import LiveBoards
 from server.classes.codes import new_code

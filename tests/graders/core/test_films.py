@@ -19,7 +19,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from graders.scene.films import wire
 from graders.scene.replay import Chart, Frame, Key, Mark, Points, Replay, SceneError, Series, View
-from server.base.paths import ROOT
+from server.base.files import ROOT
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
 PLAIN = st.recursive(

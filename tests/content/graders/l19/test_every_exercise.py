@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import one_in
 from tests.support.shipped import CODE
 from tests.support.verdicts import named, verdict_of

@@ -13,7 +13,7 @@ import pytest
 from graders.core.contract.outcomes import Outcome
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.content.graders.l20.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE

@@ -14,7 +14,7 @@ from graders.core.contract.values import Floats
 from graders.l20.defi_amers import asked, maps, optimum, system
 from graders.l20.defi_amers.replays import REPLAYS
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

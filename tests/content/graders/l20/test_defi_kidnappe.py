@@ -20,7 +20,7 @@ from graders.l20 import journeys, world
 from graders.l20.defi_kidnappe import runs
 from graders.l20.defi_kidnappe.replays import REPLAYS
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, named, verdict_of

@@ -16,7 +16,7 @@ from graders.l20.defi_robuste import graphs, kernel, robust
 from graders.l20.defi_robuste.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_dimension, graduated_non_convexity
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

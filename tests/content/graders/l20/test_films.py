@@ -21,7 +21,7 @@ from graders.l20.predire2d.cases import module_world
 from graders.l20.predire2d.trials import SIGMA, WALKS, episodes, film
 from graders.scene.films import wire
 from reference.localisation.grid_filter import correct, predict
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from server.figures.program import LARGEST_REPLAY
 from tests.support.quick import some
 from tests.support.replays import layer, unpacked

@@ -17,7 +17,7 @@ from graders.l20.icp.judge import misjudged, misplaced
 from graders.l20.icp.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.registration import icp
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

@@ -16,7 +16,7 @@ from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.judge import judge
 from graders.plotting import counterexample
 from reference.registration import kabsch
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import failed, judgement_of, named, verdict_of

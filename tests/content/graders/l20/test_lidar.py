@@ -16,7 +16,7 @@ from graders.core.contract.streams import stream
 from graders.l20.lidar import cases, probes
 from graders.l20.lidar.checks import ACCEPTED, SameDistance
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, named, verdict_of

@@ -25,7 +25,7 @@ from graders.l20.mcl import memory, probes, runs, steps
 from graders.l20.mcl.replays import REPLAYS
 from graders.l20.mcl.scenes import HALL_KIT
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, model_with, named, verdict_of

@@ -12,7 +12,7 @@ from graders.l20.metriques import cases
 from graders.plotting import counterexample
 from reference.metrics import absolute_trajectory_error
 from reference.se2 import to_matrix
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, model_with, named, verdict_of

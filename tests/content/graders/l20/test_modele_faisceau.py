@@ -18,7 +18,7 @@ from graders.l20.modele_faisceau.checks import SameField, SameLogarithm, distanc
 from graders.plotting import counterexample
 from reference.errors import InvalidArgumentError
 from reference.sensors.beam import BeamModel, plain_log_likelihood
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, named, verdict_of

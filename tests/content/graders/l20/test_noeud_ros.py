@@ -14,7 +14,7 @@ from graders.l20.noeud_ros import cases
 from graders.l20.noeud_ros.judge import Did, read_log, right
 from graders.l20.noeud_ros.scenes import JUDGED, Phase, must_stop, phase
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, named, verdict_of

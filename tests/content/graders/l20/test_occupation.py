@@ -18,7 +18,7 @@ from graders.l20.occupation.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.occupancy import InverseSensorModel, OccupancyGrid
 from reference.world.scan import Scan
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

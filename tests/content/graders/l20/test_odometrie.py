@@ -16,7 +16,7 @@ from graders.l20.odometrie.grader import right_spread, right_step
 from graders.l20.odometrie.journey import START, TRACK, round_trip
 from graders.plotting import counterexample
 from reference.odometry import DifferentialDrive, integrate
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, model_with, named, verdict_of

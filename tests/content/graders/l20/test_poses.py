@@ -8,7 +8,7 @@ import pytest
 
 from graders.core.contract.local import LOCAL
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES
 from tests.support.shipped import CODE
 from tests.support.verdicts import verdict_of

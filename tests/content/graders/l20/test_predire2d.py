@@ -16,7 +16,7 @@ from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, i
 from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import judgement_of, verdict_of

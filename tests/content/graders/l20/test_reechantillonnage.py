@@ -23,7 +23,7 @@ from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
 from graders.plotting import counterexample
 from reference.filters.resampling import comb, systematic_resampling
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import verdict_of

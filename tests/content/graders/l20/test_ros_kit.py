@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.ros import Ros, ros
 
 SIMULATED = ros()

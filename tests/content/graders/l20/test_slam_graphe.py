@@ -9,7 +9,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
-from server.base.paths import ROOT as PROJECT
+from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES
 from tests.support.shipped import CODE
 from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of

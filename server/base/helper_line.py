@@ -1,4 +1,4 @@
-"""A helper process's own side: the line to the service that started it (see `server.base.helper`)."""
+"""A helper process's side of its socket to the service, and the frames that both sides exchange."""
 
 from __future__ import annotations
 
@@ -6,11 +6,20 @@ import gc
 import os
 import signal
 import socket
+import struct
 import threading
 from collections.abc import Iterator
 
-from server.base import frames, logs
-from server.base.children import die_with
+from server.base import logs
+from server.base.processes import die_with
+
+HEADER = struct.Struct(">IIB")
+QUESTION, DONE, FAILED = 0, 1, 2
+
+
+def framed(number: int, status: int, payload: bytes) -> bytes:
+    return HEADER.pack(len(payload), number, status) + payload
+
 
 #: Helpers leave the processors to graders, pages and whoever else has something to do.
 NICE = 5
@@ -30,13 +39,13 @@ class Line:
         gc.freeze()
         gc.enable()
         with self._end.makefile("rb") as stream:
-            while len(header := stream.read(frames.HEADER.size)) == frames.HEADER.size:
-                length, number, _ = frames.HEADER.unpack(header)
+            while len(header := stream.read(HEADER.size)) == HEADER.size:
+                length, number, _ = HEADER.unpack(header)
                 yield number, stream.read(length)
 
     def answer(self, number: int, status: int, payload: bytes) -> None:
         with self._sending:
-            self._end.sendall(frames.framed(number, status, payload))
+            self._end.sendall(framed(number, status, payload))
 
 
 def to_service(name: str, line: int, parent: int) -> Line:

@@ -1,16 +1,15 @@
-"""What the application was built with, handed to routes by type: a room asks for `Cells` and gets the application's.
-
-What nobody has provided is an error when the application is put together, and never silence.
-"""
+"""The application's services, injected into routes by type."""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from functools import cache
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from starlette.requests import HTTPConnection
+
+from server.base.settings import Settings
 
 T = TypeVar("T")
 
@@ -54,3 +53,6 @@ def provided_to(app: FastAPI, kind: type[T]) -> T:
     if not isinstance(instance, kind):
         raise TypeError(f"{instance!r} stands where a {kind.__qualname__} should")
     return instance
+
+
+SettingsOf = Annotated[Settings, Depends(provided(Settings))]

@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
 
-from server.base import frames
+from server.base.helper_line import DONE, HEADER, QUESTION, framed
 
 log = logging.getLogger(__name__)
 
@@ -126,7 +126,7 @@ class _Process:
                 process_group=0,  # it is the service that is told to stop, and ends it
             )
         reader, writer = await asyncio.open_connection(sock=ours)
-        writer.write(frames.framed(0, frames.QUESTION, program.beginning))
+        writer.write(framed(0, QUESTION, program.beginning))
         return cls(process, reader, writer, program.longest)
 
     @property
@@ -142,7 +142,7 @@ class _Process:
         self._asked[number] = answer
         try:
             async with asyncio.timeout(patience):
-                self._writer.write(frames.framed(number, frames.QUESTION, question))
+                self._writer.write(framed(number, QUESTION, question))
                 await self._writer.drain()
                 return await answer
         except TimeoutError:
@@ -154,7 +154,7 @@ class _Process:
     async def _listen(self) -> None:
         try:
             while True:
-                length, number, status = frames.HEADER.unpack(await self._reader.readexactly(frames.HEADER.size))
+                length, number, status = HEADER.unpack(await self._reader.readexactly(HEADER.size))
                 if length > self._longest:
                     raise ConnectionError("an answer of that length is none")
                 self._hear(number, status, await self._reader.readexactly(length))
@@ -168,7 +168,7 @@ class _Process:
         answer = self._asked.get(number)
         if answer is None or answer.done():
             return
-        if status == frames.DONE:
+        if status == DONE:
             answer.set_result(payload)
         else:
             answer.set_exception(ConnectionError("the process could not"))

@@ -8,7 +8,7 @@ import signal
 import sys
 from typing import TYPE_CHECKING
 
-from server.base.paths import ROOT
+from server.base.files import ROOT
 
 if TYPE_CHECKING:
     from server.base.settings import Settings  # with pydantic, which who draws has no use for

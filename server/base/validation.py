@@ -1,7 +1,12 @@
-"""Why a value is refused, in French: pydantic's reasons, for settings, for the course's files and for the API."""
+"""Validation of what a request, a setting or a course's file holds, with reasons in French."""
+
+from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
+from uuid import UUID
+
+from server.base.errors import Invalid, NotFound, TooLarge
 
 REASONS = {
     "missing": "valeur manquante",
@@ -49,3 +54,37 @@ def reason(error: Mapping[str, Any]) -> str:
 
 def _french(value: object) -> str:
     return f"{value:.12g}".replace(".", ",") if isinstance(value, int | float) else str(value)
+
+
+NO_BREAK = "\u00a0"
+UNITS = ((1 << 30, "Gio"), (1 << 20, "Mio"), (1 << 10, "Kio"))
+
+
+def size(count: float) -> str:
+    """« 64 Kio », « 1,5 Mio », « 1 octet »."""
+    for unit, name in UNITS:
+        if count >= unit:
+            return f"{count / unit:.2f}".rstrip("0").rstrip(".").replace(".", ",") + NO_BREAK + name
+    return f"{count:.0f}{NO_BREAK}octet{'s' if count >= 2 else ''}"
+
+
+def identity_of(text: UUID | str, unknown: str) -> UUID:
+    """The UUID that a text is; a text that is none names nothing: raises NotFound, with the sentence `unknown`."""
+    try:
+        return text if isinstance(text, UUID) else UUID(text)
+    except ValueError as error:
+        raise NotFound(unknown) from error
+
+
+def encoded(text: str, most: int, what: str = "Le code") -> bytes:
+    """The text in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes.
+
+    `what` is the subject of the sentence, in the singular.
+    """
+    try:
+        source = text.encode()
+    except UnicodeEncodeError as error:
+        raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
+    if len(source) > most:
+        raise TooLarge(f"{what} dépasse de {size(len(source) - most)} la limite de {size(most)}.")
+    return source

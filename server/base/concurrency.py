@@ -1,13 +1,57 @@
-"""A few at once, others in a queue of bounded length, fairly shared between the addresses that they come from.
-
-Turns go round the addresses. When the queue is full, the last to have come from the address that has the most in it
-gives way to one from an address that has fewer: nobody's flood keeps the others out. For one event loop.
-"""
+"""Periodic tasks, a gate, and a limiter that is fair between addresses."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import OrderedDict, deque
+from collections.abc import Callable
+from concurrent.futures import Future
+
+from starlette.concurrency import run_in_threadpool
+
+log = logging.getLogger(__name__)
+
+
+async def keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
+    """Until it is cancelled, whatever `doing` raises: that is logged, as `failed`."""
+    while True:
+        await asyncio.sleep(seconds)
+        try:
+            await run_in_threadpool(doing)
+        except Exception:
+            log.exception(failed)
+
+
+class ShutError(Exception):
+    """The service stops: nobody passes any more."""
+
+
+class Gate:
+    """Opened, or shut for good, from any thread; loops wait at it."""
+
+    def __init__(self, *, opened: bool = False) -> None:
+        self._future: Future[None] = Future()
+        if opened:
+            self.open()
+
+    @property
+    def is_open(self) -> bool:
+        return self._future.done() and self._future.exception() is None
+
+    def open(self) -> None:
+        if not self._future.done():
+            self._future.set_result(None)
+
+    def shut(self) -> None:
+        """Who waits gets ShutError; who has passed is not concerned."""
+        if not self._future.done():
+            self._future.set_exception(ShutError())
+
+    async def passed(self) -> None:
+        """Raises ShutError."""
+        if not self.is_open:
+            await asyncio.shield(asyncio.wrap_future(self._future))
 
 
 class FullError(Exception):
