@@ -181,7 +181,7 @@ class Shifted:
 def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
     course: Course, course_sandbox: Sandbox
 ) -> None:
-    """That all of it is well is the work of `test_course.py`."""
+    """That all of it is well is the work of `tests/content/curriculum/test_course.py`."""
     exercise = course.exercises[EXERCISE]
     known = [case.subject for case in check.cases(exercise)]
     assert len(known) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))

@@ -8,9 +8,12 @@ from typing import Any
 from graders.core.answers import AnswersGrader
 from graders.core.contract.findings import Judgement
 from tests.support.quick import the_course
-from tests.support.shipped import exercises_of_kind
+from tests.support.shipped import ROOT, exercises_of_kind
 
 EXERCISES = exercises_of_kind("answers")
+#: Numbers are computed by a module of Python; choices and orders are files alone, and their pieces have letters.
+NUMERIC = tuple(name for name in EXERCISES if (ROOT / "graders" / name / "grader.py").is_file())
+LETTERED = tuple(name for name in EXERCISES if name not in NUMERIC)
 ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
 SEEDS = range(0, 4000, 97)
 

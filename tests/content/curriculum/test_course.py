@@ -1,7 +1,11 @@
-"""What `balise check` proves of the course, in the real sandbox, on seeds that do not change."""
+"""The course, as `balise check` proves it: all of it in one slow test, a few cases of each exercise in the others."""
 
-import itertools
-from collections.abc import Iterator
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from unittest.mock import patch
 
@@ -9,76 +13,79 @@ import pytest
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
+from server.base.paths import ROOT
 from server.cli import check
 from server.cli.check import Case, cases, examine
-from server.course import Exercise
+from server.course import Course, Exercise
 from server.grading.joint import Grader
 from server.sandbox import Sandbox
-from tests.support.quick import the_course
+from tests.support.shipped import CODE, exercises_of_kind
+from tests.support.verdicts import checked
 
-pytestmark = pytest.mark.long
-
-COURSE = the_course()
-KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
-
-
-#: What ends before any check is run.
-AT_ONCE = ("spécimen syntax_error", "spécimen import_error", "spécimen missing_function")
+SEED = 2026
+#: Every case of this one runs in the fast suite: each outcome, in the sandbox, with the limits of an exercise.
+COMPLETE = "l20/poses"
 
 
-def quick(exercise: Exercise) -> Iterator[str]:
-    """The subjects of the fast suite: of code, one of each kind, and one in six of the mistakes that are whole files.
-
-    Right programs, and the mistakes that are but edits of a model, are tried there in this process, which is quicker;
-    the sandbox treats them as it does the reference. Nor does it run there what takes seconds each time.
-    """
-    subjects = [case.subject for case in cases(exercise)]
-    if not isinstance(exercise.grader, CodeGrader):
-        yield from subjects
-        return
-    if exercise.grader.long:
-        yield from (one for one in subjects if one.startswith(AT_ONCE))
-        return
-    edits = {f"erreur {one.id}" for one in exercise.grader.misconceptions if not one.whole}
-    tried = [one for one in subjects if one not in edits and not one.startswith(f"spécimen {Outcome.OK}/")]
-    for kind, group in itertools.groupby(tried, key=lambda one: one.split("/" if "/" in one else None)[0]):
-        yield from itertools.islice(group, 0, None if kind == "erreur" else 1, 6)
-
-
-QUICK = {(exercise.id, subject) for exercise in COURSE.exercises.values() for subject in quick(exercise)}
-PARAMETERS = [
-    pytest.param(
-        exercise, case, id=f"{exercise.id}-{case.subject}",
-        marks=[] if (exercise.id, case.subject) in QUICK else [pytest.mark.slow],
-    )
-    for exercise, case in KNOWN
-]  # fmt: skip
+def fast_cases(exercise: Exercise) -> Sequence[Case]:
+    """The reference of an exercise of code, and the first of its mistakes that is a whole file."""
+    known = [*cases(exercise)]
+    grader = exercise.grader
+    if exercise.id == COMPLETE or not isinstance(grader, CodeGrader):
+        return known
+    if grader.long:
+        return []
+    whole = {f"erreur {mistake.id}" for mistake in grader.misconceptions if mistake.whole}
+    return [known[0], *[case for case in known if case.subject in whole][:1]]
 
 
 @pytest.fixture(scope="module")
-def grader(course_sandbox: Sandbox) -> Iterator[Grader]:
+def grader(course: Course, course_sandbox: Sandbox) -> Iterator[Grader]:
     with patch.object(check, "ENDLESS_SECONDS", 0.1):  # what never ends is stopped all the same
-        yield Grader(COURSE, course_sandbox)
+        yield Grader(course, course_sandbox)
 
 
-def test_the_course_has_its_exercises_and_no_problem() -> None:
+def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
     first = {"poses", "predire2d", "reechantillonnage", "boucles", "kabsch", "slam_graphe"}
-    assert {f"l20/{slug}" for slug in first} <= COURSE.exercises.keys()
-    assert COURSE.problems == ()
+    assert {f"l20/{slug}" for slug in first} <= course.exercises.keys()
+    assert course.problems == ()
+    assert course.exercises.keys() == {*exercises_of_kind("code"), *exercises_of_kind("answers")}
 
 
-@pytest.mark.parametrize(("exercise", "case"), PARAMETERS)
-def test_solutions_pass_starters_do_not_and_mistakes_are_named(exercise: Exercise, case: Case, grader: Grader) -> None:
-    assert examine(grader, exercise, case, seed=2026).fault == ""
+@pytest.mark.long
+@pytest.mark.parametrize("name", [*exercises_of_kind("code"), *exercises_of_kind("answers")])
+def test_the_reference_passes_and_a_mistake_is_named(name: str, course: Course, grader: Grader) -> None:
+    exercise = course.exercises[name]
+    examined = [examine(grader, exercise, case, SEED) for case in fast_cases(exercise)]
+    assert [one for one in examined if one.fault] == []
+
+
+@pytest.mark.parametrize("name", CODE)
+def test_the_starter_does_not_pass(name: str, course: Course) -> None:
+    verdict = checked(name, course.exercises[name].starter, SEED).verdict
+    assert verdict.outcome.counts
+    assert verdict.outcome is not Outcome.OK
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("exercise", "case"), [(exercise, case) for exercise, case in KNOWN if case.endless])
-def test_what_never_ends_is_ended_by_its_exercise_s_own_limit(exercise: Exercise, case: Case, grader: Grader) -> None:
-    assert examine(grader, exercise, replace(case, endless=False), seed=2026).fault == ""
+@pytest.mark.long
+def test_balise_check_finds_the_whole_course_in_order() -> None:
+    """All texts, figures, cells, replays, solutions, starters, mistakes and specimens, in the real sandbox."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    command = [sys.executable, "-m", "server", "check", "--fresh"]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, "\n".join(line for line in done.stdout.splitlines() if not line.startswith("✓"))
 
 
-@pytest.mark.parametrize("name", COURSE.exercises)
-def test_every_exercise_knows_several_mistakes(name: str) -> None:
-    exercise = COURSE.exercises[name]
-    assert len(exercise.grader.mistakes()) >= {"code": 6, "answers": 3}[exercise.kind]
+@pytest.mark.slow
+def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, grader: Grader) -> None:
+    known = [(exercise, case) for exercise in course.exercises.values() for case in cases(exercise) if case.endless]
+    assert known
+    examined = [examine(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]
+    assert [one for one in examined if one.fault] == []
+
+
+def test_every_exercise_knows_several_mistakes(course: Course) -> None:
+    least = {"code": 6, "answers": 3}
+    known = {name: len(one.grader.mistakes()) - least[one.kind] for name, one in course.exercises.items()}
+    assert min(known.values()) >= 0, known

@@ -10,9 +10,7 @@ from graders.core.answers.choice import LACKING, TOO_MANY, ChoiceGrader, ChoiceQ
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import APART, NumericGrader
 from graders.core.contract.streams import stream
-from tests.support.answered import EXERCISES, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
-
-NUMERIC = [name for name in EXERCISES if isinstance(grader_of(name), NumericGrader)]
+from tests.support.answered import NUMERIC, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 
 def test_the_seed_of_a_verdict_does_not_tell_the_places_in_the_courses_file() -> None:
