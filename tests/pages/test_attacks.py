@@ -19,7 +19,6 @@ from server.web.rendering import environment
 from tests.support.quick import the_course
 from tests.support.small_site import SmallSite
 
-COURSE = the_course()
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 TEXT = (
     "'<script>alert(1)</script></pre><img src=x onerror=alert(2)>`<b>`{{ 7*7 }}{% raw %}&#60;i&#62;"
@@ -56,13 +55,13 @@ os.write(1, b"\\xff\\x1b[2J</pre><script>alert(3)</script>")
 
 
 def attack(exercise: str, value: str) -> bytes:
-    functions = COURSE.exercises[exercise].grader.functions
+    functions = the_course().exercises[exercise].grader.functions
     return (HEAD + "".join(f"def {name}(*_):\n    return {value}\n" for name in functions)).encode()
 
 
 @pytest.fixture(scope="module")
 def grader(course_sandbox: Sandbox) -> Grader:
-    return Grader(COURSE, course_sandbox)
+    return Grader(the_course(), course_sandbox)
 
 
 class Tags(HTMLParser):

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[2]
 
 
+MODULES = tuple(sorted(file.parent.name for file in (ROOT / "curriculum").glob("*/module.toml")))
+
+
 @cache
 def exercises_of_kind(kind: str) -> tuple[str, ...]:
     """The ids of the exercises of a kind, "code" or "answers", read in their TOML files; no grader is imported."""

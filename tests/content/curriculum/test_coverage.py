@@ -9,14 +9,24 @@ from pathlib import Path
 import pytest
 
 from server import course
+from server.course.models import Lesson, Module
 from tests.support.quick import the_course
 
 TABLE = Path(course.__file__).parents[2] / "curriculum" / "l20" / "COUVERTURE.md"
-MODULE = the_course().modules["l20"]
-PAGES = {lesson.slug: lesson for lesson in MODULE.lessons}
-EXERCISES = {exercise.slug for exercise in MODULE.exercises}
 LINK = re.compile(r"\[[^\]]+\]\(([^()\s]*)\)")
 TARGET = re.compile(r"(?P<kind>page|exo|terme|accueil):(?P<name>[\w-]+)(#(?P<anchor>[\w-]+))?")
+
+
+def module() -> Module:
+    return the_course().modules["l20"]
+
+
+def pages() -> dict[str, Lesson]:
+    return {lesson.slug: lesson for lesson in module().lessons}
+
+
+def exercises() -> set[str]:
+    return {exercise.slug for exercise in module().exercises}
 
 
 @dataclass(frozen=True)
@@ -50,14 +60,14 @@ def fault(target: str) -> str:
         return f"no such {kind}"
     if anchor is None:
         return ""
-    return "" if kind == "page" and f'id="{anchor}"' in PAGES[name].html else "no such anchor"
+    return "" if kind == "page" and f'id="{anchor}"' in pages()[name].html else "no such anchor"
 
 
 def _exists(kind: str, name: str) -> bool:
     """`accueil:` names a part of the home page, which must not be empty."""
     if kind == "accueil":
-        return bool(getattr(MODULE, name, None))
-    return name in {"page": PAGES, "exo": EXERCISES, "terme": MODULE.glossary}[kind]
+        return bool(getattr(module(), name, None))
+    return name in {"page": pages(), "exo": exercises(), "terme": module().glossary}[kind]
 
 
 def test_every_row_leads_somewhere() -> None:
@@ -88,7 +98,7 @@ def test_every_target_is_there() -> None:
 
 def test_every_page_and_every_exercise_is_cited() -> None:
     cited = {target.split("#")[0] for _, target in TARGETS}
-    here = {f"page:{slug}" for slug in PAGES} | {f"exo:{slug}" for slug in EXERCISES}
+    here = {f"page:{slug}" for slug in pages()} | {f"exo:{slug}" for slug in exercises()}
     assert sorted(here - cited) == []
 
 
@@ -100,6 +110,6 @@ def test_what_one_does_oneself_is_counted() -> None:
         if row.source.startswith(("Code ", "Sans code ", "Chaîne"))
     }
     kinds = {"Code": "code", "Sans code": "answers", "Chaîne": "code"}
-    assert {slug: kinds[kind] for slug, kind in listed.items()} == {one.slug: one.kind for one in MODULE.exercises}
+    assert {slug: kinds[kind] for slug, kind in listed.items()} == {one.slug: one.kind for one in module().exercises}
     counts = [list(listed.values()).count(kind) for kind in ("Code", "Sans code", "Chaîne")]
     assert counts == [17, 13, 1]

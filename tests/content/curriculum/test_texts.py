@@ -14,21 +14,11 @@ import pytest
 from server.app import create_app
 from server.base.settings import Settings
 from server.cells.run import run
-from server.course.models import Cell
 from server.sandbox import Sandbox
 from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
+from tests.support.shipped import MODULES
 
-COURSE = the_course()
-PAGES = [f"/{one.module}/lire/{one.slug}" for module in COURSE.modules.values() for one in module.lessons]
-OTHERS = [f"/{slug}" for slug in COURSE.modules] + [f"/{slug}/glossaire" for slug in COURSE.modules]
-EXERCISES = [f"/{one.module}/exercices/{one.slug}" for one in COURSE.exercises.values()]
-CELLS = [
-    pytest.param(one.module, cell, id=f"{one.slug}-{cell.name}")
-    for module in COURSE.modules.values()
-    for one in module.lessons
-    for cell in one.cells
-]
 #: Characters of a line that the editor shows beside the statement in a window of 1280 pixels.
 EDITOR_COLUMNS = 66
 EMPTY = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
@@ -75,9 +65,13 @@ class Page(HTMLParser):
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     settings = Settings(data_dir=Path(tmp_path_factory.mktemp("data")), workers=0)
     database = migrated(settings)
-    with TestClient(create_app(settings, course=COURSE)) as made:
+    with TestClient(create_app(settings, course=the_course())) as made:
         yield made
     database.close()
+
+
+def pages_to_read(module: str) -> list[str]:
+    return [f"/{module}/lire/{lesson.slug}" for lesson in the_course().modules[module].lessons]
 
 
 @cache
@@ -87,37 +81,42 @@ def seen(client: TestClient, path: str) -> Page:
     return Page(answer.text if answer.headers["content-type"].startswith("text/html") else "")
 
 
-@pytest.mark.parametrize("path", [*PAGES, *OTHERS, *EXERCISES])
-def test_a_page_is_whole_and_its_links_arrive(client: TestClient, path: str) -> None:
-    page = seen(client, path)
-    assert [name for name, count in page.ids.items() if count > 1] == []
-    for link in page.links:
-        if link.startswith("https://"):
-            continue
-        target, anchor = urldefrag(link)
-        there = seen(client, target.split("?")[0]) if target else page
-        assert not anchor or anchor in there.ids, f"{link} leads nowhere"
+@pytest.mark.parametrize("module", MODULES)
+def test_pages_are_whole_and_their_links_arrive(client: TestClient, module: str) -> None:
+    exercises = [f"/{module}/exercices/{exercise.slug}" for exercise in the_course().modules[module].exercises]
+    for path in [f"/{module}", f"/{module}/glossaire", *pages_to_read(module), *exercises]:
+        page = seen(client, path)
+        assert [name for name, count in page.ids.items() if count > 1] == [], path
+        for link in page.links:
+            if link.startswith("https://"):
+                continue
+            target, anchor = urldefrag(link)
+            there = seen(client, target.split("?")[0]) if target else page
+            assert not anchor or anchor in there.ids, f"{link} of {path} leads nowhere"
 
 
-@pytest.mark.parametrize("path", PAGES)
-def test_every_figure_says_what_it_shows(client: TestClient, path: str) -> None:
+@pytest.mark.parametrize("module", MODULES)
+def test_every_figure_says_what_it_shows(client: TestClient, module: str) -> None:
     """Drawing them all is the work of `tests/contract/figures/test_drawings.py`."""
-    for source, alt in seen(client, path).images:
-        if "/figures/" in source:
-            module, name = source.split("?")[0].strip("/").split("/figures/")
-            assert name.removesuffix(".svg") in COURSE.modules[module].drawings
-            assert alt
+    for path in pages_to_read(module):
+        for source, alt in seen(client, path).images:
+            if "/figures/" in source:
+                origin, name = source.split("?")[0].strip("/").split("/figures/")
+                assert name.removesuffix(".svg") in the_course().modules[origin].drawings, path
+                assert alt, path
 
 
-@pytest.mark.parametrize(("module", "cell"), CELLS)
-def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: str, cell: Cell) -> None:
-    shown = run(course_sandbox, module, cell.code.encode())
-    assert shown.fault is None, shown.fault
-    assert shown.stdout or shown.figures
-    assert not shown.truncated
-    assert len(cell.code.splitlines()) <= 35, "short enough to be read at a glance"
+@pytest.mark.parametrize("module", MODULES)
+def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: str) -> None:
+    for lesson in the_course().modules[module].lessons:
+        for cell in lesson.cells:
+            shown = run(course_sandbox, module, cell.code.encode())
+            assert shown.fault is None, (lesson.slug, cell.name, shown.fault)
+            assert shown.stdout or shown.figures, (lesson.slug, cell.name)
+            assert not shown.truncated, (lesson.slug, cell.name)
+            assert len(cell.code.splitlines()) <= 35, (lesson.slug, cell.name, "short enough to be read at a glance")
 
 
 def test_a_starter_fits_the_editor() -> None:
-    lines = [(one.id, line) for one in COURSE.exercises.values() for line in one.starter.splitlines()]
+    lines = [(one.id, line) for one in the_course().exercises.values() for line in one.starter.splitlines()]
     assert [(name, line) for name, line in lines if len(line) > EDITOR_COLUMNS] == []

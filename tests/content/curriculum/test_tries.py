@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 
 import pytest
 
@@ -14,13 +15,17 @@ from server.course.models import Lesson
 from server.sandbox import Sandbox
 from tests.support.quick import the_course
 
-MODULES = the_course().modules
-#: Of two lessons of one name, that of the module that comes last: no name is asked for of which there are two.
-LESSONS = {lesson.slug: lesson for module in MODULES.values() for lesson in module.lessons}
 ASKED = re.compile(r"^(?!\s*#).*À vous : .*$", re.MULTILINE)
 ANSWER = re.compile(r"^:::+ repli Réponse\n(.*?)^:::+$", re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"(?<![\w.`])\d[\d\u00a0 ]*(?:,\d+)|(?<![\w.`,])\d{1,3}(?: \d{3})+")
 CODE = re.compile(r"`[^`]*`")
+
+
+@cache
+def lessons() -> dict[str, Lesson]:
+    """Of two lessons of one name, that of the last module: no name is asked for of which there are two."""
+    return {lesson.slug: lesson for module in the_course().modules.values() for lesson in module.lessons}
+
 
 FIRST, SECOND = 'publier("/scan", lidar((4.5', 'publier("/scan", lidar((1.4, 1.5, 0.0), 36))'
 COUNTING = 'compte = []\ns_abonner("/scan", lambda scan: compte.append(1))\n'
@@ -190,7 +195,7 @@ def source(lesson: Lesson) -> str:
 
 def test_every_invitation_to_try_has_its_folded_answer() -> None:
     asked = 0
-    for lesson in (lesson for module in MODULES.values() for lesson in module.lessons):
+    for lesson in (lesson for module in the_course().modules.values() for lesson in module.lessons):
         text = source(lesson)
         for found in ASKED.finditer(text):
             asked += 1
@@ -201,7 +206,7 @@ def test_every_invitation_to_try_has_its_folded_answer() -> None:
 
 def test_every_trial_changes_what_its_cell_holds() -> None:
     for slug, name, edits in TRIALS:
-        code = next(cell.code for cell in LESSONS[slug].cells if cell.name == name)
+        code = next(cell.code for cell in lessons()[slug].cells if cell.name == name)
         assert all(old in code for old in edits), (slug, name)
 
 
@@ -218,13 +223,13 @@ def test_each_number_of_an_answer_is_what_the_changed_cell_prints(slug: str) -> 
     printed: list[float] = list(WORKED_OUT[slug])
     with Sandbox(the_course().kits, POLICY) as sandbox:
         for _, name, edits in (trial for trial in TRIALS if trial[0] == slug):
-            code = next(cell.code for cell in LESSONS[slug].cells if cell.name == name)
+            code = next(cell.code for cell in lessons()[slug].cells if cell.name == name)
             for old, new in edits.items():
                 code = code.replace(old, new)
-            shown = run(sandbox, LESSONS[slug].module, code.encode())
+            shown = run(sandbox, lessons()[slug].module, code.encode())
             assert shown.fault is None
             printed += [float(one) for one in re.findall(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?", shown.stdout)]
-    text = "".join(ANSWER.findall(source(LESSONS[slug])))
+    text = "".join(ANSWER.findall(source(lessons()[slug])))
     told = list(numbers(text))
     assert told or slug == "kidnappe"
     for number in told:

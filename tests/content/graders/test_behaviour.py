@@ -27,12 +27,11 @@ from graders.core.code.plain import (
 from graders.core.code.probes import TOLERANCE, Fault
 from graders.core.contract.local import LOCAL
 from tests.support.quick import the_course
-
-GRADERS = {one.id: one for one in the_course().exercises.values() if isinstance(one.grader, CodeGrader)}
+from tests.support.shipped import CODE
 
 
 def observer(exercise_id: str, version: str | None = None) -> Observer:
-    exercise = GRADERS[exercise_id]
+    exercise = the_course().exercises[exercise_id]
     assert isinstance(exercise.grader, CodeGrader)
     return Observer(exercise.grader, version or exercise.version)
 
@@ -86,9 +85,9 @@ def test_what_is_told_apart() -> None:
     assert len(packed((plain("x" * 10**6),))) < 1000
 
 
-@pytest.mark.parametrize("exercise_id", GRADERS)
+@pytest.mark.parametrize("exercise_id", CODE)
 def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(exercise_id: str) -> None:
-    exercise = GRADERS[exercise_id]
+    exercise = the_course().exercises[exercise_id]
     asked = observer(exercise_id)
     functions = {series.function for series in asked.series}
     assert functions == {one.name for one in exercise.functions}
@@ -105,11 +104,11 @@ def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(
 
 
 @pytest.mark.parametrize(
-    "exercise_id", ["l20/poses", *(pytest.param(one, marks=pytest.mark.slow) for one in GRADERS if one != "l20/poses")]
+    "exercise_id", ["l20/poses", *(pytest.param(one, marks=pytest.mark.slow) for one in CODE if one != "l20/poses")]
 )
 def test_misconceptions_behave_each_in_its_own_way(exercise_id: str) -> None:
     """Every catalogued mistake is seen, and but for mistakes that no input of the exercise tells apart, told apart."""
-    grader = GRADERS[exercise_id].grader
+    grader = CODE[exercise_id]
     assert isinstance(grader, CodeGrader)
     asked = observer(exercise_id)
     found = [(one.id, asked.observe(one.source.encode(), LOCAL)) for one in grader.misconceptions]
@@ -124,7 +123,7 @@ def test_misconceptions_behave_each_in_its_own_way(exercise_id: str) -> None:
 
 
 def test_a_function_without_probes_is_asked_what_the_checks_ask_the_solution() -> None:
-    exercise = GRADERS["l20/poses"]
+    exercise = the_course().exercises["l20/poses"]
     assert isinstance(exercise.grader, CodeGrader)
     bare = replace(exercise.grader, prober=None)
     asked, again, other = Observer(bare, "v1"), Observer(bare, "v1"), Observer(bare, "v2")
@@ -138,7 +137,7 @@ def test_a_function_without_probes_is_asked_what_the_checks_ask_the_solution() -
 
 
 def test_an_argument_written_on_is_seen() -> None:
-    exercise = GRADERS["l20/poses"]
+    exercise = the_course().exercises["l20/poses"]
     writes = exercise.solution.replace("    x, y, t = a\n", "    x, y, t = a\n    a[0] = 7.0\n")
     behaviour = observer("l20/poses").observe(writes.encode(), LOCAL)
     assert behaviour.functions == ("inverse", "relatif"), "the second calls the first"

@@ -13,8 +13,6 @@ from graders.core.code.reached import BETWEEN, reached
 from graders.core.contract.local import called, kit_names
 from tests.support.shipped import CODE
 
-PROBED = {name: grader for name, grader in CODE.items() if grader.prober is not None}
-
 
 def test_what_is_mentioned_is_reached_however_deep() -> None:
     pieces = [
@@ -50,11 +48,12 @@ def _by_the_whole_text(text: str, probes: Probes) -> Seen:
     return probes.read(args, value)
 
 
-@pytest.mark.parametrize("name", PROBED)
+@pytest.mark.parametrize("name", CODE)
 def test_the_whole_text_answers_as_what_is_reached_of_it(name: str) -> None:
     """The last of those that share their answers, which the first has given; of a few, that it costs little."""
-    prober = PROBED[name].prober
-    assert prober is not None
+    prober = CODE[name].prober
+    if prober is None:
+        pytest.skip("it has no prober")
     mutants = Mutants(prober.model, prober.probes, ())
     for index, probes in enumerate(prober.probes):
         rows = [*mutants.all(index, 0), *mutants.all(index, 1)]

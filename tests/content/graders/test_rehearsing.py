@@ -8,11 +8,9 @@ from graders.core.code.grading import CodeGrader
 from tests.support.shipped import CODE
 
 
-@pytest.mark.parametrize("grader", CODE.values(), ids=CODE.keys())
-def test_what_is_rehearsed_is_what_the_first_grading_would_pay_for(
-    grader: CodeGrader, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    graded: list[str] = []
+@pytest.mark.parametrize("name", CODE)
+def test_what_is_rehearsed_is_what_the_first_grading_would_pay_for(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    grader, graded = CODE[name], list[str]()
     monkeypatch.setattr(CodeGrader, "grade", lambda _self, source, *_, **__: graded.append(source.decode()))
     grader.rehearse()
     mistake = grader.misconceptions[0].source

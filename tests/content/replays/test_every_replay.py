@@ -10,10 +10,10 @@ import pytest
 
 from graders.scene.layers import Color
 from server.replays.service import Replays
-from tests.support.quick import the_course
 from tests.support.replays import REPLAYS, scene_of, size, unpacked
+from tests.support.shipped import MODULES
 
-NAMES = [(module, name) for module in the_course().modules for name in REPLAYS.names(module)]
+NAMES = [(module, name) for module in MODULES for name in REPLAYS.names(module)]
 COLORS = {*get_args(Color)}
 DEFAULT_BYTES, MOST_BYTES = 1_000_000, 4_000_000
 

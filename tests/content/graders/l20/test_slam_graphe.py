@@ -10,7 +10,7 @@ import pytest
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
 from server.base.files import ROOT as PROJECT
-from tests.support.quick import THEMES
+from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
 from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of
 
@@ -71,7 +71,7 @@ def derivee""",
 }
 
 
-@pytest.mark.parametrize("name", HONEST)
+@pytest.mark.parametrize("name", one_in(10, HONEST))
 def test_honest_variants_pass(name: str) -> None:
     assert failed(verdict(HONEST[name], 4)) == set()
 
@@ -143,7 +143,7 @@ STYLES = {
 }
 
 
-@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("style", one_in(5, STYLES))
 def test_a_mistake_is_named_whatever_the_style(style: str) -> None:
     name, source = STYLES[style]
     found = plain_verdict_of(GRADER.exercise, source, 6)
