@@ -10,10 +10,10 @@ from dataclasses import replace
 from unittest.mock import patch
 
 import pytest
-from server.base.paths import ROOT
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
+from server.base.files import ROOT
 from server.cli import check
 from server.cli.check import Case, cases, examine
 from server.course import Course, Exercise
