@@ -16,8 +16,8 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
 from server.base import middleware, root_path
-from server.base.app_services import check_provided, provide
-from server.base.concurrency import Gate, keep
+from server.base.app_services import add_services, check_services
+from server.base.concurrency import Gate, run_periodically
 from server.base.helpers import Helper
 from server.base.settings import Settings
 from server.behaviour import fingerprints
@@ -27,7 +27,7 @@ from server.cells.supervisor import Cells
 from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
-from server.database import Database, is_away, utc_now
+from server.database import Database, is_unavailable, utc_now
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -190,17 +190,17 @@ class Services:
             self.recover()
             self.tidy()
         except DBAPIError as error:
-            if not is_away(error):
+            if not is_unavailable(error):
                 raise
             log.exception("the database does not answer as the service starts; looking again later")
 
     async def keep_recovering(self) -> None:
         seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
-        await keep(seconds, self.recover, "lost leases could not be looked for; trying again later")
+        await run_periodically(seconds, self.recover, "lost leases could not be looked for; trying again later")
 
     async def keep_tidying(self) -> None:
         """What is to be forgotten is, however long the service runs."""
-        await keep(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
+        await run_periodically(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -218,7 +218,7 @@ class Services:
             await stack.enter_async_context(self.supervisor)
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
-            self.walls.shut()
+            self.walls.close()
             for chore in chores:
                 chore.cancel()
                 with suppress(asyncio.CancelledError):
@@ -258,37 +258,37 @@ def create_app(
     _protect(app, settings)
     for router in ROUTERS:
         app.include_router(router)
-    errors.install(app)
+    errors.install_error_handlers(app)
     documentation.install(app)
     return app
 
 
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
-    school_time.use(services.settings.time_zone)
-    root_path.use(services.settings.root_path)
-    provide(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    provide(app, AccountService(services.database, services.settings, adopt=adopt))
-    provide(
+    school_time.set_time_zone(services.settings.time_zone)
+    root_path.set_root_path(services.settings.root_path)
+    add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
+    add_services(app, AccountService(services.database, services.settings, adopt=adopt))
+    add_services(
         app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
     )
-    provide(app, RegradeService(course, services.queue))
-    provide(app, services.submissions, services.collecting)
+    add_services(app, RegradeService(course, services.queue))
+    add_services(app, services.submissions, services.collecting)
     carrier = None if services.engine is None else services.engine.state
-    provide(app, Readiness(services.database, services.supervisor, services.walls, carrier))
-    provide(app, Metrics(services.database, services.supervisor))
-    provide(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
-    provide(app, services.archives)
-    check_provided(app)
+    add_services(app, Readiness(services.database, services.supervisor, services.walls, carrier))
+    add_services(app, Metrics(services.database, services.supervisor))
+    add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
+    add_services(app, services.archives)
+    check_services(app)
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.refusal)
-    app.add_middleware(middleware.SameOrigin, refuse=errors.refusal)
+    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.error_response)
+    app.add_middleware(middleware.SameOrigin, refuse=errors.error_response)
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY, path=settings.root_path or "/")
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
-    app.add_middleware(middleware.Encodings)
-    app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
+    app.add_middleware(middleware.AcceptEncoding)
+    app.add_middleware(middleware.RequestLog, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
-        app.add_middleware(root_path.Mounted, root=settings.root_path)
+        app.add_middleware(root_path.RootPathMiddleware, root=settings.root_path)

@@ -68,7 +68,7 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
         **columns,
         **in_force,
     }
-    url = root_path.address(f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}")
+    url = root_path.external_path(f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}")
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 

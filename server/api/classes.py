@@ -44,7 +44,7 @@ LIST = {
 
 
 def url_of(school_class: SchoolClass) -> str:
-    return root_path.address(f"/api/v1/classes/{school_class.id}")
+    return root_path.external_path(f"/api/v1/classes/{school_class.id}")
 
 
 def _seen(place: ClassAccess) -> ClassSeen:

@@ -52,8 +52,8 @@ def _completed(document: dict[str, Any]) -> dict[str, Any]:
                 operation["responses"].update({"422": problems(422)[422]})
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
-    if root_path.root():
-        document["servers"] = [{"url": root_path.root()}]
+    if root_path.root_path():
+        document["servers"] = [{"url": root_path.root_path()}]
     return document
 
 

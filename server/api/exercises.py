@@ -82,5 +82,5 @@ def _summary(exercise: Exercise) -> ExerciseOut:
         functions=[
             FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
         ],
-        url=root_path.address(f"/api/v1/exercises/{exercise.id}"),
+        url=root_path.external_path(f"/api/v1/exercises/{exercise.id}"),
     )

@@ -12,11 +12,11 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from server.api.words import ANYTHING, PARAMETERS, ROUTES, STATUSES, TYPES
-from server.base.root_path import service_address
+from server.base.root_path import service_url
 from server.course import Course
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import OptionalAccount
-from server.web.rendering import page
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -64,8 +64,8 @@ class GuidePage:
 
 @router.get("/docs")
 def guide(request: Request, account: OptionalAccount, course: CourseOf) -> HTMLResponse:
-    address = service_address(request)
-    return page(request, "docs.html", account, page=guide_page(request.app.openapi(), course, address))
+    address = service_url(request)
+    return render_page(request, "docs.html", account, page=guide_page(request.app.openapi(), course, address))
 
 
 def guide_page(document: Json, course: Course, address: str) -> GuidePage:

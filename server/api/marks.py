@@ -12,7 +12,7 @@ from server.api.mark_schemas import EventOut, GradebookOut, LogOut, MarkOut, New
 from server.audit import repository as audit
 from server.audit.models import AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.classes.service import NOT_A_MEMBER
 from server.course.dependencies import CourseOf
 from server.database import utc_now
@@ -24,7 +24,7 @@ from server.marks.files import MoodleIdentifier
 from server.marks.loading import load_gradebook
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.words import moment_text
+from server.web.words import short_moment
 
 router = APIRouter(tags=["marks"])
 
@@ -46,7 +46,7 @@ def set_mark(
 ) -> MarkOut:
     """Sets a student's mark at an exercise in place of the automatic one, which is kept beside it."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
-    who, exercise = identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
+    who, exercise = parse_uuid(student, NOT_A_MEMBER), f"{module}/{slug}"
     service.set_override(
         db,
         course,
@@ -74,7 +74,7 @@ def withdraw_mark(
     """Puts the automatic mark in force again."""
     place = rights.require_right(db, account, Right.change_marks, class_id)
     service.withdraw_override(
-        db, course, place.school_class, account, identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
+        db, course, place.school_class, account, parse_uuid(student, NOT_A_MEMBER), f"{module}/{slug}"
     )
     return Response(status_code=204)
 
@@ -105,7 +105,7 @@ def gradebook(
         return JSONResponse(
             content.model_dump(mode="json", by_alias=True), headers={"Cache-Control": "private, no-store"}
         )
-    file = render_download(made, format, identifier, moment_text)
+    file = render_download(made, format, identifier, short_moment)
     return Response(file.content, media_type=file.media_type, headers=file.headers)
 
 

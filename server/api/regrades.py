@@ -81,7 +81,7 @@ def _told(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
                 student=one.student,
                 before=one.before,
                 after=one.after,
-                why=" ; ".join(regraded.sentences(one.differences, kind)),
+                why=" ; ".join(regraded.reason_sentences(one.differences, kind)),
             )
             for one in found.changes
             if one.before != one.after

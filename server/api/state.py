@@ -50,7 +50,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool 
         "notice": attempt.held_text if attempt.held else place.notice,
         "held": attempt.held is not None,
         "verdict": verdict.to_json() if verdict else None,
-        "url": root_path.address(url_of(submission.id)),
+        "url": root_path.external_path(url_of(submission.id)),
         "exercise": submission.exercise,
         "created_at": submission.created_at.isoformat(),
     }

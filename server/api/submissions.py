@@ -14,10 +14,10 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource, url_of
-from server.base.app_services import needed
+from server.base.app_services import app_service_getter
 from server.base.http import client_address
 from server.course.models import Course, Exercise
-from server.database import Database, is_away
+from server.database import Database, is_unavailable
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
@@ -31,8 +31,8 @@ from server.submissions.service import Submissions, key_of, parse_id
 
 router = APIRouter(tags=["submissions"], route_class=TokenFirstRoute)
 
-_database, _course = needed(Database), needed(Course)
-_store_of, _hub = needed(Submissions), needed(Events)
+_database, _course = app_service_getter(Database), app_service_getter(Course)
+_store_of, _hub = app_service_getter(Submissions), app_service_getter(Events)
 
 LONGEST_WAIT = 30.0
 Wait = Annotated[
@@ -145,7 +145,7 @@ async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, se
     try:
         return await hub.until_done(key_of(current.id), read, seconds)
     except DBAPIError as error:
-        if not is_away(error):
+        if not is_unavailable(error):
             raise
         return current
 

@@ -26,7 +26,7 @@ from server.assignments.schemas import AssignmentInput, Weighted, validate_assig
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import NotFound
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.service import require_open
@@ -42,7 +42,7 @@ def find_assignment(
     """`to_change`: until the commit, nobody else changes an assignment of the class. Raises NotFound."""
     if to_change:
         classes.lock_class(db, school_class.id)
-    found = repository.find_assignment(db, school_class.id, identity_of(assignment_id, UNKNOWN))
+    found = repository.find_assignment(db, school_class.id, parse_uuid(assignment_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

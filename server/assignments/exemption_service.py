@@ -19,8 +19,8 @@ from server.assignments.rules import Field, Origin, Rules
 from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate_exemption
 from server.audit import service as audit
 from server.audit.models import AuditAction
-from server.base.errors import FieldsRefused, NotFound
-from server.base.validation import identity_of
+from server.base.errors import InvalidFields, NotFound
+from server.base.validation import parse_uuid
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
 from server.classes.service import require_open
@@ -58,7 +58,7 @@ def grant_exemptions(
     require_open(school_class)
     known = {one.id for one in active_students(members)}
     if set(whom.students) - known:
-        raise FieldsRefused({"student": NO_STUDENT})
+        raise InvalidFields({"student": NO_STUDENT})
     validate_exemption(wanted, assignment.opens_at, student_labels(members), whom)
     targets: list[dict[str, Any]] = [{"account_id": one} for one in dict.fromkeys(whom.students)]
     if whom.label:
@@ -108,7 +108,7 @@ def exemption_effects(one: Exemption) -> dict[str, Any]:
 
 def find_exemption(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
     """Raises NotFound."""
-    found = repository.find_exemption(db, assignment.id, identity_of(exemption_id, UNKNOWN))
+    found = repository.find_exemption(db, assignment.id, parse_uuid(exemption_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

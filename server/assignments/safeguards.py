@@ -15,7 +15,7 @@ from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, Mode
 from server.assignments.rules import CommonRules, rules_in_force
 from server.assignments.schemas import AssignmentInput
-from server.base.errors import FieldsRefused, NotNow
+from server.base.errors import InvalidFields, WrongMoment
 
 HOLDS = (
     "Ce contrôle retient ce que des élèves ont envoyé : publiez d’abord ses résultats, puis {then}. Le supprimer ou le "
@@ -38,7 +38,7 @@ def require_nothing_held(db: Session, assignment: Assignment) -> None:
     """That a test may go. Raises NotNow."""
     refusal = _refusal(db, assignment, DELETE)
     if refusal:
-        raise NotNow(refusal)
+        raise WrongMoment(refusal)
 
 
 def _refusal(db: Session, assignment: Assignment, then: str) -> str:
@@ -69,7 +69,7 @@ def require_coherent(
             shorter = after.duration_minutes != before.duration_minutes
             problems["duration_minutes" if shorter else "closes_at"] = CUTS
     if problems:
-        raise FieldsRefused(problems)
+        raise InvalidFields(problems)
 
 
 def require_exempted_go_on(
@@ -77,7 +77,7 @@ def require_exempted_go_on(
 ) -> None:
     """That the exemptions of a test may become these. Raises NotNow."""
     if assignment.mode == Mode.test and _cut_off(db, assignment.id, (assignment, before), (assignment, after), now):
-        raise NotNow(CUTS)
+        raise WrongMoment(CUTS)
 
 
 def _cut_off(

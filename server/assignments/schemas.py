@@ -11,7 +11,7 @@ from uuid import UUID
 
 from server.assignments.models import GROUP_LENGTH, TITLE_LENGTH, AttemptSelection, LatePolicy, Mode, Visibility
 from server.assignments.rules import MAX_POINTS
-from server.base.errors import FieldsRefused
+from server.base.errors import InvalidFields
 
 MOST_WEIGHT = 1000.0
 LONGEST_MINUTES = 7 * 24 * 60
@@ -104,7 +104,7 @@ def validate_exemption(
 
 def _refuse(problems: list[Problem]) -> None:
     if problems:
-        raise FieldsRefused(dict(reversed(problems)))  # of a field, the first is told
+        raise InvalidFields(dict(reversed(problems)))  # of a field, the first is told
 
 
 def _about_itself(wanted: AssignmentInput) -> Iterator[Problem]:

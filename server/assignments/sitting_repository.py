@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
 from server.classes.models import Membership
-from server.database import upserting
+from server.database import upsert_statement
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def lock_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting 
 def insert_sitting(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
     """Begins a sitting, once: of two tabs, the first one's time holds."""
     row = {"assignment_id": assignment_id, "account_id": account_id, "began_at": now}
-    db.execute(upserting(db, Sitting).on_conflict_do_nothing(), row)
+    db.execute(upsert_statement(db, Sitting).on_conflict_do_nothing(), row)
 
 
 def upsert_saved_work(
@@ -49,7 +49,7 @@ def upsert_saved_work(
     for one in assignments:
         row = {"assignment_id": one, "account_id": account_id, "exercise": exercise}
         news = {"source": source, "saved_at": now}
-        statement = upserting(db, SavedWork).on_conflict_do_update(index_elements=key, set_=news)
+        statement = upsert_statement(db, SavedWork).on_conflict_do_update(index_elements=key, set_=news)
         db.execute(statement, {**row, **news})
 
 

@@ -17,8 +17,8 @@ from server.assignments import feedback, repository, sitting_repository
 from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force
-from server.base.errors import NotFound, NotNow
-from server.base.validation import identity_of
+from server.base.errors import NotFound, WrongMoment
+from server.base.validation import parse_uuid
 from server.sandbox.values import LIBRARY_MENTION
 
 NO_TEST = "Ce contrôle n’existe pas."
@@ -56,7 +56,7 @@ class StudentTest:
 
 def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
     """Raises NotFound, also for an assignment that is no test."""
-    found = repository.find_assignment(db, class_id, identity_of(assignment_id, NO_TEST))
+    found = repository.find_assignment(db, class_id, parse_uuid(assignment_id, NO_TEST))
     if found is None or found.mode != Mode.test:
         raise NotFound(NO_TEST)
     return found
@@ -77,7 +77,7 @@ def begin_sitting(
     """Begins it; who has begun already goes on. Raises NotNow."""
     refusal = CANNOT_BEGIN.get(load_student_test(db, assignment, account_id, groups, now).stage)
     if refusal:
-        raise NotNow(refusal)
+        raise WrongMoment(refusal)
     sitting_repository.insert_sitting(db, assignment.id, account_id, now)
 
 
@@ -86,9 +86,9 @@ def require_may_submit(db: Session, account_id: UUID, exercise: str, now: dateti
     release."""
     found = feedback.load_holds(db, account_id, exercise)
     if found.refusal:
-        raise NotNow(found.refusal)
+        raise WrongMoment(found.refusal)
     if found.running_tests and not _kept_running(db, found.running_tests, account_id):
-        raise NotNow(OVER.format(title=found.running_tests[0].title))
+        raise WrongMoment(OVER.format(title=found.running_tests[0].title))
     return found
 
 
@@ -99,7 +99,7 @@ def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reus
         return
     for exercise in reused:
         if running := feedback.load_holds(db, account_id, exercise).running_tests:
-            raise NotNow(NO_HELP.format(title=running[0].title))
+            raise WrongMoment(NO_HELP.format(title=running[0].title))
 
 
 def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
@@ -107,7 +107,7 @@ def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: 
     found = feedback.load_holds(db, account_id, exercise)
     kept = _kept_running(db, found.running_tests, account_id)
     if not kept:
-        raise NotNow(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
+        raise WrongMoment(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
     sitting_repository.upsert_saved_work(db, kept, account_id, exercise, source, now)
 
 

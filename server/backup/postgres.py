@@ -17,7 +17,7 @@ from sqlalchemy import Connection, text
 
 from server.backup.archive import BackupError, Manifest, Saved
 from server.database import Database
-from server.database.migrate import current_revision, one_at_a_time, upgrade_on
+from server.database.migrate import current_revision, lock_migrations, upgrade_connection
 
 if TYPE_CHECKING:
     import psycopg
@@ -79,19 +79,19 @@ def restore(
     """In one transaction: it is all there, at the current schema, or nothing has changed."""
     with database.engine.begin() as connection:
         connection.execute(text(LOCK_TIMEOUT))
-        one_at_a_time(connection)
+        lock_migrations(connection)
         old = _ours(connection, known)
         if old and not replace:
             raise BackupError("cette base de données sert déjà : --replace la remplace, et efface ce qu’elle contient.")
         for table in old:
             connection.execute(text(f'DROP TABLE "{table}" CASCADE'))
         _load(archive, manifest, connection)
-        upgrade_on(connection)
+        upgrade_connection(connection)
 
 
 def _load(archive: zipfile.ZipFile, manifest: Manifest, connection: Connection) -> None:
     connection.execute(text(WRITTEN))
-    upgrade_on(connection, manifest.revision)
+    upgrade_connection(connection, manifest.revision)
     keys = connection.execute(text(FOREIGN_KEYS)).all()  # they go round in circles: set aside, then checked at once
     for table, name, _ in keys:
         connection.execute(text(f"ALTER TABLE {table} DROP CONSTRAINT {name}"))

@@ -11,7 +11,7 @@ from server.backup import postgres, sqlite
 from server.backup.archive import BackupError, Manifest, reading, write_manifest, writing
 from server.base.settings import Settings
 from server.database import Database, utc_now
-from server.database.migrate import is_known
+from server.database.migrate import is_known_revision
 
 
 def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
@@ -78,7 +78,7 @@ def _require_fitting(settings: Settings, manifest: Manifest) -> None:
         raise BackupError(
             f"cette sauvegarde est d’une base {manifest.engine}, et BALISE_DATABASE_URL en dit une {here}."
         )
-    if not is_known(manifest.revision):
+    if not is_known_revision(manifest.revision):
         raise BackupError(
             f"cette sauvegarde vient d’une version plus récente de Balise (schéma {manifest.revision}) : "
             "installez-la d’abord."

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 log = logging.getLogger(__name__)
 
 
-async def keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
+async def run_periodically(seconds: float, doing: Callable[[], None], failed: str) -> None:
     """Until it is cancelled, whatever `doing` raises: that is logged, as `failed`."""
     while True:
         await asyncio.sleep(seconds)
@@ -23,7 +23,7 @@ async def keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
             log.exception(failed)
 
 
-class ShutError(Exception):
+class GateClosed(Exception):
     """The service stops: nobody passes any more."""
 
 
@@ -43,22 +43,22 @@ class Gate:
         if not self._future.done():
             self._future.set_result(None)
 
-    def shut(self) -> None:
+    def close(self) -> None:
         """Who waits gets ShutError; who has passed is not concerned."""
         if not self._future.done():
-            self._future.set_exception(ShutError())
+            self._future.set_exception(GateClosed())
 
-    async def passed(self) -> None:
+    async def wait_open(self) -> None:
         """Raises ShutError."""
         if not self.is_open:
             await asyncio.shield(asyncio.wrap_future(self._future))
 
 
-class FullError(Exception):
+class LimiterFullError(Exception):
     """There is no room, or there is none any more."""
 
 
-class Turns:
+class FairLimiter:
     def __init__(self, at_once: int, waiting: int) -> None:
         self._free, self._most = at_once, waiting
         self._queues: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
@@ -98,8 +98,8 @@ class Turns:
         mine = len(self._queues.get(address, ()))
         heaviest = max(self._queues.values(), key=len, default=deque[asyncio.Future[None]]())
         if len(heaviest) <= mine + 1:
-            raise FullError
-        heaviest.pop().set_exception(FullError())
+            raise LimiterFullError
+        heaviest.pop().set_exception(LimiterFullError())
 
     def _leave(self, address: str, turn: asyncio.Future[None]) -> None:
         queue = self._queues[address]

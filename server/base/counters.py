@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from cachetools import TTLCache
 
 
-class Tally:
+class LabelCounter:
     """Counts by the value of one label. For several threads."""
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class Tally:
             return dict(self._counts)
 
 
-class Visits:
+class VisitCounter:
     """Who asked for something in the last minutes, and how much was asked in the last ones. For several threads.
 
     Of a visitor a number is kept that no other process could make, and for no longer: neither address nor session.
@@ -59,10 +59,10 @@ class Visits:
 
 
 MINUTE = 60
-VISITS = Visits()
+VISITS = VisitCounter()
 #: By why: `password`, `disabled`, `too_many`, `token`.
-REFUSED_LOGINS = Tally()
+REFUSED_LOGINS = LabelCounter()
 #: By what: `ticket`, `news`, `answer`; all are made up for later.
-UNPOSTED = Tally()
+DROPPED_NOTIFICATIONS = LabelCounter()
 #: By why: `worn`, `failed`; told by this machine's workers.
-TEMPLATE_RENEWALS = Tally()
+TEMPLATE_RENEWALS = LabelCounter()

@@ -44,7 +44,7 @@ class TooLarge(ServiceError):
     title = "Contenu trop volumineux"
 
 
-class Later(ServiceError):
+class RetryLater(ServiceError):
     """Refused for now; `retry_after` is in whole seconds, at least 1."""
 
     def __init__(self, detail: str, *, retry_after: int) -> None:
@@ -52,7 +52,7 @@ class Later(ServiceError):
         self.retry_after = retry_after
 
 
-class TooMany(Later):
+class RateLimited(RetryLater):
     """The rate limit is reached."""
 
     status = HTTPStatus.TOO_MANY_REQUESTS
@@ -66,7 +66,7 @@ class Conflict(ServiceError):
     title = "Déjà fait"
 
 
-class NotNow(Conflict):
+class WrongMoment(Conflict):
     """What is asked for is of another time: not begun yet, or over."""
 
     slug = "pas-maintenant"
@@ -79,7 +79,7 @@ class Invalid(ServiceError):
     title = "Données refusées"
 
 
-class FieldsRefused(Invalid):
+class InvalidFields(Invalid):
     """Several fields may be wrong: `problems` maps the name of each to a sentence."""
 
     def __init__(self, problems: Mapping[str, str]) -> None:
@@ -87,7 +87,7 @@ class FieldsRefused(Invalid):
         self.problems = dict(problems)
 
 
-class Crowded(Later):
+class Overloaded(RetryLater):
     """Too many people want the same thing at once."""
 
     status = HTTPStatus.SERVICE_UNAVAILABLE
@@ -95,7 +95,7 @@ class Crowded(Later):
     title = "Beaucoup de monde"
 
 
-class Away(Later):
+class Unavailable(RetryLater):
     """What the service stands on does not answer."""
 
     status = HTTPStatus.SERVICE_UNAVAILABLE
@@ -103,7 +103,7 @@ class Away(Later):
     title = "Indisponible un moment"
 
 
-class Failed(ServiceError):
+class InternalFailure(ServiceError):
     """Something of ours went wrong, and another try may succeed."""
 
     status = HTTPStatus.INTERNAL_SERVER_ERROR

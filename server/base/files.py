@@ -27,7 +27,7 @@ def default_data_dir() -> Path:
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
 
 
-def archive_of(folder: str, files: dict[str, bytes]) -> bytes:
+def reproducible_zip(folder: str, files: dict[str, bytes]) -> bytes:
     """The files under `folder`, in the order of their names."""
     import zipfile  # as late as possible: every command imports this module
 
@@ -44,17 +44,17 @@ DIGITS = 12
 Named = tuple[str, Path]
 
 
-def digest(roots: Iterable[Named], head: bytes = b"") -> str:
+def digest_files(roots: Iterable[Named], head: bytes = b"") -> str:
     """First 12 hexadecimal digits of sha256 over `head`, then over named files and folders in the order given."""
     total = hashlib.sha256(head)
-    for name, path in (entry for root in roots for entry in files(*root)):
+    for name, path in (entry for root in roots for entry in walk_files(*root)):
         content = path.read_bytes()
         total.update(f"\0{name}\0{len(content)}\0".encode())
         total.update(content)
     return total.hexdigest()[:DIGITS]
 
 
-def files(name: str, root: Path) -> Iterator[Named]:
+def walk_files(name: str, root: Path) -> Iterator[Named]:
     """A file, or those below a folder in a fixed order; but for what Python, editors and systems leave there."""
     if root.is_file():
         yield name, root
@@ -69,10 +69,10 @@ def _is_debris(relative: Path) -> bool:
     return any(part.startswith(".") or part == "__pycache__" for part in relative.parts)
 
 
-OWNER_ALONE, EVERYBODY = 0o600, 0o666
+OWNER_ONLY, ANYONE = 0o600, 0o666
 
 
-def write_whole(path: Path, content: str | bytes, mode: int = EVERYBODY) -> None:
+def write_atomically(path: Path, content: str | bytes, mode: int = ANYONE) -> None:
     """Puts a file in its place at once, with these rights (less the process's mask). Raises OSError."""
     unfinished = path.with_suffix(f".{os.getpid()}.new")
     unfinished.unlink(missing_ok=True)

@@ -11,13 +11,13 @@ import threading
 from collections.abc import Iterator
 
 from server.base import logs
-from server.base.processes import die_with
+from server.base.processes import die_with_parent
 
 HEADER = struct.Struct(">IIB")
 QUESTION, DONE, FAILED = 0, 1, 2
 
 
-def framed(number: int, status: int, payload: bytes) -> bytes:
+def encode_frame(number: int, status: int, payload: bytes) -> bytes:
     return HEADER.pack(len(payload), number, status) + payload
 
 
@@ -25,7 +25,7 @@ def framed(number: int, status: int, payload: bytes) -> bytes:
 NICE = 5
 
 
-class Line:
+class ServiceLine:
     """The service's end of the line, for several threads."""
 
     def __init__(self, end: socket.socket) -> None:
@@ -45,19 +45,19 @@ class Line:
 
     def answer(self, number: int, status: int, payload: bytes) -> None:
         with self._sending:
-            self._end.sendall(framed(number, status, payload))
+            self._end.sendall(encode_frame(number, status, payload))
 
 
-def to_service(name: str, line: int, parent: int) -> Line:
+def connect_to_service(name: str, line: int, parent: int) -> ServiceLine:
     """What a helper does first: it ends with the service, is nice, and leaves it to the service to be stopped.
 
     Ctrl+C, and whoever stops a service with all its processes, tell helpers too: the service ends them in its order.
     """
-    die_with(parent)
+    die_with_parent(parent)
     gc.disable()  # until the first question: nothing of what is imported is to be collected
-    logs.start(name, os.environ.get("BALISE_LOG_FORMAT", logs.TEXT))
+    logs.configure_logging(name, os.environ.get("BALISE_LOG_FORMAT", logs.TEXT))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     os.nice(NICE)
     os.set_inheritable(line, False)  # no child of ours may keep the line open after our death
-    return Line(socket.socket(fileno=line))
+    return ServiceLine(socket.socket(fileno=line))

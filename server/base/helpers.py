@@ -11,21 +11,21 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
 
-from server.base.helper_line import DONE, HEADER, QUESTION, framed
+from server.base.helper_line import DONE, HEADER, QUESTION, encode_frame
 
 log = logging.getLogger(__name__)
 
 STOP_SECONDS = 3.0
 #: Seconds without a question after which the process is let go, and its memory with it.
-IDLE = 900.0
+IDLE_TIMEOUT = 900.0
 
 
-class UnansweredError(Exception):
+class HelperError(Exception):
     """The process has ended, said that it could not, or took too long."""
 
 
 @dataclass(frozen=True)
-class Program:
+class HelperProgram:
     """What a helper runs, with the number of its end of the line and ours as last arguments, and what it may do.
 
     `longest` bounds the bytes of an answer, `patience` the seconds to one, its start included.
@@ -35,14 +35,14 @@ class Program:
     environment: Mapping[str, str] = field(repr=False)
     longest: int
     patience: float
-    idle: float = IDLE
+    idle: float = IDLE_TIMEOUT
     beginning: bytes = b""
 
 
 class Helper:
     """Asks, and hands on the answers unread: only their length, number and status are looked at. For one event loop."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: HelperProgram) -> None:
         self.program = program
         self._starting = asyncio.Lock()
         self._process: _Process | None = None
@@ -60,7 +60,7 @@ class Helper:
             return await process.ask(question, self.program.patience)
         except OSError as error:  # a TimeoutError, too
             log.error("%s has not answered: %r", self.program.command[-1], error)
-            raise UnansweredError from error
+            raise HelperError from error
         finally:
             self._asking -= 1
             if not self._asking and not self._closed:
@@ -113,7 +113,7 @@ class _Process:
         self.ended = False
 
     @classmethod
-    async def start(cls, program: Program) -> _Process:
+    async def start(cls, program: HelperProgram) -> _Process:
         ours, theirs = socket.socketpair()
         with theirs:
             process = await asyncio.create_subprocess_exec(
@@ -126,7 +126,7 @@ class _Process:
                 process_group=0,  # it is the service that is told to stop, and ends it
             )
         reader, writer = await asyncio.open_connection(sock=ours)
-        writer.write(framed(0, QUESTION, program.beginning))
+        writer.write(encode_frame(0, QUESTION, program.beginning))
         return cls(process, reader, writer, program.longest)
 
     @property
@@ -142,7 +142,7 @@ class _Process:
         self._asked[number] = answer
         try:
             async with asyncio.timeout(patience):
-                self._writer.write(framed(number, QUESTION, question))
+                self._writer.write(encode_frame(number, QUESTION, question))
                 await self._writer.drain()
                 return await answer
         except TimeoutError:

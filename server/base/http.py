@@ -12,26 +12,26 @@ from starlette.responses import JSONResponse, Response
 from starlette.types import ASGIApp
 
 from server.base import root_path
-from server.base.errors import FieldsRefused, ServiceError
-from server.base.validation import reason
+from server.base.errors import InvalidFields, ServiceError
+from server.base.validation import french_reason
 
 if TYPE_CHECKING:
     import uvicorn
 
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
-COOKIE = "balise_session"
+SESSION_COOKIE = "balise_session"
 
 
-UNKNOWN = "inconnue"
-HOUSEHOLD = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
+UNKNOWN_ADDRESS = "inconnue"
+IPV6_NETWORK_BITS = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
 
 
 #: The weight by which `Accept-Encoding` says of an encoding that it is not taken.
 REFUSED = re.compile(r"q=0(\.0*)?")
 
 
-def encodings(header: str) -> Sequence[str]:
+def accepted_encodings(header: str) -> Sequence[str]:
     """The encodings that an `Accept-Encoding` names and takes."""
     named = (one.lower().replace(" ", "").partition(";") for one in header.split(","))
     return [name for name, _, weight in named if name and not REFUSED.fullmatch(weight)]
@@ -41,7 +41,7 @@ def session_token(connection: HTTPConnection) -> str:
     """The session that a browser shows, or nothing. Of several the first: it is that of the nearest path, the others
     were set when the service stood elsewhere on its site."""
     pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))
-    return next((value.strip() for name, _, value in pairs if name.strip() == COOKIE), "")
+    return next((value.strip() for name, _, value in pairs if name.strip() == SESSION_COOKIE), "")
 
 
 def client_address(connection: HTTPConnection) -> str:
@@ -49,19 +49,19 @@ def client_address(connection: HTTPConnection) -> str:
 
     It is what is at the other end, or what a trusted proxy says is behind it (`balise serve --trusted-proxy`).
     """
-    return visitor_of(connection.client.host) if connection.client else UNKNOWN
+    return visitor_key(connection.client.host) if connection.client else UNKNOWN_ADDRESS
 
 
-def visitor_of(host: str) -> str:
+def visitor_key(host: str) -> str:
     try:
         address = ip_address(host)
     except ValueError:
-        return UNKNOWN
+        return UNKNOWN_ADDRESS
     if not isinstance(address, IPv6Address):
         return str(address)
     if address.ipv4_mapped is not None:
         return str(address.ipv4_mapped)
-    return str(ip_network((int(address), HOUSEHOLD), strict=False))
+    return str(ip_network((int(address), IPV6_NETWORK_BITS), strict=False))
 
 
 PROBLEM_TYPE = "urn:balise:probleme:"
@@ -74,13 +74,13 @@ TITLES = {
 }
 
 
-def problem(
+def problem_document(
     request: Request, status: int, title: str, detail: str, *, slug: str = "", **members: Any
 ) -> dict[str, Any]:
     """The members of a problem document; extension members are added as they are."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
     told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
-    return {**told, "instance": root_path.address(request.url.path), **members}
+    return {**told, "instance": root_path.external_path(request.url.path), **members}
 
 
 def _sendable(text: str) -> str:
@@ -88,22 +88,22 @@ def _sendable(text: str) -> str:
     return text.encode("utf-8", "replace").decode()
 
 
-def of_error(request: Request, error: ServiceError) -> dict[str, Any]:
+def error_document(request: Request, error: ServiceError) -> dict[str, Any]:
     members: dict[str, Any] = {}
-    if isinstance(error, FieldsRefused):
+    if isinstance(error, InvalidFields):
         told = error.problems.items()
         members["errors"] = [{"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in told]
-    return problem(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
+    return problem_document(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
 
-def as_json(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> Response:
+def problem_response(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> Response:
     return JSONResponse(body, body["status"], dict(headers or {}), "application/problem+json")
 
 
-def place(error: Mapping[str, Any]) -> dict[str, Any]:
+def error_location(error: Mapping[str, Any]) -> dict[str, Any]:
     """Where and why: a JSON pointer in the body, or the name of a parameter."""
     source, *path = error["loc"]
-    detail = reason(error)
+    detail = french_reason(error)
     if source == "body":
         return {"detail": detail, "pointer": _pointer([] if error["type"] == "json_invalid" else path)}
     return {"detail": detail, "parameter": ".".join(str(part) for part in path)}
@@ -114,10 +114,10 @@ def _pointer(path: Sequence[object]) -> str:
 
 
 #: Bytes of a request without its body; and of what comes without anything of a body, or a request, being ended by it.
-HEAD = 64 * 1024
+MAX_HEAD_BYTES = 64 * 1024
 
 
-def configuration(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
+def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
     """How the application is served. `grace`: seconds left to open connections when it stops; `proxies`: whose word is
     taken for where a request comes from.
 
@@ -131,7 +131,7 @@ def configuration(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> u
         app,
         loop="asyncio",
         http="h11",
-        h11_max_incomplete_event_size=HEAD,
+        h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         ws="none",
         log_config=None,
         access_log=False,

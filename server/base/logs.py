@@ -17,24 +17,24 @@ from datetime import UTC, datetime
 
 TEXT, JSON = "text", "json"
 LONGEST = 200
-ID = re.compile(r"[A-Za-z0-9._-]{8,64}")
+REQUEST_ID_PATTERN = re.compile(r"[A-Za-z0-9._-]{8,64}")
 
 #: The trail of what was asked, from the request to its verdict: told in JSON alone.
-trail = logging.getLogger("balise")
+event_log = logging.getLogger("balise")
 _request: ContextVar[str] = ContextVar("request", default="")
 
 
-def new_id() -> str:
+def new_request_id() -> str:
     return secrets.token_hex(8)
 
 
-def current_id() -> str:
+def current_request_id() -> str:
     """The request that this is done for; empty for what nobody asked for."""
     return _request.get()
 
 
 @contextmanager
-def on_behalf(request: str) -> Iterator[None]:
+def request_context(request: str) -> Iterator[None]:
     """What is logged within is of this request."""
     token = _request.set(request)
     try:
@@ -43,9 +43,9 @@ def on_behalf(request: str) -> Iterator[None]:
         _request.reset(token)
 
 
-def tell(message: str, **fields: object) -> None:
+def log_event(message: str, **fields: object) -> None:
     """One step of the trail, with what a program may look for."""
-    trail.info(message, extra={"fields": fields})
+    event_log.info(message, extra={"fields": fields})
 
 
 class JsonLines(logging.Formatter):
@@ -63,7 +63,7 @@ class JsonLines(logging.Formatter):
             "logger": record.name,
             "message": record.getMessage(),
         }
-        if request := current_id():
+        if request := current_request_id():
             line["request"] = request
         line.update(getattr(record, "fields", {}))
         if record.exc_info:
@@ -71,7 +71,7 @@ class JsonLines(logging.Formatter):
         return json.dumps(line, ensure_ascii=False, default=str)
 
 
-class Recent(logging.Handler):
+class RecentErrors(logging.Handler):
     """The latest errors of this process: when, of which logger, and their first line. For several threads."""
 
     def __init__(self, most: int = 8) -> None:
@@ -86,10 +86,10 @@ class Recent(logging.Handler):
         return list(self._latest)
 
 
-RECENT = Recent()
+RECENT_ERRORS = RecentErrors()
 
 
-def start(process: str, form: str, level: int = logging.WARNING) -> None:
+def configure_logging(process: str, form: str, level: int = logging.WARNING) -> None:
     """What a process does first. `form` is TEXT or JSON."""
     handler = logging.StreamHandler()
     named = f" {process}" if process else ""
@@ -98,6 +98,6 @@ def start(process: str, form: str, level: int = logging.WARNING) -> None:
         if form == JSON
         else logging.Formatter(f"%(asctime)s %(levelname)s{named} %(name)s: %(message)s")
     )
-    logging.basicConfig(level=level, handlers=[handler, RECENT])
+    logging.basicConfig(level=level, handlers=[handler, RECENT_ERRORS])
     logging.captureWarnings(form == JSON)
-    trail.setLevel(logging.INFO if form == JSON else logging.WARNING)
+    event_log.setLevel(logging.INFO if form == JSON else logging.WARNING)

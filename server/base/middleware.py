@@ -16,8 +16,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.base import logs, traces
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, ServiceError, TooLarge
-from server.base.http import COOKIE, SAFE_METHODS, encodings
-from server.base.validation import size
+from server.base.http import SAFE_METHODS, SESSION_COOKIE, accepted_encodings
+from server.base.validation import format_size
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -41,12 +41,12 @@ SECURITY_HEADERS = {
 _SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()]
 API = "/api/"
 #: Who asks there watches the service, and is no visitor.
-WATCHING = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
+MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
 
-class Trail:
+class RequestLog:
     """Gives each request a name, which goes with what it has done later, and tells in the logs what came of it.
 
     A trusted proxy may have named it already. Its route is told, and not its address: addresses hold one-time links.
@@ -59,7 +59,7 @@ class Trail:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
         given = Headers(scope=scope).get(REQUEST_ID, "") if self._proxied else ""
-        name = given if logs.ID.fullmatch(given) else logs.new_id()
+        name = given if logs.REQUEST_ID_PATTERN.fullmatch(given) else logs.new_request_id()
         began, status = time.perf_counter(), 500
 
         async def send_with_name(message: Message) -> None:
@@ -70,19 +70,19 @@ class Trail:
             await send(message)
 
         parent = Headers(scope=scope).get(traces.TRACE, "") if self._proxied else ""
-        with logs.on_behalf(name), traces.request(scope["method"], parent) as span:
+        with logs.request_context(name), traces.request_span(scope["method"], parent) as span:
             try:
                 await self._app(scope, receive, send_with_name)
             finally:
-                if scope["path"] not in WATCHING:
+                if scope["path"] not in MONITORING_PATHS:
                     VISITS.note(_visitor(scope))
-                route = route_of(scope)
+                route = route_path(scope)
                 seconds = round(time.perf_counter() - began, 4)
-                traces.answered(span, scope["method"], route, status)
-                logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
+                traces.record_response(span, scope["method"], route, status)
+                logs.log_event("request", method=scope["method"], route=route, status=status, seconds=seconds)
 
 
-def route_of(scope: Scope) -> str:
+def route_path(scope: Scope) -> str:
     """The path of the route that answered; of a router's, with what it was included under, where FastAPI tells it."""
     included = scope.get("fastapi", {}).get("effective_route_context")
     return str(getattr(included, "path", "") or getattr(scope.get("route"), "path", ""))
@@ -96,7 +96,7 @@ def _visitor(scope: Scope) -> bytes:
     return str((scope.get("client") or ("",))[0]).encode()
 
 
-class Encodings:
+class AcceptEncoding:
     """Takes out of `Accept-Encoding` what it refuses (`gzip;q=0`): who compresses looks for a name there."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -114,7 +114,7 @@ def _is_weighed(header: tuple[bytes, bytes]) -> bool:
 
 def _taken(name: bytes, value: bytes) -> bytes:
     weighed = _is_weighed((name, value))
-    return ", ".join(encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
+    return ", ".join(accepted_encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
 
 
 class SecurityHeaders:
@@ -156,7 +156,7 @@ class SessionCookie:
 
     def _cookie(self, token: str, secure: bool) -> str:
         age = self._max_age if token else 0
-        cookie = f"{COOKIE}={token}; Max-Age={age}; Path={self._path}; HttpOnly; SameSite=Lax"
+        cookie = f"{SESSION_COOKIE}={token}; Max-Age={age}; Path={self._path}; HttpOnly; SameSite=Lax"
         return cookie + "; Secure" if secure else cookie
 
 
@@ -199,7 +199,7 @@ class BoundedBody:
             return await self._app(scope, receive, send)
         body = await self._read(receive)
         if body is None:
-            error = TooLarge(f"Cette demande dépasse {size(self._most)}.")
+            error = TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
         await self._app(scope, _resend(body, receive), send)
 

@@ -18,7 +18,7 @@ _PR_SET_PDEATHSIG = 1
 COMMON = ("BALISE_LOG_FORMAT", "BALISE_COURSES")
 
 
-def die_with(parent: int) -> None:
+def die_with_parent(parent: int) -> None:
     """Has the kernel end this process when its parent does; ends it now if that has already happened."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0) != 0:
@@ -27,7 +27,7 @@ def die_with(parent: int) -> None:
         sys.exit(0)
 
 
-def environment(settings: Settings) -> dict[str, str]:
+def child_environment(settings: Settings) -> dict[str, str]:
     """This process's environment, with every setting, and the project importable from any folder."""
     values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
     settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}

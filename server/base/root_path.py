@@ -25,31 +25,31 @@ _ADDRESS = re.compile(rf'(?<=\s)({"|".join(ATTRIBUTES)})="/(?!/)')
 _roots = [""]
 
 
-def use(root: str) -> None:
+def set_root_path(root: str) -> None:
     """From now on this process serves under this path: `/balise`, or nothing."""
     _roots[0] = root
 
 
-def root() -> str:
+def root_path() -> str:
     return _roots[0]
 
 
-def address(path: str) -> str:
+def external_path(path: str) -> str:
     """An address of the service, as the outside knows it."""
-    return f"{root()}{path}"
+    return f"{root_path()}{path}"
 
 
-def written(page: str) -> str:
+def with_external_paths(page: str) -> str:
     """The HTML of a page, or of a part of one, as the outside knows its addresses."""
-    return _ADDRESS.sub(rf'\1="{root()}/', page) if root() else page
+    return _ADDRESS.sub(rf'\1="{root_path()}/', page) if root_path() else page
 
 
-def service_address(connection: HTTPConnection) -> str:
+def service_url(connection: HTTPConnection) -> str:
     """The service's whole address as this visitor has it, without a slash at its end."""
-    return f"{connection.url.scheme}://{connection.url.netloc}{root()}"
+    return f"{connection.url.scheme}://{connection.url.netloc}{root_path()}"
 
 
-class Mounted:
+class RootPathMiddleware:
     """Takes the path off what is asked, whether or not the proxy has left it there; puts it before redirections."""
 
     def __init__(self, app: ASGIApp, root: str) -> None:

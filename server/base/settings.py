@@ -28,11 +28,11 @@ Count = Annotated[int, Field(ge=1)]
 #: A folder of files, each of which holds a setting and has its name, as `balise_database_url`.
 SECRETS_DIR = "BALISE_SECRETS_DIR"
 #: What is read and is no setting: that folder, and what the commands on a student's own machine read.
-ELSEWHERE = frozenset({"BALISE_TOKEN", SECRETS_DIR})
+OTHER_VARIABLES = frozenset({"BALISE_TOKEN", SECRETS_DIR})
 
 
 @dataclass(frozen=True)
-class Bucket:
+class BucketSettings:
     """A token bucket: `burst` actions at once, then one every `refill_seconds`."""
 
     burst: int
@@ -260,68 +260,68 @@ class Settings(BaseSettings):
         return self.url.startswith("postgresql")
 
     @property
-    def submission_bucket(self) -> Bucket:
-        return Bucket(self.submission_burst, self.submission_refill_seconds)
+    def submission_bucket(self) -> BucketSettings:
+        return BucketSettings(self.submission_burst, self.submission_refill_seconds)
 
     @property
-    def guest_bucket(self) -> Bucket:
-        return Bucket(self.guest_burst, self.guest_refill_seconds)
+    def guest_bucket(self) -> BucketSettings:
+        return BucketSettings(self.guest_burst, self.guest_refill_seconds)
 
     @property
-    def sign_up_bucket(self) -> Bucket:
-        return Bucket(self.sign_up_burst, self.sign_up_refill_seconds)
+    def sign_up_bucket(self) -> BucketSettings:
+        return BucketSettings(self.sign_up_burst, self.sign_up_refill_seconds)
 
     @property
-    def export_bucket(self) -> Bucket:
-        return Bucket(self.export_burst, self.export_refill_seconds)
+    def export_bucket(self) -> BucketSettings:
+        return BucketSettings(self.export_burst, self.export_refill_seconds)
 
     @property
-    def comment_bucket(self) -> Bucket:
-        return Bucket(self.comment_burst, self.comment_refill_seconds)
+    def comment_bucket(self) -> BucketSettings:
+        return BucketSettings(self.comment_burst, self.comment_refill_seconds)
 
     @property
-    def join_bucket(self) -> Bucket:
-        return Bucket(self.join_burst, self.join_refill_seconds)
+    def join_bucket(self) -> BucketSettings:
+        return BucketSettings(self.join_burst, self.join_refill_seconds)
 
     @property
-    def login_bucket(self) -> Bucket:
-        return Bucket(self.login_burst, self.login_refill_seconds)
+    def login_bucket(self) -> BucketSettings:
+        return BucketSettings(self.login_burst, self.login_refill_seconds)
 
     @property
-    def save_bucket(self) -> Bucket:
-        return Bucket(self.save_burst, self.save_refill_seconds)
+    def save_bucket(self) -> BucketSettings:
+        return BucketSettings(self.save_burst, self.save_refill_seconds)
 
     @property
-    def cell_bucket(self) -> Bucket:
-        return Bucket(self.cell_burst, self.cell_refill_seconds)
+    def cell_bucket(self) -> BucketSettings:
+        return BucketSettings(self.cell_burst, self.cell_refill_seconds)
 
     @property
-    def step_bucket(self) -> Bucket:
-        return Bucket(self.step_burst, self.step_refill_seconds)
+    def step_bucket(self) -> BucketSettings:
+        return BucketSettings(self.step_burst, self.step_refill_seconds)
 
 
 def _pieces(text: str) -> list[str]:
     return [piece.strip() for piece in text.split(",") if piece.strip()]
 
 
-def variable(field: str) -> str:
+def variable_name(field: str) -> str:
     """The environment's name of a setting."""
     return f"{PREFIX}{field.upper()}"
 
 
-def table() -> Iterator[tuple[str, str, str]]:
+def settings_table() -> Iterator[tuple[str, str, str]]:
     """Name, default and meaning of each, as they are documented."""
     for name, field in Settings.model_fields.items():
         extra = field.json_schema_extra
         default = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
-        yield variable(name), str(default), field.description or ""
+        yield variable_name(name), str(default), field.description or ""
 
 
-def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
+def misspelt_variables(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
     """The variables that look like settings and are none, each with the setting that was probably meant."""
     for name in sorted(environment):
         field = name.lower().removeprefix(PREFIX.lower())
-        known = field in Settings.model_fields or name in ELSEWHERE
+        known = field in Settings.model_fields or name in OTHER_VARIABLES
         if name.upper().startswith(PREFIX) and not known:
             close = get_close_matches(field, Settings.model_fields, n=1)
-            yield name, variable(close[0]) if close else None
+            yield name, variable_name(close[0]) if close else None

@@ -49,16 +49,16 @@ class _State:
     lock = Lock()
 
 
-def wanted(environment: Mapping[str, str]) -> bool:
+def is_requested(environment: Mapping[str, str]) -> bool:
     """Whether the standard variables ask for traces."""
     off = environment.get("OTEL_SDK_DISABLED", "").strip().lower() == "true"
     exporter = environment.get("OTEL_TRACES_EXPORTER", "").strip().lower()
     return not off and exporter != "none" and any(environment.get(name, "").strip() for name in WANTED)
 
 
-def start(process: str) -> None:
+def start_tracing(process: str) -> None:
     """What a process does first; `process` is its part in the service. Raises CannotTrace."""
-    if not wanted(os.environ):
+    if not is_requested(os.environ):
         return
     try:
         from opentelemetry.sdk.resources import Resource
@@ -73,7 +73,7 @@ def start(process: str) -> None:
     here = {"service.name": os.environ.get("OTEL_SERVICE_NAME") or NAME, "service.instance.id": process}
     provider = TracerProvider(resource=Resource.create(here))
     provider.add_span_processor(BatchSpanProcessor(exporter))
-    use(provider)
+    set_provider(provider)
 
 
 def _exporter() -> Any:
@@ -92,22 +92,22 @@ def _exporter() -> Any:
     return OTLPSpanExporter()
 
 
-def use(provider: TracerProvider | None) -> None:
+def set_provider(provider: TracerProvider | None) -> None:
     """Sends what is traced from now on there; None: nowhere."""
     _State.provider = provider
     _State.tracer = None if provider is None else provider.get_tracer(NAME)
     _State.sent.clear()
 
 
-def stop() -> None:
+def stop_tracing() -> None:
     """Sends what has not left yet."""
     if _State.provider is not None:
         _State.provider.shutdown()
-        use(None)
+        set_provider(None)
 
 
 @contextmanager
-def request(method: str, parent: str = "") -> Iterator[Any]:
+def request_span(method: str, parent: str = "") -> Iterator[Any]:
     """The span of a request, which is the root of its trace, or below a `parent` that a trusted proxy tells."""
     if _State.tracer is None:
         yield None
@@ -135,7 +135,7 @@ def _span(tracer: Tracer, name: str, **how: Any) -> Iterator[Span]:
             raise
 
 
-def answered(span: Span | None, method: str, route: str, status: int) -> None:
+def record_response(span: Span | None, method: str, route: str, status: int) -> None:
     """By its route, since its address may hold a one-time link."""
     if span is None:
         return
@@ -149,7 +149,7 @@ def answered(span: Span | None, method: str, route: str, status: int) -> None:
 
 
 @contextmanager
-def step(name: str, **attributes: str | int) -> Iterator[None]:
+def span(name: str, **attributes: str | int) -> Iterator[None]:
     """A part of what is being traced; nothing where nothing is."""
     if _State.tracer is None or not _traced():
         yield
@@ -158,7 +158,7 @@ def step(name: str, **attributes: str | int) -> Iterator[None]:
         yield
 
 
-def steps(began: int, milliseconds: Mapping[str, float]) -> None:
+def record_spans(began: int, milliseconds: Mapping[str, float]) -> None:
     """Parts that have been timed, one after the other since `began` (nanoseconds)."""
     if _State.tracer is None or not _traced():
         return
@@ -174,7 +174,7 @@ def _traced() -> bool:
     return get_current_span().get_span_context().is_valid
 
 
-def carried(key: str) -> dict[str, str | int]:
+def job_trace_fields(key: str) -> dict[str, str | int]:
     """What a job put now takes along, for whoever does it: its trace. `key` is how its news will be told."""
     if _State.tracer is None or not _traced():
         return {}
@@ -188,7 +188,7 @@ def carried(key: str) -> dict[str, str | int]:
 
 
 @contextmanager
-def job(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) -> Iterator[None]:
+def job_span(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) -> Iterator[None]:
     """The work on a job, in the trace that it takes along: how long it waited, its lease, then what is done within."""
     parent = payload.get(TRACE)
     if _State.tracer is None or not isinstance(parent, str):
@@ -205,7 +205,7 @@ def job(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) ->
         yield
 
 
-def news(key: str, since: int) -> None:
+def record_notification(key: str, since: int) -> None:
     """That the end of a job which this process has put was told to who waits for it, heard of at `since`."""
     if _State.tracer is None:
         return

@@ -46,7 +46,7 @@ REASONS = {
 }
 
 
-def reason(error: Mapping[str, Any]) -> str:
+def french_reason(error: Mapping[str, Any]) -> str:
     """What is wrong, to follow the name of what is refused. `error` is one of `ValidationError.errors()`."""
     bounds = {name: _french(value) for name, value in error.get("ctx", {}).items()}
     return REASONS.get(error["type"], "valeur refusée").format(**bounds)
@@ -60,7 +60,7 @@ NO_BREAK = "\u00a0"
 UNITS = ((1 << 30, "Gio"), (1 << 20, "Mio"), (1 << 10, "Kio"))
 
 
-def size(count: float) -> str:
+def format_size(count: float) -> str:
     """« 64 Kio », « 1,5 Mio », « 1 octet »."""
     for unit, name in UNITS:
         if count >= unit:
@@ -68,7 +68,7 @@ def size(count: float) -> str:
     return f"{count:.0f}{NO_BREAK}octet{'s' if count >= 2 else ''}"
 
 
-def identity_of(text: UUID | str, unknown: str) -> UUID:
+def parse_uuid(text: UUID | str, unknown: str) -> UUID:
     """The UUID that a text is; a text that is none names nothing: raises NotFound, with the sentence `unknown`."""
     try:
         return text if isinstance(text, UUID) else UUID(text)
@@ -76,7 +76,7 @@ def identity_of(text: UUID | str, unknown: str) -> UUID:
         raise NotFound(unknown) from error
 
 
-def encoded(text: str, most: int, what: str = "Le code") -> bytes:
+def encode_bounded(text: str, most: int, what: str = "Le code") -> bytes:
     """The text in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes.
 
     `what` is the subject of the sentence, in the singular.
@@ -86,5 +86,5 @@ def encoded(text: str, most: int, what: str = "Le code") -> bytes:
     except UnicodeEncodeError as error:
         raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
     if len(source) > most:
-        raise TooLarge(f"{what} dépasse de {size(len(source) - most)} la limite de {size(most)}.")
+        raise TooLarge(f"{what} dépasse de {format_size(len(source) - most)} la limite de {format_size(most)}.")
     return source

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import ask, one_of, prepared, upserting, utc_now
+from server.database import ask, one_of, prepared, upsert_statement, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -87,7 +87,7 @@ def held(db: Session, grading_id: UUID) -> bool:
 def keep(db: Session, grading_id: UUID, group_id: str | None) -> None:
     """A fingerprint, unless there is one already."""
     row = {"grading_id": grading_id, "group_id": group_id, "made_at": utc_now()}
-    db.execute(upserting(db, Fingerprint).on_conflict_do_nothing(), row)
+    db.execute(upsert_statement(db, Fingerprint).on_conflict_do_nothing(), row)
 
 
 def near(db: Session, exercise: str, version: str, structure: str, projection: float) -> Iterator[tuple[str, bytes]]:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.board.live import LiveBoards
 
-LiveBoardsOf = Annotated[LiveBoards, Depends(provided(LiveBoards))]
+LiveBoardsOf = Annotated[LiveBoards, Depends(app_service(LiveBoards))]

@@ -17,7 +17,7 @@ from uuid import UUID
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import TooMany
+from server.base.errors import RateLimited
 from server.board import repository
 from server.board.schemas import Board
 from server.board.service import load_board
@@ -88,7 +88,7 @@ class LiveBoards:
     def require_room(self, account: UUID) -> None:
         """Raises TooMany for an account that watches enough already."""
         if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
-            raise TooMany(TOO_MANY, retry_after=60)
+            raise RateLimited(TOO_MANY, retry_after=60)
 
     async def follow(self, class_id: UUID, account: UUID, allowed: Callable[[], bool]) -> AsyncIterator[Board | None]:
         """The board at first, then each time that it has changed; None now and then, as a sign of life.

@@ -2,11 +2,11 @@
 
 import sys
 
-from server.base.helper_line import to_service
+from server.base.helper_line import connect_to_service
 
 
 def main(line: int, parent: int) -> None:
-    service = to_service("cells", line, parent)
+    service = connect_to_service("cells", line, parent)
     from server.cells.process import serve
 
     serve(service)

@@ -11,7 +11,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 from server.base import helper_line
-from server.base.helper_line import Line
+from server.base.helper_line import ServiceLine
 from server.cells.run import POLICY, run
 from server.sandbox import Sandbox, SandboxFault
 from server.sandbox.install import DRAWING
@@ -19,7 +19,7 @@ from server.sandbox.install import DRAWING
 log = logging.getLogger(__name__)
 
 
-def serve(line: Line) -> None:
+def serve(line: ServiceLine) -> None:
     """Until the line is closed."""
     questions = line.questions()
     _, opening = next(questions)
@@ -41,7 +41,7 @@ def _warm(sandbox: Sandbox) -> None:
             log.info("the %s template did not start", imports, exc_info=True)
 
 
-def _answer(line: Line, sandbox: Sandbox, number: int, asked: bytes) -> None:
+def _answer(line: ServiceLine, sandbox: Sandbox, number: int, asked: bytes) -> None:
     question = json.loads(asked)
     try:
         shown = _followed(sandbox, asked) if "steps" in question else _run(sandbox, question)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from server.base.app_services import SettingsOf, provided
+from server.base.app_services import SettingsOf, app_service
 from server.base.errors import NotFound
 from server.base.http import client_address
 from server.cells import service
@@ -16,7 +16,7 @@ from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import BrowserAccount
 
 router = APIRouter(include_in_schema=False)
-CellsOf = Annotated[Cells, Depends(provided(Cells))]
+CellsOf = Annotated[Cells, Depends(app_service(Cells))]
 NO_STORE = {"Cache-Control": "no-store"}
 #: A status that nobody reads: the reader has left.
 LEFT = 499

@@ -2,9 +2,9 @@
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import Crowded, Failed
+from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
-from server.base.validation import encoded
+from server.base.validation import encode_bounded
 from server.cells.supervisor import Cells
 from server.database import Database
 from server.identity.models import Account
@@ -17,7 +17,7 @@ async def run(
     cells: Cells, database: Database, settings: Settings, account: Account, module: str, code: str, *, address: str
 ) -> bytes:
     """What the page gets, as JSON text. Raises Invalid, TooLarge, TooMany, Crowded or Failed."""
-    encoded(code, settings.code_bytes)
+    encode_bounded(code, settings.code_bytes)
     key = f"cell:{account.id}"
 
     def take() -> None:
@@ -31,6 +31,6 @@ async def run(
     await run_in_threadpool(take)
     try:
         return await cells.run(module, code, reader=str(account.id), address=address)
-    except (Crowded, Failed):
+    except (Overloaded, InternalFailure):
         await run_in_threadpool(give_back)
         raise

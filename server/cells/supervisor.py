@@ -9,10 +9,10 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from server.base.concurrency import FullError, Gate, ShutError, Turns
-from server.base.errors import Crowded, Failed
-from server.base.helpers import IDLE, Helper, Program, UnansweredError
-from server.base.processes import environment
+from server.base.concurrency import FairLimiter, Gate, GateClosed, LimiterFullError
+from server.base.errors import InternalFailure, Overloaded
+from server.base.helpers import IDLE_TIMEOUT, Helper, HelperError, HelperProgram
+from server.base.processes import child_environment
 from server.base.settings import Settings
 
 COMMAND = (sys.executable, "-P", "-m", "server.cells")
@@ -37,14 +37,14 @@ class Cells:
         *,
         command: Sequence[str] = COMMAND,
         patience: float = PATIENCE,
-        idle: float = IDLE,
+        idle: float = IDLE_TIMEOUT,
         walls: Gate | None = None,
     ) -> None:
         self._walls = walls or Gate(opened=True)
         files = {name: dict(texts) for name, texts in kits.items()}
         beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once}).encode()
-        self.helper = Helper(Program(command, environment(settings), MAX_ANSWER, patience, idle, beginning))
-        self._turns = Turns(settings.cells_at_once, settings.cells_waiting)
+        self.helper = Helper(HelperProgram(command, child_environment(settings), MAX_ANSWER, patience, idle, beginning))
+        self._turns = FairLimiter(settings.cells_at_once, settings.cells_waiting)
         self._of: Counter[str] = Counter()
         self._running: set[asyncio.Task[bytes]] = set()
 
@@ -59,13 +59,13 @@ class Cells:
         A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
         """
         if self._of[reader] >= EACH:
-            raise Crowded(YOURS, retry_after=2)
+            raise Overloaded(YOURS, retry_after=2)
         self._of[reader] += 1
         try:
             await self._turns.take(address)
-        except FullError:
+        except LimiterFullError:
             self._less(reader)
-            raise Crowded(CROWDED, retry_after=5) from None
+            raise Overloaded(CROWDED, retry_after=5) from None
         except BaseException:
             self._less(reader)
             raise
@@ -88,10 +88,10 @@ class Cells:
 
     async def _ask(self, question: bytes) -> bytes:
         try:
-            await self._walls.passed()
+            await self._walls.wait_open()
             return await self.helper.ask(question)
-        except (UnansweredError, ShutError) as error:
-            raise Failed(FAILED) from error
+        except (HelperError, GateClosed) as error:
+            raise InternalFailure(FAILED) from error
 
     async def close(self) -> None:
         await self.helper.close()

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from threading import BoundedSemaphore
 
-from server.base.errors import Crowded, Invalid
+from server.base.errors import Invalid, Overloaded
 from server.base.processes import bare_environment
 from server.classes.spreadsheet import MAX_COLUMNS, MAX_LINES
 
@@ -113,7 +113,7 @@ def _text(text: str) -> Iterator[SheetRow]:
 
 def _spreadsheet(content: bytes) -> Iterator[SheetRow]:
     if not _opening.acquire(timeout=OPENING_SECONDS):
-        raise Crowded(BUSY, retry_after=5)
+        raise Overloaded(BUSY, retry_after=5)
     try:
         done = subprocess.run(
             [sys.executable, "-m", "server.classes.spreadsheet"],

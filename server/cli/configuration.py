@@ -10,14 +10,14 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from server.base import traces
-from server.base.settings import SECRETS_DIR, Settings, misspelt, variable
-from server.base.validation import reason
+from server.base.settings import SECRETS_DIR, Settings, misspelt_variables, variable_name
+from server.base.validation import french_reason
 from server.cli import CannotRun
 
 
 def read_settings(**values: Any) -> Settings:
     """The environment's settings; `values` that are not None replace them."""
-    faults = [_unknown(name, meant) for name, meant in misspelt(os.environ)]
+    faults = [_unknown(name, meant) for name, meant in misspelt_variables(os.environ)]
     try:
         given = {name: value for name, value in values.items() if value is not None}
         settings = Settings(**{"_secrets_dir": _secrets(), **given})
@@ -38,7 +38,7 @@ def _secrets() -> Path | None:
         names = [path.name for path in Path(folder).iterdir()]
     except OSError as error:
         raise CannotRun(f"{SECRETS_DIR} : le dossier « {folder} » ne se lit pas : {error.strerror}.") from error
-    faults = [f"{folder}/{fault}" for fault in (_unknown(*found) for found in misspelt(names))]
+    faults = [f"{folder}/{fault}" for fault in (_unknown(*found) for found in misspelt_variables(names))]
     if faults:
         raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
     return Path(folder)
@@ -46,7 +46,7 @@ def _secrets() -> Path | None:
 
 def start_traces(process: str) -> None:
     try:
-        traces.start(process)
+        traces.start_tracing(process)
     except traces.CannotTrace as reason_why:
         raise CannotRun(f"{reason_why}.") from reason_why
 
@@ -56,20 +56,20 @@ def _unknown(name: str, meant: str | None) -> str:
 
 
 def _refused(error: ErrorDetails) -> str:
-    return f"{variable(str(error['loc'][0]))} : {reason(error)} (valeur donnée : « {error['input']} »)"
+    return f"{variable_name(str(error['loc'][0]))} : {french_reason(error)} (valeur donnée : « {error['input']} »)"
 
 
 def _impossible(settings: Settings) -> Iterator[str]:
     if settings.on_postgres and find_spec("psycopg") is None:
-        name = variable("database_url")
+        name = variable_name("database_url")
         yield f"{name} : PostgreSQL demande un paquet de plus, que pip install 'balise[postgresql]' installe"
     if not settings.nats_url:
         return
-    name = variable("nats_url")
+    name = variable_name("nats_url")
     if not settings.on_postgres:
         yield (
             f"{name} : NATS répartit le travail entre machines, qui partagent une base PostgreSQL : réglez aussi "
-            f"{variable('database_url')}, ou retirez ce réglage-ci"
+            f"{variable_name('database_url')}, ou retirez ce réglage-ci"
         )
     if find_spec("nats") is None or (settings.nats_nkey_file is not None and find_spec("nkeys") is None):
         yield f"{name} : NATS demande un paquet de plus, que pip install 'balise[nats]' installe"

@@ -18,7 +18,7 @@ def opened(settings: Settings, *, patience: float = 0.0) -> Iterator[Database]:
     """Raises CannotRun, then and later, for whatever is wrong with the database; it has so many seconds to answer."""
     require_database(settings)
     with in_words(), closing(Database(settings.url)) as database:
-        database.wait(patience)
+        database.wait_until_available(patience)
         require_current(database.engine)
         yield database
 

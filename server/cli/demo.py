@@ -9,7 +9,7 @@ from pathlib import Path
 
 from fastapi import FastAPI
 
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -36,7 +36,7 @@ def run(arguments: Namespace) -> int:
         def announce(app: FastAPI, address: str) -> None:
             _announce(loaded[0], address)
             lesson = Lesson(
-                provided_to(app, Database), provided_to(app, Course), provided_to(app, Submissions), loaded[0]
+                get_service(app, Database), get_service(app, Course), get_service(app, Submissions), loaded[0]
             )
             lesson.start()
             lessons.append(lesson)

@@ -4,7 +4,7 @@ import json
 import os
 from pathlib import Path
 
-from server.base.files import OWNER_ALONE, write_whole
+from server.base.files import OWNER_ONLY, write_atomically
 from server.cli import CannotRun
 
 NAME = Path("balise", "tokens.json")
@@ -34,6 +34,6 @@ def keep(server: str, token: str) -> None:
     others = {name: value for name, value in read().items() if name != server}
     try:
         path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        write_whole(path(), json.dumps({**others, server: token}, indent=2), OWNER_ALONE)
+        write_atomically(path(), json.dumps({**others, server: token}, indent=2), OWNER_ONLY)
     except OSError as error:
         raise CannotRun(f"le jeton ne peut pas être gardé dans {path()} : {error.strerror}.") from error

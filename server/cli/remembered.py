@@ -20,7 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from graders.courses import HERE, OWN
-from server.base.files import default_cache_dir, digest, write_whole
+from server.base.files import default_cache_dir, digest_files, write_atomically
 from server.course.closure import Imports
 from server.course.memory import Memory, source_of
 from server.course.models import Exercise, Module
@@ -66,7 +66,7 @@ class Remembered:
             return
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(self._path, json.dumps(dict([*self._known.items()][-MOST:]), indent=0))
+            write_atomically(self._path, json.dumps(dict([*self._known.items()][-MOST:]), indent=0))
             self.imports.keep("", {})
         except OSError:
             log.warning("what was found in order is not remembered in %s", self._path, exc_info=True)
@@ -92,7 +92,7 @@ def _read(path: Path | None) -> dict[str, tuple[str, str]]:
 @cache
 def around() -> bytes:
     """Of what surrounds a course: Python, the machine, the libraries, the limits, what tries it."""
-    tried_by = digest([(name, OWN / name) for name in TRYING])
+    tried_by = digest_files([(name, OWN / name) for name in TRYING])
     libraries = [f"{name} {version(name)}" for name in LIBRARIES]
     limits = json.dumps(asdict(Policy()), sort_keys=True, default=str)
     return "\0".join([sys.version, platform.platform(), *libraries, limits, tried_by]).encode()
@@ -100,12 +100,12 @@ def around() -> bytes:
 
 def of_texts(places: Sequence[Path]) -> str:
     """Of all that the texts of these courses are rendered from."""
-    return digest([], around() + source_of([place / "curriculum" for place in places], HERE.places).encode())
+    return digest_files([], around() + source_of([place / "curriculum" for place in places], HERE.places).encode())
 
 
 def of_module(module: Module) -> str:
     """Of what draws and runs in a module's texts: its folder, and the code that it may call."""
-    return digest([(module.slug, module.folder), *_code(HERE.places)], around())
+    return digest_files([(module.slug, module.folder), *_code(HERE.places)], around())
 
 
 def of_exercise(exercise: Exercise, imports: Imports) -> str:
@@ -113,7 +113,9 @@ def of_exercise(exercise: Exercise, imports: Imports) -> str:
     folder = exercise.statement.source.path.parent
     replays = sorted(imports.closure(f"graders.{exercise.module}.{exercise.slug}.replays").items())
     own = [("exercise", folder), *(("graders", place / "graders" / exercise.id) for place in HERE.places)]
-    return digest([*own, *replays], b"\0".join([around(), exercise.version.encode(), repr(exercise.policy).encode()]))
+    return digest_files(
+        [*own, *replays], b"\0".join([around(), exercise.version.encode(), repr(exercise.policy).encode()])
+    )
 
 
 def _code(places: Sequence[Path]) -> list[tuple[str, Path]]:

@@ -18,7 +18,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
 from server.base import http, logs, traces
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.base.settings import Settings
 from server.cli import CannotRun
@@ -27,7 +27,7 @@ from server.cli.configuration import read_settings, start_traces
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
-from server.database import STARTING_SECONDS, Database, is_away
+from server.database import STARTUP_TIMEOUT, Database, is_unavailable
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
@@ -52,7 +52,7 @@ def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data, trusted_proxy=arguments.trusted_proxy)
 
     def announce(app: FastAPI, address: str) -> None:
-        _announce(settings, provided_to(app, Course), address)
+        _announce(settings, get_service(app, Course), address)
 
     return serve(settings, arguments.host, arguments.port, announce)
 
@@ -60,7 +60,7 @@ def run(arguments: Namespace) -> int:
 def serve(settings: Settings, host: str, port: int, announce: Announce, prepare: Prepare | None = None) -> int:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
-    logs.start("", settings.log_format)
+    logs.configure_logging("", settings.log_format)
     start_traces("web")
     _allow_many_connections()
     with _listening(host, port) as listener, alone(settings):
@@ -83,12 +83,12 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
             if settings.warm_up:
                 Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
             if settings.warm_figures:
-                provided_to(app, Figures).pictures.warm()
+                get_service(app, Figures).pictures.warm()
 
         try:
             _serve(app, settings, listener, ready, probing, walls)
         finally:
-            traces.stop()
+            traces.stop_tracing()
     return 0
 
 
@@ -152,7 +152,7 @@ class Server(uvicorn.Server):
 
 def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """What a visitor's headers say of the address that they come from is believed from trusted proxies alone."""
-    return http.configuration(app, grace=GRACE, proxies=list(settings.trusted_proxies))
+    return http.uvicorn_config(app, grace=GRACE, proxies=list(settings.trusted_proxies))
 
 
 def _serve(
@@ -164,9 +164,9 @@ def _serve(
     walls: Gate,
 ) -> None:
     """Pages are served while the walls are tried; where they do not stand, it ends before any student's code ran."""
-    end_streams = provided_to(app, Events).close  # open, they would keep it from ending
-    server = Server(configuration(app, settings), ready, provided_to(app, Supervisor).expect_the_end, end_streams)
-    open_once_tried(probing, walls, provided_to(app, Metrics), server.leave)
+    end_streams = get_service(app, Events).close  # open, they would keep it from ending
+    server = Server(configuration(app, settings), ready, get_service(app, Supervisor).expect_the_end, end_streams)
+    open_once_tried(probing, walls, get_service(app, Metrics), server.leave)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
@@ -214,7 +214,7 @@ def _refused(error: OSError, host: str, port: int) -> str:
 def _migrate(settings: Settings) -> None:
     database = Database(settings.url)
     try:
-        database.wait(STARTING_SECONDS)
+        database.wait_until_available(STARTUP_TIMEOUT)
         upgrade(database.engine)
     except WrongSchema as error:
         raise CannotRun(str(error)) from error
@@ -254,7 +254,7 @@ def _administrator_link(settings: Settings) -> str | None:
         with database.write() as db:
             token = links.invite_administrator(db)
     except DBAPIError as error:
-        if not is_away(error):
+        if not is_unavailable(error):
             raise
         log.warning("the database does not answer: the next start tells the administrator's link, if there is one")
         return None

@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from server.base.files import OWNER_ALONE, default_cache_dir, digest, write_whole
+from server.base.files import OWNER_ONLY, default_cache_dir, digest_files, write_atomically
 from server.sandbox.install import installation
 
 NAME = "walls.json"
@@ -54,7 +54,7 @@ def ground() -> str:
 
 
 def _ground() -> Iterator[str]:
-    yield digest([("sandbox", SANDBOX)])
+    yield digest_files([("sandbox", SANDBOX)])
     found = installation()
     yield from (sys.version, found.python, *found.sites, *found.packages, *found.sets)
     yield from (_said(name) for name in SAID)
@@ -93,6 +93,6 @@ def keep() -> None:
     """That they stand. Where it cannot be kept, they are tried again the next time."""
     try:
         path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        write_whole(path(), json.dumps({"at": time.time(), "ground": ground()}), OWNER_ALONE)
+        write_atomically(path(), json.dumps({"at": time.time(), "ground": ground()}), OWNER_ONLY)
     except OSError:
         return

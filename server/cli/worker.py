@@ -12,7 +12,7 @@ from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
 from server.cli.database import opened
 from server.cli.sandboxes import require_safe_sandbox, start_probing
-from server.database import STARTING_SECONDS
+from server.database import STARTUP_TIMEOUT
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
 from server.health.counts import Counts
@@ -31,11 +31,11 @@ def run(_arguments: Namespace) -> int:
     if settings.database_url is None:
         raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
     require_safe_sandbox(start_probing())
-    logs.start(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
+    logs.configure_logging(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
     start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        with opened(settings, patience=STARTING_SECONDS) as database:
+        with opened(settings, patience=STARTUP_TIMEOUT) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)
@@ -44,5 +44,5 @@ def run(_arguments: Namespace) -> int:
     except Stop:
         return 0
     finally:
-        traces.stop()
+        traces.stop_tracing()
     return 0

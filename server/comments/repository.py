@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, UnreadThread
-from server.database import NEVER, ask, prepared, rows_of, table_of
+from server.database import END_OF_TIME, ask, prepared, rows_of, table_of
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -203,7 +203,7 @@ def _open_of(account_id: UUID, until: datetime, *, all_times: bool) -> Select[st
 
 
 def count_open_questions(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
-    return dict(ask(db, *_open_of(account_id, until or NEVER, all_times=until is None)).all())
+    return dict(ask(db, *_open_of(account_id, until or END_OF_TIME, all_times=until is None)).all())
 
 
 def _read_in(school_class: SchoolClass) -> ColumnElement[bool]:

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
 from server.comments import notes_repository, repository
@@ -49,7 +49,7 @@ NOBODY = "Personne ne lirait votre question : rejoignez d’abord la classe de v
 
 def find_thread(db: Session, account: Account | None, thread_id: UUID | str) -> Thread:
     """A thread that this account may read. Raises NotFound for any other, whatever exists."""
-    thread = repository.find_thread(db, identity_of(thread_id, UNKNOWN))
+    thread = repository.find_thread(db, parse_uuid(thread_id, UNKNOWN))
     if thread is None or not rights.may_read_work(db, account, thread.account_id, thread.exercise, thread.work_at):
         raise NotFound(UNKNOWN)
     return thread

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.course.models import Course
 
-CourseOf = Annotated[Course, Depends(provided(Course))]
+CourseOf = Annotated[Course, Depends(app_service(Course))]

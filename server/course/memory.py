@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from server.base.files import digest, files, write_whole
+from server.base.files import digest_files, walk_files, write_atomically
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +74,7 @@ class Memory:
             return
         kept = {"sound": sound, "found": found, "imports": self._used}
         try:
-            write_whole(self._path, json.dumps(kept))
+            write_atomically(self._path, json.dumps(kept))
         except OSError:
             log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
 
@@ -84,7 +84,7 @@ def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
     roots = [("curriculum", curriculum) for curriculum in curricula]
     roots += [(name, root / name) for root in code for name in OF_OURS]
     head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
-    return digest([one for root in roots for one in files(*root)], head.encode())
+    return digest_files([one for root in roots for one in walk_files(*root)], head.encode())
 
 
 def _reader() -> str:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
-from server.base.files import digest
+from server.base.files import digest_files
 from server.course import toml_file
 from server.course.models import Course, CourseFault, Exercise, Problem
 from server.course.toml_places import line_of
@@ -61,7 +61,7 @@ def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem])
 
 def _with(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
     head = "\0".join([exercise.version, *(f"{one.slug}\0{one.solution}" for one in reused)])
-    return replace(exercise, reuses=tuple(one.slug for one in reused), version=digest([], head.encode()))
+    return replace(exercise, reuses=tuple(one.slug for one in reused), version=digest_files([], head.encode()))
 
 
 def _without(exercise: Exercise) -> Exercise:

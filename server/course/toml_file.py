@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from server.base.validation import reason
+from server.base.validation import french_reason
 from server.course.models import CourseFault, Problem
 from server.course.toml_places import Location, line_of
 
@@ -67,7 +67,7 @@ def describe(fault: ErrorDetails) -> str:
     """A French sentence for one of pydantic's faults."""
     field = ".".join(str(part + 1) if isinstance(part, int) else part for part in fault["loc"])
     own = MESSAGES.get(fault["type"])
-    return own.format(field=field) if own else f"« {field} » : {reason(fault)}"
+    return own.format(field=field) if own else f"« {field} » : {french_reason(fault)}"
 
 
 def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:

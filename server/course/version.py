@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from graders.core.contract.kits import Files, kits_of
-from server.base.files import digest, files
+from server.base.files import digest_files, walk_files
 from server.course.closure import Imports
 from server.course.schemas import ExerciseFile
 
@@ -31,7 +31,7 @@ EQUIVALENTS = "equivalents.toml"
 def version(imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
     """See the head of this file. `folder` is the exercise's, in the course; `code` are the folders that hold graders;
     `kit` is the name of what its programs find."""
-    return digest(grading_files(imports, code, folder, card, grader, kit), _asked(card))
+    return digest_files(grading_files(imports, code, folder, card, grader, kit), _asked(card))
 
 
 def grading_files(
@@ -42,7 +42,7 @@ def grading_files(
     graders = graders_of(code, module, folder.name)
     described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
-    yield from (named for named in files(GRADER, graders) if _decides(named[1].relative_to(graders)))
+    yield from (named for named in walk_files(GRADER, graders) if _decides(named[1].relative_to(graders)))
     if card.kind == "code":
         yield from _kit(kits_of(folder.parents[1])[kit])
     else:

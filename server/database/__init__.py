@@ -1,38 +1,38 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
-from server.database.base import NEVER, Base, UtcDateTime, table_of, utc_now
+from server.database.base import END_OF_TIME, Base, UtcDateTime, table_of, utc_now
 from server.database.engine import (
-    MOST_CONNECTIONS,
-    STARTING_SECONDS,
+    MAX_CONNECTIONS,
+    STARTUP_TIMEOUT,
     Database,
-    after_commit,
-    is_away,
-    is_locked,
-    upserting,
+    is_lock_timeout,
+    is_unavailable,
+    run_after_commit,
+    upsert_statement,
 )
 from server.database.prepared import ask, change, loaded, one_of, prepared, rows_of
 from server.database.told import Copies, Telling, Told
 
 __all__ = [
-    "MOST_CONNECTIONS",
-    "NEVER",
-    "STARTING_SECONDS",
+    "END_OF_TIME",
+    "MAX_CONNECTIONS",
+    "STARTUP_TIMEOUT",
     "Base",
     "Copies",
     "Database",
     "Telling",
     "Told",
     "UtcDateTime",
-    "after_commit",
     "ask",
     "change",
-    "is_away",
-    "is_locked",
+    "is_lock_timeout",
+    "is_unavailable",
     "loaded",
     "one_of",
     "prepared",
     "rows_of",
+    "run_after_commit",
     "table_of",
-    "upserting",
+    "upsert_statement",
     "utc_now",
 ]

@@ -27,7 +27,7 @@ def _known(text: str | None) -> UUID | None:
     return None if text is None else UUID(text)
 
 
-class Identity(Uuid[UUID]):
+class CachedUuid(Uuid[UUID]):
     """An identity. Where the database keeps it as text, the same text gives the same object: a class is read a thousand
     rows at a time, with thousands of identities that are the same few hundreds."""
 
@@ -40,7 +40,7 @@ class Identity(Uuid[UUID]):
 
 class Base(DeclarativeBase):
     metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map: ClassVar[dict[Any, Any]] = {UUID: Identity()}
+    type_annotation_map: ClassVar[dict[Any, Any]] = {UUID: CachedUuid()}
 
 
 def table_of(model: type[Base]) -> Table:
@@ -64,7 +64,7 @@ class UtcDateTime(TypeDecorator[datetime]):
 
 
 #: Later than whatever happens: a bound that lets all through.
-NEVER = datetime(9999, 1, 1, tzinfo=UTC)
+END_OF_TIME = datetime(9999, 1, 1, tzinfo=UTC)
 
 
 def utc_now() -> datetime:

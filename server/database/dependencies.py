@@ -9,14 +9,14 @@ from fastapi import Depends, Request
 from fastapi.concurrency import contextmanager_in_threadpool
 from sqlalchemy.orm import Session
 
-from server.base.app_services import needed, provided
+from server.base.app_services import app_service, app_service_getter
 from server.base.http import SAFE_METHODS
 from server.database.engine import Database
 
-DatabaseOf = Annotated[Database, Depends(provided(Database))]
+DatabaseOf = Annotated[Database, Depends(app_service(Database))]
 
 
-_database = needed(Database)
+_database = app_service_getter(Database)
 
 
 async def _session(request: Request) -> AsyncIterator[Session]:
@@ -27,11 +27,11 @@ async def _session(request: Request) -> AsyncIterator[Session]:
         async with contextmanager_in_threadpool(database.write()) as db:
             yield db
         return
-    db = database.reading()
+    db = database.open_read_session()
     try:
         yield db
     finally:
-        if database.is_near or not db.in_transaction():
+        if database.is_local_file or not db.in_transaction():
             db.close()
         else:
             await _closed(db)

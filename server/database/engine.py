@@ -30,7 +30,7 @@ MODE_SECONDS, MODE_PAUSE = 15.0, 0.01
 AFTER_COMMIT = "after_commit"
 KEPT_CONNECTIONS = 10
 #: That one process may open to the database: one or two for each thread that answers somebody.
-MOST_CONNECTIONS = 50
+MAX_CONNECTIONS = 50
 #: Of PostgreSQL, in its own units: a transaction in which its process has said nothing for so long is undone, for it
 #: may be frozen, and what it has locked is waited for. A server that is gone without a word is given up after a while.
 IDLE_TRANSACTION = "60s"
@@ -39,7 +39,7 @@ REACHING: Mapping[str, str] = {
     **{"keepalives_idle": "10", "keepalives_interval": "5", "keepalives_count": "3"},
 }
 #: How long who starts waits for it, and between two questions.
-STARTING_SECONDS, AGAIN_SECONDS = 20.0, 0.5
+STARTUP_TIMEOUT, AGAIN_SECONDS = 20.0, 0.5
 #: By which PostgreSQL says that it has undone such a transaction.
 ENDED_IDLE = "25P03"
 
@@ -53,7 +53,7 @@ def make_engine(url: str) -> Engine:
     engine = create_engine(
         asked if checked else asked.set(drivername=f"sqlite+{DRIVER}"),
         pool_size=KEPT_CONNECTIONS,
-        max_overflow=MOST_CONNECTIONS - KEPT_CONNECTIONS,
+        max_overflow=MAX_CONNECTIONS - KEPT_CONNECTIONS,
         pool_pre_ping=checked,
         connect_args=reaching,
         hide_parameters=True,
@@ -92,17 +92,17 @@ def _prepare_postgres(connection: Any, _record: object) -> None:
     connection.commit()
 
 
-def after_commit(db: Session, action: Callable[[], None]) -> None:
+def run_after_commit(db: Session, action: Callable[[], None]) -> None:
     """Runs `action` once the writing transaction of `db` is committed (never if it is rolled back)."""
     db.info.setdefault(AFTER_COMMIT, []).append(action)
 
 
-def is_locked(error: OperationalError) -> bool:
+def is_lock_timeout(error: OperationalError) -> bool:
     """Whether another writer of SQLite has outlasted the driver's wait: what failed may be tried again."""
     return getattr(error.orig, "sqlite_errorcode", None) in {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
 
-def is_away(error: DBAPIError) -> bool:
+def is_unavailable(error: DBAPIError) -> bool:
     """Whether PostgreSQL does not answer now, or has cut the transaction off: what failed may be tried again, and its
     commit may yet have succeeded."""
     state = getattr(error.orig, "sqlstate", None)
@@ -110,7 +110,7 @@ def is_away(error: DBAPIError) -> bool:
     return ours and not isinstance(error.orig, sqlite3.Error)
 
 
-def upserting(db: Session, model: type[Base]) -> sqlite.Insert | postgresql.Insert:
+def upsert_statement(db: Session, model: type[Base]) -> sqlite.Insert | postgresql.Insert:
     """An INSERT that can say what to do `on_conflict_…`."""
     insert = postgresql.insert if db.get_bind().dialect.name == "postgresql" else sqlite.insert
     return insert(table_of(model))
@@ -125,18 +125,18 @@ class Database:
         self._writes = sessionmaker(writing(self.engine), expire_on_commit=False)
 
     @property
-    def is_near(self) -> bool:
+    def is_local_file(self) -> bool:
         """Whether it is a file: nothing is waited for where nothing is read or written."""
         return self.engine.dialect.name == "sqlite"
 
-    def reading(self) -> Session:
+    def open_read_session(self) -> Session:
         """A session whose changes are dropped, which the caller closes."""
         return self._reads()
 
     @contextmanager
     def read(self) -> Iterator[Session]:
         """A session whose changes are dropped."""
-        with self.reading() as db:
+        with self.open_read_session() as db:
             yield db
 
     @contextmanager
@@ -144,12 +144,12 @@ class Database:
         """A session committed at the end of the block, rolled back when it raises."""
         with self._writes() as db:
             yield db
-            with traces.step("commit"):
+            with traces.span("commit"):
                 db.commit()
             for action in db.info.pop(AFTER_COMMIT, ()):
                 action()
 
-    def wait(self, seconds: float) -> None:
+    def wait_until_available(self, seconds: float) -> None:
         """Until it answers; raises DBAPIError where it still does not after so long. Starting is dear, and a database
         that restarts is back soon."""
         deadline, told = time.monotonic() + seconds, False
@@ -158,7 +158,7 @@ class Database:
                 self.engine.connect().close()
                 return
             except DBAPIError as error:
-                if not is_away(error) or time.monotonic() > deadline:
+                if not is_unavailable(error) or time.monotonic() > deadline:
                     raise
                 if not told:
                     log.warning("the database does not answer yet, asking for %g s: %s", seconds, error.orig)

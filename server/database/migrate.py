@@ -25,7 +25,7 @@ class WrongSchema(Exception):
     """The database is not at the schema that is asked for; its message is French and for the administrator."""
 
 
-def configuration(connection: Connection | None = None) -> Config:
+def alembic_config(connection: Connection | None = None) -> Config:
     from alembic.config import Config
 
     config = Config()
@@ -40,22 +40,22 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
     Raises WrongSchema, before anything changes, where the database comes from a newer Balise.
     """
     with writing(engine).begin() as connection:
-        one_at_a_time(connection)
-        upgrade_on(connection, revision)
+        lock_migrations(connection)
+        upgrade_connection(connection, revision)
 
 
-def upgrade_on(connection: Connection, revision: str = "head") -> None:
+def upgrade_connection(connection: Connection, revision: str = "head") -> None:
     """The same in the caller's transaction."""
     current = current_revision(connection)
     _require_known(current)
-    if revision == "head" and current == head():
+    if revision == "head" and current == head_revision():
         return
     from alembic import command
 
-    command.upgrade(configuration(connection), revision)
+    command.upgrade(alembic_config(connection), revision)
 
 
-def one_at_a_time(connection: Connection) -> None:
+def lock_migrations(connection: Connection) -> None:
     """Until the commit, nobody else migrates: on SQLite, nobody else writes at all."""
     if connection.dialect.name == "postgresql":
         connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": ADVISORY_LOCK})
@@ -79,13 +79,13 @@ def _before() -> Mapping[str, str | None]:
     return found
 
 
-def head() -> str:
+def head_revision() -> str:
     """The schema of this version of Balise."""
     (newest,) = _before().keys() - set(_before().values())
     return newest
 
 
-def is_known(revision: str) -> bool:
+def is_known_revision(revision: str) -> bool:
     return revision in _before()
 
 
@@ -94,16 +94,16 @@ def require_current(engine: Engine) -> None:
     with engine.connect() as connection:
         revision = current_revision(connection)
     _require_known(revision)
-    if revision != head():
+    if revision != head_revision():
         raise WrongSchema(
             f"la base de données est d’une version plus ancienne de Balise (schéma {revision or 'absent'}, "
-            f"ici {head()}) : « balise serve » la met à jour."
+            f"ici {head_revision()}) : « balise serve » la met à jour."
         )
 
 
 def _require_known(revision: str | None) -> None:
-    if revision is not None and not is_known(revision):
+    if revision is not None and not is_known_revision(revision):
         raise WrongSchema(
-            f"la base de données vient d’une version plus récente de Balise (schéma {revision}, ici {head()}) : "
-            "installez cette version, ou restaurez une sauvegarde d’avant."
+            f"la base de données vient d’une version plus récente de Balise (schéma {revision}, ici {head_revision()}) "
+            ": installez cette version, ou restaurez une sauvegarde d’avant."
         )

@@ -10,13 +10,13 @@ from sqlalchemy import JSON, ColumnElement, type_coerce
 from sqlalchemy.orm import Session
 from sqlalchemy.types import NullType
 
-from server.database.base import Base, Identity, UtcDateTime, table_of
+from server.database.base import Base, CachedUuid, UtcDateTime, table_of
 from server.database.prepared import loaded
 
 Model = TypeVar("Model", bound=Base)
 Told: TypeAlias = tuple[Any, ...]
 #: The types of which a database tells something else than what is read.
-READ = (Identity, UtcDateTime, JSON)
+READ = (CachedUuid, UtcDateTime, JSON)
 
 
 class Telling:

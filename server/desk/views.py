@@ -43,7 +43,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import editions
 from server.web.news import news_views
-from server.web.words import moment, moment_text
+from server.web.words import iso_moment, short_moment
 
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
 ADDED, JOINS = "compte à créer", "a déjà un compte ici"
@@ -125,7 +125,7 @@ def code_view(school_class: SchoolClass, base: str) -> CodeView | None:
     if code is None or until is None:
         return None
     address = f"{base}/rejoindre/{code}"
-    return CodeView(format_code(code), address, _qr_of_class(address), moment(until), moment_text(until))
+    return CodeView(format_code(code), address, _qr_of_class(address), iso_moment(until), short_moment(until))
 
 
 @lru_cache(maxsize=128)
@@ -193,10 +193,10 @@ def member_rows(members: Iterable[Member]) -> tuple[MemberRow, ...]:
             name=one.name,
             login=one.account.login or "",
             groups=one.groups,
-            joined=moment(one.membership.joined_at),
-            joined_text=moment_text(one.membership.joined_at),
-            seen=_when(one.membership.last_seen_at, moment),
-            seen_text=_when(one.membership.last_seen_at, moment_text),
+            joined=iso_moment(one.membership.joined_at),
+            joined_text=short_moment(one.membership.joined_at),
+            seen=_when(one.membership.last_seen_at, iso_moment),
+            seen_text=_when(one.membership.last_seen_at, short_moment),
             guest=one.account.is_guest,
             without_password=_without_password(one),
         )
@@ -221,13 +221,13 @@ def settings_page(db: Session, course: Course, place: ClassAccess, account: Acco
         staff=staff,
         code=code_view(school_class, base),
         editions=tuple(
-            _choice(db, course, school_class, one) for one in editions.to_move_to(course, school_class.module)
+            _choice(db, course, school_class, one) for one in editions.later_editions(course, school_class.module)
         ),
     )
 
 
 def _choice(db: Session, course: Course, school_class: SchoolClass, edition: Module) -> EditionChoice:
-    there = partial(editions.there, course, module=edition.slug)
+    there = partial(editions.exercise_in_edition, course, module=edition.slug)
     left = () if edition.slug == school_class.module else editing.uncopied_exercises(db, school_class, there)
     return EditionChoice(
         slug=edition.slug,

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.figures.service import Figures
 
-FiguresOf = Annotated[Figures, Depends(provided(Figures))]
+FiguresOf = Annotated[Figures, Depends(app_service(Figures))]

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from graders.courses import HERE
-from server.base.files import ROOT, digest
+from server.base.files import ROOT, digest_files
 from server.course.code import MANIPULATIONS
 from server.course.models import Drawing
 
@@ -83,13 +83,13 @@ def code_version() -> str:
     """Of what draws the verdicts' figures and replays, and of what the lessons' drawings call."""
     rooms = [(name, place / name) for place in HERE.places for name in ("graders", "reference")]
     rooms.append(("server/figures", ROOT / "server" / "figures"))
-    return " ".join((digest(rooms), *map(version, LIBRARIES)))
+    return " ".join((digest_files(rooms), *map(version, LIBRARIES)))
 
 
 @cache
 def folder_version(module: Path) -> str:
     """Of a module's drawings, and of what they call: its kit, its replays."""
-    return digest([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
+    return digest_files([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
 
 
 def _module_of(drawing: Drawing) -> Path:

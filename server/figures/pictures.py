@@ -11,9 +11,9 @@ from typing import Protocol
 from starlette.concurrency import run_in_threadpool
 
 from server.base.caches import LRUCache
-from server.base.concurrency import FullError, Turns
-from server.base.errors import Crowded, Failed
-from server.base.helpers import UnansweredError
+from server.base.concurrency import FairLimiter, LimiterFullError
+from server.base.errors import InternalFailure, Overloaded
+from server.base.helpers import HelperError
 from server.figures.orders import WARM, Order
 from server.figures.store import Store
 
@@ -51,7 +51,7 @@ class Pictures:
 
     def __init__(self, drawer: Drawer, store: Store, *, most_waiting: int = MOST_WAITING) -> None:
         self._drawer, self._store = drawer, store
-        self._turns = Turns(1, most_waiting)
+        self._turns = FairLimiter(1, most_waiting)
         self._lately: LRUCache[str, bytes] = LRUCache(REMEMBERED_BYTES, len)
         self._coming: dict[str, _Coming] = {}
         self._warming: asyncio.Task[None] | None = None
@@ -97,16 +97,16 @@ class Pictures:
 
     async def _drawn(self, order: Order, address: str, coming: _Coming) -> bytes:
         if len(order.question) > LONGEST_QUESTION:
-            raise Failed(order.words.failed)
+            raise InternalFailure(order.words.failed)
         try:
             await self._turns.take(address)
-        except FullError:
-            raise Crowded(order.words.crowded, retry_after=5) from None
+        except LimiterFullError:
+            raise Overloaded(order.words.crowded, retry_after=5) from None
         coming.begun = True
         try:
             picture = await self._drawer.ask(order.question)
-        except UnansweredError as error:
-            raise Failed(order.words.failed) from error
+        except HelperError as error:
+            raise InternalFailure(order.words.failed) from error
         finally:
             self._turns.give_back()
         await run_in_threadpool(self._store.put, order.key, picture)
@@ -119,7 +119,7 @@ class Pictures:
     async def _warm(self) -> None:
         try:
             await self._drawer.ask(WARM)
-        except UnansweredError:
+        except HelperError:
             log.warning("the process that draws could not be made ready beforehand")
 
     async def close(self) -> None:

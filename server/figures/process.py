@@ -15,13 +15,13 @@ from typing import Any
 
 from graders.plotting import counterexample
 from server.base import helper_line
-from server.base.helper_line import Line
+from server.base.helper_line import ServiceLine
 from server.figures.program import LARGEST, LARGEST_REPLAY, MEMORY
 
 log = logging.getLogger(__name__)
 
 
-def serve(line: Line) -> None:
+def serve(line: ServiceLine) -> None:
     """Until the line is closed."""
     resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
     questions = line.questions()
@@ -33,7 +33,7 @@ def serve(line: Line) -> None:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def _answer(line: Line, number: int, asked: bytes) -> None:
+def _answer(line: ServiceLine, number: int, asked: bytes) -> None:
     try:
         picture = drawn(json.loads(asked))
     except Exception:

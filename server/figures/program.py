@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 
-from server.base.helpers import Program
+from server.base.helpers import HelperProgram
 from server.base.processes import bare_environment
 
 COMMAND = (sys.executable, "-P", "-m", "server.figures")
@@ -21,7 +21,7 @@ LARGEST_REPLAY = 2 << 20
 MEMORY = 2 << 30
 
 
-def program(*, patience: float = PATIENCE, cpu_seconds: float = CPU_SECONDS) -> Program:
+def program(*, patience: float = PATIENCE, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
     """It needs nothing of the settings, and is given none."""
     beginning = json.dumps({"cpu_seconds": cpu_seconds}).encode()
-    return Program(COMMAND, bare_environment(), LARGEST, patience, beginning=beginning)
+    return HelperProgram(COMMAND, bare_environment(), LARGEST, patience, beginning=beginning)

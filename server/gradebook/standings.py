@@ -13,7 +13,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import change, table_of, upserting
+from server.database import change, table_of, upsert_statement
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -142,7 +142,7 @@ def _write(db: Session, totals_by_pair: Mapping[tuple[UUID, str], StandingTotals
         if totals is not None
     ]
     if rows:
-        statement = upserting(db, Standing)
+        statement = upsert_statement(db, Standing)
         changes = {name: statement.excluded[name] for name in TOTAL_COLUMNS}
         db.execute(statement.on_conflict_do_update(index_elements=KEY, set_=changes), rows)
     for (account_id, exercise), totals in totals_by_pair.items():

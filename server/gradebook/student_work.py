@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, and_, func, select
 from sqlalchemy.orm import Session
 
-from server.database import NEVER
+from server.database import END_OF_TIME
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -78,8 +78,8 @@ def load_by_exercise(db: Session, account_id: UUID, module: str, until: datetime
     query = select(
         Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at)
     ).outerjoin(Grading, Grading.id == Submission.grading_id)
-    query = query.where(Submission.account_id == account_id, Submission.created_at <= (until or NEVER))
-    mistakes = _load_latest_mistakes(db, account_id, until or NEVER)
+    query = query.where(Submission.account_id == account_id, Submission.created_at <= (until or END_OF_TIME))
+    mistakes = _load_latest_mistakes(db, account_id, until or END_OF_TIME)
     return {
         exercise: ExerciseWork(count, best, last_at, mistakes.get(exercise) or "")
         for exercise, count, best, last_at in db.execute(query.group_by(Submission.exercise))
@@ -106,5 +106,5 @@ def _sent(account_id: UUID, exercise: str, until: datetime | None) -> ColumnElem
     return and_(
         Submission.account_id == account_id,
         Submission.exercise == exercise,
-        Submission.created_at <= (until or NEVER),
+        Submission.created_at <= (until or END_OF_TIME),
     )

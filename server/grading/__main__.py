@@ -7,11 +7,11 @@ import socket
 import sys
 
 from server.base import logs, traces
-from server.base.processes import die_with
+from server.base.processes import die_with_parent
 
 
 def main(channel_fd: int, parent: int) -> None:
-    die_with(parent)
+    die_with_parent(parent)
     gc.disable()  # what is imported and read stays: `run` has it left alone, then lets garbage be collected again
     from server.base.settings import Settings
     from server.grading.process import run, stop_on_signals
@@ -23,14 +23,14 @@ def main(channel_fd: int, parent: int) -> None:
     os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
     channel = Channel(socket.socket(fileno=channel_fd))
     settings = Settings()
-    logs.start(f"worker[{channel_fd}]", settings.log_format, logging.INFO)
-    traces.start(f"worker[{channel_fd}]")
+    logs.configure_logging(f"worker[{channel_fd}]", settings.log_format, logging.INFO)
+    traces.start_tracing(f"worker[{channel_fd}]")
     try:
         run(settings, channel, channel, channel.renewed)
     except Stop:
         sys.exit(0)
     finally:
-        traces.stop()
+        traces.stop_tracing()
 
 
 if __name__ == "__main__":

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from server.base.concurrency import Gate, ShutError
-from server.base.processes import environment
+from server.base.concurrency import Gate, GateClosed
+from server.base.processes import child_environment
 from server.base.settings import Settings
 from server.queue.owner import Owner, owner_of
 from server.queue.switchboard import Switchboard
@@ -107,8 +107,8 @@ class Supervisor:
 
     async def _keep(self, slot: int) -> None:
         try:
-            await self._walls.passed()
-        except ShutError:
+            await self._walls.wait_open()
+        except GateClosed:
             return
         while not self._stopping:
             born = asyncio.get_running_loop().time()
@@ -141,7 +141,7 @@ class Supervisor:
             process = await asyncio.create_subprocess_exec(
                 *arguments,
                 pass_fds=[theirs.fileno()],
-                env=environment(self._settings),
+                env=child_environment(self._settings),
                 stdin=asyncio.subprocess.DEVNULL,
             )
         owner, wire = owner_of(process.pid), Wire(ours.dup())

@@ -69,13 +69,13 @@ class GradingTask:
         began = time.time_ns()
         judgement = self._grade(work)
         told = judgement.verdict.timings
-        traces.steps(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
+        traces.record_spans(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
         return GradingResult(judgement, work.started_at)
 
     def record(self, db: Session, work: SentFile, result: GradingResult) -> None:
         _record(db, work.submission_id, result)
         outcome = result.verdict.outcome.value
-        logs.tell("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
+        logs.log_event("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
 
 
 def give_ups(course: Course) -> Mapping[str, GiveUp]:

@@ -13,7 +13,7 @@ from enum import Enum
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.settings import Settings
-from server.database import MOST_CONNECTIONS, Database, utc_now
+from server.database import MAX_CONNECTIONS, Database, utc_now
 from server.database.migrate import WrongSchema, require_current
 from server.health import repository
 from server.queue import repository as jobs
@@ -125,7 +125,7 @@ def _room(database: Database) -> Finding:
     if opened + FEW_CONNECTIONS <= most:
         return Finding(Level.good, "connexions à la base", told)
     mend = (
-        f"augmentez max_connections : {MOST_CONNECTIONS} pour chaque serveur web, 3 pour chaque correcteur (ou placez "
+        f"augmentez max_connections : {MAX_CONNECTIONS} pour chaque serveur web, 3 pour chaque correcteur (ou placez "
         "PgBouncer devant PostgreSQL)"
     )
     return Finding(Level.doubtful, "connexions à la base", told, mend)

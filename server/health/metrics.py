@@ -14,7 +14,7 @@ from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 from uuid import UUID
 
-from server.base.counters import REFUSED_LOGINS, TEMPLATE_RENEWALS, UNPOSTED
+from server.base.counters import DROPPED_NOTIFICATIONS, REFUSED_LOGINS, TEMPLATE_RENEWALS
 from server.database import Database, utc_now
 from server.grading.supervisor import Supervisor
 from server.health import repository
@@ -120,7 +120,7 @@ class Metrics:
 
 COUNTED = (
     ("balise_refused_logins", "Log-ins and API tokens that were refused", REFUSED_LOGINS),
-    ("balise_unposted", "What was not given to NATS, and is made up for later", UNPOSTED),
+    ("balise_unposted", "What was not given to NATS, and is made up for later", DROPPED_NOTIFICATIONS),
     ("balise_template_renewals", "Templates of the sandbox that were replaced", TEMPLATE_RENEWALS),
 )
 

@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row, exists, func, select, text
 from sqlalchemy.orm import Session, aliased
 
-from server.database import table_of, upserting
+from server.database import table_of, upsert_statement
 from server.gradebook.models import Grading
 from server.health.models import Count
 from server.queue.models import Job
@@ -85,7 +85,7 @@ def failed(db: Session, outcome: str, since: datetime, most: int) -> Sequence[Ro
 
 def count(db: Session, name: str, why: str) -> None:
     """That it happened once more."""
-    statement = upserting(db, Count).values(name=name, why=why, times=1)
+    statement = upsert_statement(db, Count).values(name=name, why=why, times=1)
     again = {"times": table_of(Count).c.times + 1}
     db.execute(statement.on_conflict_do_update(index_elements=["name", "why"], set_=again))
 

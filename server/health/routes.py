@@ -6,10 +6,10 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import JSONResponse
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, NotFound, Unauthorised
-from server.base.logs import RECENT
+from server.base.logs import RECENT_ERRORS
 from server.base.settings import Settings
 from server.database.dependencies import Db
 from server.grading.supervisor import Supervisor
@@ -22,11 +22,11 @@ from server.submissions.events import Events
 
 router = APIRouter(include_in_schema=False)
 
-SettingsOf = Annotated[Settings, Depends(provided(Settings))]
-MetricsOf = Annotated[Metrics, Depends(provided(Metrics))]
-EventsOf = Annotated[Events, Depends(provided(Events))]
-SupervisorOf = Annotated[Supervisor, Depends(provided(Supervisor))]
-ReadinessOf = Annotated[Readiness, Depends(provided(Readiness))]
+SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
+MetricsOf = Annotated[Metrics, Depends(app_service(Metrics))]
+EventsOf = Annotated[Events, Depends(app_service(Events))]
+SupervisorOf = Annotated[Supervisor, Depends(app_service(Supervisor))]
+ReadinessOf = Annotated[Readiness, Depends(app_service(Readiness))]
 NO_STORE = {"Cache-Control": "no-store"}
 SCHEME = "bearer"
 
@@ -63,7 +63,7 @@ def status(
         walls=measured.walls,
         checks=readiness.checks(),
     )
-    faults = [Fault(at, where, message) for at, where, message in RECENT.read()]
+    faults = [Fault(at, where, message) for at, where, message in RECENT_ERRORS.read()]
     return JSONResponse(overview.to_json(overview.read(db, process, faults)), headers=NO_STORE)
 
 

@@ -10,7 +10,7 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
-from server.base.app_services import provided, provided_to
+from server.base.app_services import app_service, get_service
 from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Unauthorised
 from server.base.http import client_address, session_token
@@ -22,7 +22,7 @@ from server.identity.service import AccountService, OpenedSession
 
 _bearer = HTTPBearer(auto_error=False, description="Un jeton créé sur la page « Mon compte ».")
 
-AccountServiceOf = Annotated[AccountService, Depends(provided(AccountService))]
+AccountServiceOf = Annotated[AccountService, Depends(app_service(AccountService))]
 
 
 def set_session_cookie(request: Request, opened: OpenedSession) -> None:
@@ -110,7 +110,7 @@ class TokenFirstRoute(APIRoute):
                 return await answer(request)
             except RequestValidationError:
                 token = await _shown(await _bearer(request))
-                await run_in_threadpool(account_of_token, token, provided_to(request.app, Database))
+                await run_in_threadpool(account_of_token, token, get_service(request.app, Database))
                 raise
 
         return answered

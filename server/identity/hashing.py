@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.concurrency import FullError, Turns
-from server.base.errors import Crowded
+from server.base.concurrency import FairLimiter, LimiterFullError
+from server.base.errors import Overloaded
 from server.identity import secrets
 
 THREADS_OF_A_HASH = 4
@@ -21,7 +21,7 @@ class PasswordHasher:
     """For one event loop. Raises Crowded where too many wait; an address's flood does not keep the others out."""
 
     def __init__(self, at_once: int | None = None, waiting: int = MOST_WAITING) -> None:
-        self._turns = Turns(at_once or max(1, (os.cpu_count() or 1) // THREADS_OF_A_HASH), waiting)
+        self._turns = FairLimiter(at_once or max(1, (os.cpu_count() or 1) // THREADS_OF_A_HASH), waiting)
 
     async def hash(self, password: str, *, address: str) -> str:
         return await self._in_turn(address, partial(secrets.hash_password, password))
@@ -33,8 +33,8 @@ class PasswordHasher:
     async def _in_turn(self, address: str, work: Callable[[], T]) -> T:
         try:
             await self._turns.take(address)
-        except FullError:
-            raise Crowded(BUSY, retry_after=5) from None
+        except LimiterFullError:
+            raise Overloaded(BUSY, retry_after=5) from None
         try:
             return await run_in_threadpool(work)
         finally:

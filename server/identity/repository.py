@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import ask, prepared, rows_of, table_of, upserting, utc_now
+from server.database import ask, prepared, rows_of, table_of, upsert_statement, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 _enabled = Account.disabled_at.is_(None)
@@ -148,7 +148,7 @@ def delete_expired(db: Session, now: datetime) -> None:
 def upsert_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
     """In place of the account's earlier one."""
     row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
-    statement = upserting(db, PasswordLink).values(account_id=account_id, **row)
+    statement = upsert_statement(db, PasswordLink).values(account_id=account_id, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
 
 

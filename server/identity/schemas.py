@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from server.base.errors import FieldsRefused
+from server.base.errors import InvalidFields
 from server.identity.passwords import password_problem
 
 LOGIN_LENGTH = range(2, 255)
@@ -10,7 +10,7 @@ NAME_LENGTH = 100
 LABEL_LENGTH = 100
 
 
-class RefusedForm(FieldsRefused):
+class RefusedForm(InvalidFields):
     """A form that cannot be accepted."""
 
 

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.counters import REFUSED_LOGINS
-from server.base.errors import Conflict, NotFound, TooMany
+from server.base.errors import Conflict, NotFound, RateLimited
 from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
@@ -112,7 +112,7 @@ class AccountService:
         """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm, TooMany or Crowded."""
         try:
             account = await run_in_threadpool(self._account_to_try, normalise_login(login), address)
-        except TooMany:
+        except RateLimited:
             REFUSED_LOGINS.add("too_many")
             raise
         stored = account.password_hash if account else None

@@ -7,9 +7,9 @@ from uuid import UUID
 from sqlalchemy import Row, bindparam, delete, select, update
 from sqlalchemy.orm import Session
 
-from server.base.errors import TooMany
-from server.base.settings import Bucket
-from server.database import ask, change, table_of, upserting, utc_now
+from server.base.errors import RateLimited
+from server.base.settings import BucketSettings
+from server.database import ask, change, table_of, upsert_statement, utc_now
 from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
@@ -19,14 +19,14 @@ LOCK_BUCKET = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_k
 SET_TOKENS = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
 
 
-def take_token(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
+def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> None:
     """Takes one token of `key`, or raises TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
     now = utc_now()
     held, updated_at = _locked(db, key, bucket, now)
     tokens = refilled(held, (now - updated_at).total_seconds(), bucket)
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
-        raise TooMany(refusal.format(seconds=wait), retry_after=wait)
+        raise RateLimited(refusal.format(seconds=wait), retry_after=wait)
     change(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
 
 
@@ -45,17 +45,17 @@ def submission_key(account_id: UUID) -> str:
     return f"submit:{account_id}"
 
 
-def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
+def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
     """The tokens of a bucket that held `tokens`, `elapsed` seconds later (a clock set back gives nothing)."""
     if bucket.refill_seconds == 0:
         return float(bucket.burst)
     return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
 
 
-def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Row[float, datetime]:
+def _locked(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
     known = ask(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
     if known is not None:
         return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
-    db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
+    db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
     return ask(db, LOCK_BUCKET, {"bucket": key}).one()

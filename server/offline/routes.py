@@ -10,28 +10,28 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.offline.schemas import OfflinePage
 from server.offline.service import Archives, Making
 from server.offline.site import folder
-from server.web.dependencies import Reading
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.rendering import render_page
 from server.web.schemas import ModuleLink
 from server.web.views import module_link
 
-ArchivesOf = Annotated[Archives, Depends(provided(Archives))]
+ArchivesOf = Annotated[Archives, Depends(app_service(Archives))]
 REFRESH = 4  # seconds
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/{module:module}/hors-ligne")
-async def offline(request: Request, archives: ArchivesOf, reader: Reading, module: str) -> HTMLResponse:
+async def offline(request: Request, archives: ArchivesOf, reader: CurrentReader, module: str) -> HTMLResponse:
     course_module = archives.module(module)
     view = shown(module_link(course_module), await archives.look(course_module))
     headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
     account = await run_in_threadpool(reader.who)
-    return page(request, "offline/page.html", account, headers=headers, page=view)
+    return render_page(request, "offline/page.html", account, headers=headers, page=view)
 
 
 @router.post("/{module:module}/hors-ligne")

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import Crowded, NotFound, NotNow
-from server.base.files import write_whole
+from server.base.errors import NotFound, Overloaded, WrongMoment
+from server.base.files import write_atomically
 from server.course import Course, Module
 from server.course.editions import MODULE
 from server.figures.orders import Theme
@@ -78,7 +78,7 @@ class Archives:
         found = await self.look(module)
         if isinstance(found, Path):
             return found
-        raise NotNow("Cette archive n’est pas prête : demandez-la sur la page « Lire hors ligne » du module.")
+        raise WrongMoment("Cette archive n’est pas prête : demandez-la sur la page « Lire hors ligne » du module.")
 
     async def close(self) -> None:
         tasks = [making.task for making in self._making.values()]
@@ -117,14 +117,14 @@ class Archives:
         while True:
             try:
                 return await self._figures.of_lesson(module, name, theme, ADDRESS)
-            except Crowded:
+            except Overloaded:
                 await asyncio.sleep(PAUSE)
 
 
 def _keep(path: Path, module: str, made: bytes) -> None:
     """All of it or nothing; earlier versions of the module's make room."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    write_whole(path, made)
+    write_atomically(path, made)
     for other in path.parent.iterdir():
         kept = KEPT.fullmatch(other.name)
         if kept and kept["module"] == module and other != path:

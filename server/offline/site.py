@@ -12,7 +12,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from server.base.files import ROOT, TEMPLATES, archive_of, digest
+from server.base.files import ROOT, TEMPLATES, digest_files, reproducible_zip
 from server.course import Course, Exercise, Module
 from server.figures import orders
 from server.figures.orders import Theme
@@ -24,7 +24,7 @@ from server.reading.downloads import Downloads
 from server.replays import service as replays
 from server.text.markup.text import still_of
 from server.web import assets
-from server.web.rendering import account_view, environment
+from server.web.rendering import account_view, jinja_environment
 from server.web.views import exercise_href, lesson_href, module_link
 
 #: A picture of the texts, by the drawing's name and the theme.
@@ -46,7 +46,7 @@ def version(module: Module) -> str:
         ("text", ROOT / "server" / "text"),
         ("offline", Path(__file__).parent),
     ]
-    return digest(parts, f"{assets.stamp()} {orders.code_version()}".encode())
+    return digest_files(parts, f"{assets.build_stamp()} {orders.code_version()}".encode())
 
 
 def pictured(module: Module) -> list[tuple[str, Theme]]:
@@ -58,7 +58,7 @@ def pictured(module: Module) -> list[tuple[str, Theme]]:
 
 def archive(course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> bytes:
     """A ZIP whose files stand in one folder. Slow at first (formulas, replays: seconds): call it in a thread."""
-    return archive_of(folder(module), Site(course, module, pictures, downloads).files())
+    return reproducible_zip(folder(module), Site(course, module, pictures, downloads).files())
 
 
 def folder(module: Module) -> str:
@@ -78,7 +78,7 @@ class Site:
         names = {name for lesson in self._shown for name in (*lesson.figures, *lesson.stills)}
         self._pictures = {key: picture for key, picture in pictures.items() if key[0] in names}
         self._scripts = replays.Replays()
-        self._places = Places(assets.root(), dict(self._addresses()))
+        self._places = Places(assets.static_root(), dict(self._addresses()))
 
     def files(self) -> dict[str, bytes]:
         """By their places in the archive."""
@@ -139,7 +139,7 @@ class Site:
         module = self._module
         around = {"base": "offline/base.html", "module": module_link(module), "terms": len(module.glossary)}
         visitor = {"account": account_view(None), "scripts": assets.is_built() and not self._on_paper}
-        return environment().get_template(template).render(**around, **visitor, **context)
+        return jinja_environment().get_template(template).render(**around, **visitor, **context)
 
     def _exercise(self, exercise: Exercise) -> OfflineExercise:
         lesson = next((one for one in self._module.lessons if one.slug == exercise.seance), None)
@@ -190,7 +190,7 @@ def _compact(value: Any) -> str:
 
 def _static() -> dict[str, bytes]:
     """Style sheets and what they ask for; scripts where they were built, as a folder's modules are refused."""
-    root = assets.folder()
+    root = assets.static_folder()
     styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in NOT_FOR_READING]
     scripts = [root / name for name in SCRIPTS] if assets.is_built() else []
     wanted = [path for path in (*styles, *scripts) if path.is_file()]

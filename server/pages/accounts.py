@@ -11,14 +11,14 @@ from server.identity.dependencies import AccountServiceOf, OptionalAccount, clea
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService, OpenedSession
-from server.web.forms import Field, form, go, local
+from server.web.forms import Field, account_form, local_path, redirect
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/inscription")
 def sign_up_form(request: Request, account: OptionalAccount, suite: str = "/") -> HTMLResponse:
-    return form(request, "inscription.html", account, after=local(suite))
+    return account_form(request, "inscription.html", account, after=local_path(suite))
 
 
 @router.post("/inscription")
@@ -34,9 +34,11 @@ async def sign_up(
     try:
         opened = await _opened(request, accounts, account, (name, login, password))
     except RefusedForm as refused:
-        return form(request, "inscription.html", account, refused, name=name, login=login, after=local(suite))
+        return account_form(
+            request, "inscription.html", account, refused, name=name, login=login, after=local_path(suite)
+        )
     set_session_cookie(request, opened)
-    return go(local(suite))
+    return redirect(local_path(suite))
 
 
 async def _opened(
@@ -53,7 +55,7 @@ async def _opened(
 @router.get("/bienvenue/{token}")
 def welcome_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
     links.check_invitation(db, token)
-    return form(request, "bienvenue.html", account)
+    return account_form(request, "bienvenue.html", account)
 
 
 @router.post("/bienvenue/{token}")
@@ -69,14 +71,14 @@ async def welcome(
     try:
         opened = await _opened(request, accounts, account, (name, login, password), token)
     except RefusedForm as refused:
-        return form(request, "bienvenue.html", account, refused, name=name, login=login)
+        return account_form(request, "bienvenue.html", account, refused, name=name, login=login)
     set_session_cookie(request, opened)
-    return go("/")
+    return redirect("/")
 
 
 @router.get("/connexion")
 def log_in_form(request: Request, account: OptionalAccount, suite: str = "/") -> HTMLResponse:
-    return form(request, "connexion.html", account, after=local(suite))
+    return account_form(request, "connexion.html", account, after=local_path(suite))
 
 
 @router.post("/connexion")
@@ -91,14 +93,14 @@ async def log_in(
     try:
         opened = await accounts.log_in(login, password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
-        return form(request, "connexion.html", account, refused, login=login, after=local(suite))
+        return account_form(request, "connexion.html", account, refused, login=login, after=local_path(suite))
     set_session_cookie(request, opened)
-    return go(local(suite))
+    return redirect(local_path(suite))
 
 
 @router.get("/nouveau-mot-de-passe/{token}")
 def new_password_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
-    return form(request, "nouveau_mot_de_passe.html", account, login=links.find_link_owner(db, token).login)
+    return account_form(request, "nouveau_mot_de_passe.html", account, login=links.find_link_owner(db, token).login)
 
 
 @router.post("/nouveau-mot-de-passe/{token}")
@@ -113,13 +115,13 @@ async def new_password(
     try:
         opened = await accounts.choose_password(token, new_password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
-        return form(request, "nouveau_mot_de_passe.html", account, refused, login=login)
+        return account_form(request, "nouveau_mot_de_passe.html", account, refused, login=login)
     set_session_cookie(request, opened)
-    return go("/")
+    return redirect("/")
 
 
 @router.post("/deconnexion")
 def log_out(request: Request, db: Db) -> Response:
     service.close_session(db, session_token(request))
     clear_session_cookie(request)
-    return go("/")
+    return redirect("/")

@@ -20,9 +20,9 @@ from server.gradebook.schemas import Attempt
 from server.pages import held, service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
 from server.submissions.models import Submission
-from server.web.rendering import environment
+from server.web.rendering import jinja_environment
 from server.web.views import Reader
-from server.web.words import points
+from server.web.words import format_points
 
 FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, place.<question>.<step>
 MOST_OPTIONS = 1024
@@ -90,7 +90,7 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
         html=exercise.prose(question.text),
         form=question.form,
         field=(PLACE if order else FIELD) + question.id,
-        points=points(question.points),
+        points=format_points(question.points),
         unit=question.unit,
         value=shown(answer) if question.form == "number" and isinstance(answer, str | int | float) else "",
         pieces=pieces,
@@ -101,7 +101,7 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
 @lru_cache(maxsize=MOST_OPTIONS)
 def _options(count: int, chosen: int) -> Markup:
     """Of each step the same, but for the one that is chosen (0: none)."""
-    macros: Any = environment().get_template("exercise_answers_options.html").module
+    macros: Any = jinja_environment().get_template("exercise_answers_options.html").module
     return Markup(macros.options(count, chosen))
 
 

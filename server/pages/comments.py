@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.app_services import SettingsOf
-from server.base.errors import Conflict, Invalid, NotFound, TooMany
+from server.base.errors import Conflict, Invalid, NotFound, RateLimited
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
@@ -22,15 +22,15 @@ from server.pages import talk
 from server.pages.routes import attempt_page, exercise_page, note_seen
 from server.pages.talk import Aim
 from server.submissions import deals
-from server.web.dependencies import Reading
-from server.web.forms import Field, go, local
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, local_path, redirect
+from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
-REFUSALS = (Invalid, Conflict, TooMany)
+REFUSALS = (Invalid, Conflict, RateLimited)
 LINE = "Indiquez la ligne par son numéro."
 SettledOrNot = {"oui": True, "non": False}
 
@@ -40,7 +40,7 @@ def comment(
     request: Request,
     submission_id: str,
     account: SignedIn,
-    reader: Reading,
+    reader: CurrentReader,
     database: DatabaseOf,
     settings: SettingsOf,
     texte: Field = "",
@@ -66,7 +66,7 @@ def comment(
         again = gradebook.find_attempt(reader.db, account, submission_id)
         return attempt_page(request, reader, database, again, aim, status=int(refused.status))
     _keep(reader.db, account, attempt, texte, garder)
-    return go(f"/soumissions/{submission_id}#fil-{thread.id}")
+    return redirect(f"/soumissions/{submission_id}#fil-{thread.id}")
 
 
 def _lines(first: str, last: str) -> LineRange | None:
@@ -100,7 +100,7 @@ def ask(
     module: str,
     slug: str,
     account: SignedIn,
-    reader: Reading,
+    reader: CurrentReader,
     database: DatabaseOf,
     settings: SettingsOf,
     texte: Field = "",
@@ -114,14 +114,14 @@ def ask(
         seed = None if exercise.answers is None else deals.seed_of(reader.db, account, exercise.id)
         draft = Draft(texte, refused.detail)
         return exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
-    return go(f"{exercise_href(exercise)}#fil-{thread.id}")
+    return redirect(f"{exercise_href(exercise)}#fil-{thread.id}")
 
 
 @router.get("/fils/{thread_id}")
-def read(request: Request, thread_id: str, reader: Reading, database: DatabaseOf) -> Response:
+def read(request: Request, thread_id: str, reader: CurrentReader, database: DatabaseOf) -> Response:
     """A thread with what it is about."""
     if reader.account is None:
-        return go(f"/connexion?suite={request.url.path}")
+        return redirect(f"/connexion?suite={request.url.path}")
     return _thread(request, reader, database, thread_id, NO_DRAFT)
 
 
@@ -129,7 +129,7 @@ def _thread(
     request: Request, reader: Reader, database: DatabaseOf, thread_id: str, draft: Draft, status: int = 200
 ) -> HTMLResponse:
     view = talk.thread_page(reader, service.find_thread(reader.db, reader.account, thread_id), draft)
-    answer = page(request, "thread.html", reader.account, status=status, page=view)
+    answer = render_page(request, "thread.html", reader.account, status=status, page=view)
     note_seen(request, database, view.unread)
     return answer
 
@@ -139,7 +139,7 @@ def reply(
     request: Request,
     thread_id: str,
     account: SignedIn,
-    reader: Reading,
+    reader: CurrentReader,
     database: DatabaseOf,
     settings: SettingsOf,
     texte: Field = "",
@@ -167,27 +167,27 @@ def settle(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", reto
 
 def _back(thread_id: str, wanted: str) -> Response:
     """To the page that one came from, where the thread stands."""
-    there = local(wanted) if wanted else f"/fils/{thread_id}"
-    return go(f"{there.partition('#')[0]}#fil-{thread_id}")
+    there = local_path(wanted) if wanted else f"/fils/{thread_id}"
+    return redirect(f"{there.partition('#')[0]}#fil-{thread_id}")
 
 
 @router.post("/mots/{note_id}/lu")
 def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
     """That a student has read a word for them."""
     notes.mark_note_read(db, account, note_id)
-    return go(local(retour))
+    return redirect(local_path(retour))
 
 
 @router.get("/compte/phrases")
-def phrases(request: Request, reader: Reading, course: CourseOf) -> Response:
+def phrases(request: Request, reader: CurrentReader, course: CourseOf) -> Response:
     """The phrases that one keeps."""
     if reader.account is None:
-        return go("/connexion?suite=/compte/phrases")
+        return redirect("/connexion?suite=/compte/phrases")
     kept = talk.phrase_rows(notes_repository.load_all_phrases(reader.db, reader.account.id), course)
-    return page(request, "phrases.html", reader.account, phrases=kept)
+    return render_page(request, "phrases.html", reader.account, phrases=kept)
 
 
 @router.post("/compte/phrases/{phrase_id}/effacer")
 def forget_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
     notes.delete_phrase(db, account, phrase_id)
-    return go("/compte/phrases")
+    return redirect("/compte/phrases")

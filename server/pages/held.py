@@ -13,7 +13,7 @@ from server.database import utc_now
 from server.gradebook.schemas import Attempt
 from server.pages.schemas import HeldView, TestBanner
 from server.web.views import Reader, exercise_href
-from server.web.words import moment, moment_text
+from server.web.words import iso_moment, short_moment
 
 What = Literal["hints", "diagnosis", "solution"]
 IN_TEST: dict[What, str] = {
@@ -44,7 +44,7 @@ def held_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
     text = FOR_A_TIME[what].format(title=closed.title)
     if closed.until is None:
         return HeldView(f"{text}.", "", "")
-    return HeldView(f"{text} jusqu’au", moment(closed.until), moment_text(closed.until))
+    return HeldView(f"{text} jusqu’au", iso_moment(closed.until), short_moment(closed.until))
 
 
 def feedback_of(reader: Reader, exercise: Exercise) -> FeedbackHolds:
@@ -72,7 +72,7 @@ def banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestB
         title=test.title,
         href=test.path,
         stage=SHOWN_STAGES[test.stage],
-        now=moment(utc_now()),
+        now=iso_moment(utc_now()),
         ends=_or_empty(test.ends_at, text=False),
         ends_text=_or_empty(test.ends_at, text=True),
         save=f"{exercise_href(exercise)}/brouillon" if test.stage is SittingStage.running else "",
@@ -83,4 +83,4 @@ def banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestB
 
 
 def _or_empty(when: datetime | None, *, text: bool) -> str:
-    return "" if when is None else moment_text(when) if text else moment(when)
+    return "" if when is None else short_moment(when) if text else iso_moment(when)

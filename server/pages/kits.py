@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from server.base.errors import NotFound
-from server.base.files import archive_of
+from server.base.files import reproducible_zip
 from server.course import Module
 
 
@@ -27,5 +27,5 @@ def taken(module: Module, file: str) -> Taken:
         raise NotFound("Ce fichier n’existe pas.")
     files = {path: text.encode() for path, text in module.kits[kit].items()}
     if len(files) > 1:
-        return Taken(archive_of(kit, files), "application/zip")
+        return Taken(reproducible_zip(kit, files), "application/zip")
     return Taken(files[file], "text/x-python; charset=utf-8")

@@ -12,7 +12,7 @@ from server.course import Exercise
 from server.pages.schemas import MarkTone, MarkView
 from server.submissions.models import Submission
 from server.web import verdicts
-from server.web.words import mark, points
+from server.web.words import format_mark, format_points
 
 SIGNS_AND_WORDS: Mapping[MarkTone, tuple[str, str]] = {
     "good": ("✓", "Juste"),
@@ -64,8 +64,8 @@ def _mark(exercise: Exercise, check: CheckResult, told: Told | None, *, blank: b
         tone=tone,
         sign=sign,
         word=word,
-        points=mark(check.points, check.max_points),
-        max_points=points(check.max_points),
+        points=format_mark(check.points, check.max_points),
+        max_points=format_points(check.max_points),
         answered=_answered(told) if told else "",
         expected=exercise.line(expected) if isinstance(expected, str) else "",
         message="" if blank else exercise.prose(check.message),

@@ -11,7 +11,7 @@ from server.gradebook.schemas import HINT_OPENS_AFTER, Progress
 from server.gradebook.solutions import AccessReason, SolutionAccess
 from server.pages.schemas import HintView, SolutionView
 from server.web.rendering import python
-from server.web.views import Reader, door_view, exercise_href
+from server.web.views import Reader, exercise_href, solution_switch_view
 from server.web.words import plural
 
 
@@ -50,7 +50,9 @@ def solution(
         else Markup(exercise.prose(exercise.answers.correction(seed)))
     )
     doors = solutions.list_audiences(reader.db, reader.account, exercise.id) if access.teaches else []
-    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(door_view, doors)))
+    return SolutionView(
+        html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(solution_switch_view, doors))
+    )
 
 
 WHY_OPEN = {

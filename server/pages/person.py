@@ -7,9 +7,9 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.base.http import client_address, session_token
-from server.base.root_path import service_address
+from server.base.root_path import service_url
 from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -21,16 +21,16 @@ from server.identity.service import BUCKET_RETENTION
 from server.pages import retention
 from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
-from server.web.forms import Field, form, go
+from server.web.forms import Field, account_form, redirect
 
 router = APIRouter(include_in_schema=False)
 
-SettingsOf = Annotated[Settings, Depends(provided(Settings))]
+SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
 
 @router.get("/donnees-personnelles")
 def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
-    return form(
+    return account_form(
         request,
         "donnees.html",
         account,
@@ -45,7 +45,7 @@ def account_page(
     request: Request, account: OptionalAccount, db: Db, settings: SettingsOf, change: str = ""
 ) -> Response:
     if account is None:
-        return go("/connexion?suite=/compte")
+        return redirect("/connexion?suite=/compte")
     return _account_page(request, account, db, settings, changed=change == "mot-de-passe")
 
 
@@ -59,7 +59,7 @@ def _account_page(
     *,
     changed: bool = False,
 ) -> HTMLResponse:
-    return form(
+    return account_form(
         request,
         "compte.html",
         account,
@@ -69,7 +69,7 @@ def _account_page(
         secret=secret,
         changed=changed,
         settings=settings,
-        server=service_address(request),
+        server=service_url(request),
     )
 
 
@@ -85,7 +85,7 @@ def create_token(request: Request, person: SignedIn, db: Db, settings: SettingsO
 @router.post("/compte/jetons/{token_id}/revoquer")
 def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
     tokens.revoke_token(db, person, token_id)
-    return go("/compte")
+    return redirect("/compte")
 
 
 @router.post("/compte/mot-de-passe")
@@ -104,7 +104,7 @@ async def change_password(
     except RefusedForm as refused:
         with database.read() as db:
             return _account_page(request, person, db, settings, refused=refused)
-    return go("/compte?change=mot-de-passe")
+    return redirect("/compte?change=mot-de-passe")
 
 
 @router.get("/compte/donnees")
@@ -117,9 +117,9 @@ def take_away(person: SignedIn, personal: PersonalOf) -> StreamingResponse:
 @router.get("/compte/supprimer")
 def erase_form(request: Request, account: OptionalAccount) -> Response:
     return (
-        go("/connexion?suite=/compte/supprimer")
+        redirect("/connexion?suite=/compte/supprimer")
         if account is None
-        else form(request, "supprimer.html", account, login=account.login)
+        else account_form(request, "supprimer.html", account, login=account.login)
     )
 
 
@@ -130,12 +130,12 @@ async def erase(
     try:
         await accounts.require_password(person, password, address=client_address(request))
     except RefusedForm as refused:
-        return form(request, "supprimer.html", person, refused, login=person.login)
+        return account_form(request, "supprimer.html", person, refused, login=person.login)
     await run_in_threadpool(personal.erase, person.id)
     clear_session_cookie(request)
-    return go("/compte/efface")
+    return redirect("/compte/efface")
 
 
 @router.get("/compte/efface")
 def erased(request: Request, account: OptionalAccount) -> HTMLResponse:
-    return form(request, "efface.html", account)
+    return account_form(request, "efface.html", account)

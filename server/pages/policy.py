@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from server.base.validation import NO_BREAK, size
+from server.base.validation import NO_BREAK, format_size
 from server.course import Exercise
 from server.sandbox.policy import LIMIT_SPECS, Unit
-from server.web.words import points
+from server.web.words import format_points
 
 _THIN = "\u202f"
 
 
 def _seconds(value: float) -> str:
-    return f"{points(value)}{NO_BREAK}s"
+    return f"{format_points(value)}{NO_BREAK}s"
 
 
 def _count(value: float) -> str:
@@ -27,7 +27,7 @@ def _threads(value: float) -> str:
 
 READ: dict[Unit, Callable[[float], str]] = {
     "seconds": _seconds,
-    "bytes": size,
+    "bytes": format_size,
     "count": _count,
     "levels": lambda value: f"{_count(value)}{NO_BREAK}niveaux",
     "threads": _threads,

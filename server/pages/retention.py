@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from server.base.settings import Settings, variable
-from server.base.validation import size
+from server.base.settings import Settings, variable_name
+from server.base.validation import format_size
 from server.figures.store import KEPT_BYTES
 from server.identity.service import BUCKET_RETENTION
 from server.personal.service import GUEST_GRACE
@@ -32,7 +32,7 @@ class Row:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        return tuple(map(variable, self.settings))
+        return tuple(map(variable_name, self.settings))
 
 
 def _days(count: float) -> str:
@@ -189,7 +189,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda _: Row(
         "Figures et animations dessinées, sans nom ni compte",
-        f"tant qu’il y a de la place : {size(KEPT_BYTES)}, les moins regardées partent d’abord",
+        f"tant qu’il y a de la place : {format_size(KEPT_BYTES)}, les moins regardées partent d’abord",
         "le service",
         (),
         (),

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
 from server.base import root_path
-from server.base.app_services import needed
+from server.base.app_services import app_service_getter
 from server.base.errors import Invalid
 from server.base.http import SAFE_METHODS, client_address
 from server.comments import service as comments
@@ -41,33 +41,33 @@ from server.submissions.events import STREAM_HEADERS, as_sse
 from server.submissions.models import Submission
 from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
-from server.web.dependencies import Reading
+from server.web.dependencies import CurrentReader
 from server.web.forms import FormFields
 from server.web.packing import PLACE
-from server.web.rendering import fragment, page
+from server.web.rendering import render_fragment, render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
-from server.web.words import moment
+from server.web.words import iso_moment
 
 MOVES_ON = 303
 MOST_PAGES = 10**9
-_database, _accounts = needed(Database), needed(AccountService)
+_database, _accounts = app_service_getter(Database), app_service_getter(AccountService)
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/static/{version}/{name:path}")
 async def static(request: Request, version: str, name: str) -> Response:
-    return await assets.serve(request.scope, version, name)
+    return await assets.serve_static(request.scope, version, name)
 
 
 @router.get("/")
-def home(request: Request, reader: Reading) -> HTMLResponse:
-    return page(request, "home.html", reader.account, page=home_page(reader))
+def home(request: Request, reader: CurrentReader) -> HTMLResponse:
+    return render_page(request, "home.html", reader.account, page=home_page(reader))
 
 
 @router.get("/{module:module}/kit/{file}")
-def kit(module: str, file: str, reader: Reading) -> Response:
+def kit(module: str, file: str, reader: CurrentReader) -> Response:
     taken = kits.taken(find_module(reader.course, module), file)
     headers = {"Content-Disposition": f'attachment; filename="{file}"'}
     return Response(taken.content, media_type=taken.media_type, headers=headers)
@@ -78,7 +78,7 @@ def exercise(
     request: Request,
     module: str,
     slug: str,
-    reader: Reading,
+    reader: CurrentReader,
     reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
@@ -113,7 +113,7 @@ def exercise_page(
     asks = work.asks if work else talk.may_ask(reader, exercise)
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
     shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said, "place": PLACE}
-    answer = page(request, template, reader.account, status=status, steady=view.statement, **shown)
+    answer = render_page(request, template, reader.account, status=status, steady=view.statement, **shown)
     note_seen(request, database, said.unread)
     return answer
 
@@ -130,11 +130,11 @@ def attempts(
     request: Request,
     module: str,
     slug: str,
-    reader: Reading,
+    reader: CurrentReader,
     number: Annotated[int, Query(alias="page", ge=1, le=MOST_PAGES)] = 1,
 ) -> HTMLResponse:
     exercise = find_exercise(reader.course, module, slug)
-    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, exercise, number))
+    return render_page(request, "attempts.html", reader.account, page=service.attempts_page(reader, exercise, number))
 
 
 def _code(fields: FormData) -> str:
@@ -177,9 +177,9 @@ def submit(
         "id": str(submission.id),
         "account": str(account.id),
         "text": _first_words(store, db, account, submission),
-        "page": root_path.address(href + query),
-        "events": root_path.address(f"{href}/evenements"),
-        "verdict": root_path.address(f"{href}/verdict{query}"),
+        "page": root_path.external_path(href + query),
+        "events": root_path.external_path(f"{href}/evenements"),
+        "verdict": root_path.external_path(f"{href}/verdict{query}"),
     }
     return JSONResponse(answer, 202)
 
@@ -210,7 +210,7 @@ def save(
     saved_at = store.save(db, account, exercise.id, source)
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(f"{exercise_href(exercise)}#essai", MOVES_ON)
-    return JSONResponse({"saved_at": moment(saved_at)})
+    return JSONResponse({"saved_at": iso_moment(saved_at)})
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
@@ -227,7 +227,7 @@ Number = Annotated[int | None, Query(ge=1, le=MOST_PAGES)]
 def attempt(
     request: Request,
     submission_id: str,
-    reader: Reading,
+    reader: CurrentReader,
     deja: bool = False,
     ligne: Number = None,
     derniere: Number = None,
@@ -254,17 +254,19 @@ def attempt_page(
     view = service.attempt_page(reader, exercise, attempt, answered, again=again)
     work = view.results.work
     said = talk.attempt_talk(reader, exercise, attempt, aim, asks=work is not None and work.asks)
-    answer = page(request, "attempt.html", reader.account, status=status, page=view, results=view.results, talk=said)
+    answer = render_page(
+        request, "attempt.html", reader.account, status=status, page=view, results=view.results, talk=said
+    )
     note_seen(request, database, said.unread)
     return answer
 
 
 @router.get("/soumissions/{submission_id}/verdict")
-def verdict(submission_id: str, reader: Reading, deja: bool = False) -> HTMLResponse:
+def verdict(submission_id: str, reader: CurrentReader, deja: bool = False) -> HTMLResponse:
     attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
     results = service.attempt_page(reader, exercise, attempt, again=deja).results
-    return fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
+    return render_fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
 
 
 @router.get("/soumissions/{submission_id}/evenements")

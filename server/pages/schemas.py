@@ -10,7 +10,7 @@ from markupsafe import Markup
 from graders.core.contract.progress import Progress
 from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
-from server.web.schemas import DoorView, ModuleLink, OwnState, ShownVerdict
+from server.web.schemas import ModuleLink, OwnProgress, RenderedVerdict, SolutionSwitchView
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class WorkView:
     number: int
     status: Literal["queued", "running", "done"]
     waiting: str
-    verdict: ShownVerdict | None
+    verdict: RenderedVerdict | None
     page: str
     events: str
     fragment: str
@@ -139,7 +139,7 @@ class SolutionView:
     html: str
     why: str
     action: str
-    doors: tuple[DoorView, ...]
+    doors: tuple[SolutionSwitchView, ...]
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ class Results:
     solution: SolutionView | None
     attempts: tuple[AttemptRow, ...]
     all_attempts: str
-    own: OwnState
+    own: OwnProgress
     hints_held: HeldView | None = None
     diagnosis_held: HeldView | None = None
     solution_held: HeldView | None = None

@@ -38,12 +38,12 @@ from server.web import deadlines, regraded, verdicts
 from server.web.views import (
     Reader,
     exercise_href,
-    in_order,
+    exercises_in_reading_order,
     lesson_href,
     module_link,
-    own_state,
+    own_progress,
 )
-from server.web.words import mark, moment, moment_text
+from server.web.words import format_mark, iso_moment, short_moment
 
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
@@ -92,7 +92,7 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
     )
     for one in earlier:
         functions, when = tuple(function.name for function in one.functions), own.get(one.id)
-        moment = ("", "") if when is None else (when.isoformat(), moment_text(when))
+        moment = ("", "") if when is None else (when.isoformat(), short_moment(when))
         yield ReusedView(one.title, exercise_href(one), functions, *moment)
 
 
@@ -128,12 +128,12 @@ def common_parts(
         "test": held.banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
-        "due": deadlines.of_exercise(reader.db, reader.account, exercise.id),
+        "due": deadlines.due_for_exercise(reader.db, reader.account, exercise.id),
     }
 
 
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
-    way = in_order(module)
+    way = exercises_in_reading_order(module)
     place = way.index(exercise)
     around = (way[place - 1] if place else None, *way[place + 1 : place + 2], None)
     before, after = ((exercise_href(neighbour), neighbour.title) if neighbour else None for neighbour in around[:2])
@@ -158,8 +158,8 @@ def attempt_page(
         exercise_title=exercise.title,
         exercise_href=href,
         take_href=f"{href}?reprendre={submission.id}",
-        when=moment(submission.created_at),
-        when_text=moment_text(submission.created_at),
+        when=iso_moment(submission.created_at),
+        when_text=short_moment(submission.created_at),
         code=submission.code,
         told=None if answered is None else tuple(answered),
         results=results(
@@ -216,7 +216,7 @@ def results(
         solution=opening.solution(reader, exercise, progress, access, seed),
         attempts=_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
-        own=own_state(progress),
+        own=own_progress(progress),
         hints_held=None if access.teaches else held.held_view(access.hints_held, "hints"),
         diagnosis_held=held.held_view(diagnosis_held, "diagnosis") if verdict and verdict.tone != "good" else None,
         solution_held=held.held_view(access.solution_held, "solution") if access.would_open(progress) else None,
@@ -252,7 +252,7 @@ def _work(
         marks=marks.of(exercise, submission, verdict, seed),
         progress=_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask(reader, exercise, submission.account_id),
-        regraded=regraded.of(reader.db, attempt.grading.id, exercise.kind)
+        regraded=regraded.load_regraded_view(reader.db, attempt.grading.id, exercise.kind)
         if attempt.grading and not attempt.feedback.diagnosis
         else None,
     )
@@ -277,8 +277,8 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
     return AttemptRow(
         number=line.number,
         href=f"/soumissions/{line.id}",
-        when=moment(line.sent_at),
-        when_text=moment_text(line.sent_at),
-        points="" if line.score is None else mark(20 * line.score),
-        outcome=(FAILED if line.failed else HELD) if line.held else verdicts.title_of(line.outcome, exercise.kind),
+        when=iso_moment(line.sent_at),
+        when_text=short_moment(line.sent_at),
+        points="" if line.score is None else format_mark(20 * line.score),
+        outcome=(FAILED if line.failed else HELD) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
     )

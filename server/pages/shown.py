@@ -14,15 +14,15 @@ from server.gradebook.models import Grading
 from server.pages.schemas import WorkView
 from server.steps.replayable import can_replay
 from server.web import verdicts
-from server.web.rendering import environment
-from server.web.schemas import ShownVerdict, VerdictView
+from server.web.rendering import jinja_environment
+from server.web.schemas import RenderedVerdict, VerdictView
 
 KEPT_CHARACTERS = 8_000_000  # of HTML: a few hundred verdicts, 40,000 each at most where one is not extraordinary
 
-_KEPT: LRUCache[Hashable, ShownVerdict] = LRUCache(KEPT_CHARACTERS, weigh=lambda shown: len(shown.html))
+_KEPT: LRUCache[Hashable, RenderedVerdict] = LRUCache(KEPT_CHARACTERS, weigh=lambda shown: len(shown.html))
 
 
-def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView) -> ShownVerdict:
+def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView) -> RenderedVerdict:
     """`verdict` is that of the grading, without what is held back of it and with what a teacher says of it; `work` is
     what is known of the attempt otherwise."""
     filmed = tuple(grading.filmed or ())
@@ -33,15 +33,15 @@ def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView
     if kept is not None:
         return kept
     view = _view(exercise, verdict, grading, work.page)
-    macros = environment().get_template("verdict.html").module
+    macros = jinja_environment().get_template("verdict.html").module
     html = Markup(macros.show_verdict(view, work.number, work))  # type: ignore[attr-defined]
-    return _KEPT.put(key, ShownVerdict(view.tone, view.announcement, html))
+    return _KEPT.put(key, RenderedVerdict(view.tone, view.announcement, html))
 
 
 def _view(exercise: Exercise, verdict: Verdict, grading: Grading, href: str) -> VerdictView:
     texts = None if exercise.answers is None else exercise
     films = (f"{href}/rejeux", grading.filmed or ())
     replayed = (f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)])
-    return verdicts.view(
+    return verdicts.verdict_view(
         verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films, replayed=replayed
     )

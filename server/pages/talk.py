@@ -21,8 +21,8 @@ from server.text.highlight import lines as coloured
 from server.text.plain import visible
 from server.web import verdicts
 from server.web.news import NewsView, WordView, news_views, word_view
-from server.web.schemas import CheckView, Texts
-from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer
+from server.web.schemas import CheckView, ExerciseTexts
+from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer_view
 from server.web.views import Reader, exercise_href, find_exercise
 
 MOST_NUMBERED = 1500
@@ -112,7 +112,7 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
     write = (
-        writer(reader.db, account, exercise.id, back, staff=not own, diagnosis=_diagnosis(attempt))
+        writer_view(reader.db, account, exercise.id, back, staff=not own, diagnosis=_diagnosis(attempt))
         if may_write
         else None
     )
@@ -237,7 +237,7 @@ class ThreadPage:
     student: StudentLink | None
     code: tuple[LineView, ...]
     check: CheckView | None
-    texts: Texts | None
+    texts: ExerciseTexts | None
     writer: WriterView | None
     draft: Draft
     unread: tuple[Conversation, ...]
@@ -268,7 +268,7 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.lines),
         check=_check_view(exercise, attempt, thread.check_id),
         texts=None if exercise.answers is None else exercise,
-        writer=writer(
+        writer=writer_view(
             reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
         ),
         draft=draft,
@@ -283,7 +283,7 @@ def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | Non
         return None
     texts = None if exercise.answers is None else exercise
     figures = f"/soumissions/{attempt.submission.id}/figures"
-    view = verdicts.view(verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
+    view = verdicts.verdict_view(verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
     return next((check for check in view.checks if check.id == check_id), None)
 
 

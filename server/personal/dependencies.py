@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.personal.service import Personal
 
-PersonalOf = Annotated[Personal, Depends(provided(Personal))]
+PersonalOf = Annotated[Personal, Depends(app_service(Personal))]

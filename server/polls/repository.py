@@ -9,7 +9,7 @@ from sqlalchemy import Select, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
-from server.database import ask, prepared, table_of, upserting, utc_now
+from server.database import ask, prepared, table_of, upsert_statement, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import Said
 
@@ -19,7 +19,7 @@ def keep(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
     again = {"last": answer, "tries": table_of(PollAnswer).c.tries + 1, "last_at": now}
-    statement = upserting(db, PollAnswer).values(account_id=account_id, poll=poll, **row)
+    statement = upsert_statement(db, PollAnswer).values(account_id=account_id, poll=poll, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id", "poll"], set_=again))
 
 
@@ -27,7 +27,7 @@ def keep_first(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     """Keeps an answer, unless there is one already: of two requests at once, the first one's stays."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
-    statement = upserting(db, PollAnswer).values(account_id=account_id, poll=poll, **row)
+    statement = upsert_statement(db, PollAnswer).values(account_id=account_id, poll=poll, **row)
     db.execute(statement.on_conflict_do_nothing())
 
 

@@ -6,7 +6,7 @@ import threading
 
 from sqlalchemy.orm import Session
 
-from server.database import after_commit
+from server.database import run_after_commit
 from server.queue.port import Call
 from server.queue.switchboard import AWAKE, CHANGED, IDLE, QUEUED, RENEWED
 
@@ -43,10 +43,10 @@ class Channel:
             return  # the web process is gone: `wait` finds it out, the result is safe in the database
 
     def queued(self, db: Session, _call: Call) -> None:
-        after_commit(db, lambda: self._say(QUEUED))
+        run_after_commit(db, lambda: self._say(QUEUED))
 
     def changed(self, db: Session, news: str) -> None:
-        after_commit(db, lambda: self._say(f"{CHANGED} {news}"))
+        run_after_commit(db, lambda: self._say(f"{CHANGED} {news}"))
 
     def renewed(self, why: str) -> None:
         """A template of the sandbox was replaced."""

@@ -62,8 +62,8 @@ class TableQueue:
         turn = next_turn(crowd)
         if turn.pushes:
             turn = replace(turn, line=repository.push(db, sender, turn.own))
-        request = logs.current_id()
-        carried = {**(payload or {}), **({REQUEST: request} if request else {}), **traces.carried(key)}
+        request = logs.current_request_id()
+        carried = {**(payload or {}), **({REQUEST: request} if request else {}), **traces.job_trace_fields(key)}
         name = repository.put(db, kind, key, carried, sender, turn, needs)
         self._signals.queued(db, Call(kind, str(name)))
 

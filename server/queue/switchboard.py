@@ -16,7 +16,7 @@ from typing import Protocol
 from sqlalchemy.orm import Session
 
 from server.base.counters import TEMPLATE_RENEWALS
-from server.database import after_commit
+from server.database import run_after_commit
 from server.queue.port import Call
 
 log = logging.getLogger(__name__)
@@ -51,10 +51,10 @@ class Switchboard:
         self._loop = loop
 
     def queued(self, db: Session, _call: Call) -> None:
-        after_commit(db, self.wake)
+        run_after_commit(db, self.wake)
 
     def changed(self, db: Session, news: str) -> None:
-        after_commit(db, lambda: self.tell(news))
+        run_after_commit(db, lambda: self.tell(news))
 
     def wake(self) -> None:
         with self._waking:

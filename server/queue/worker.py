@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.base import logs, traces
 from server.base.settings import Settings
-from server.database import Database, is_away, is_locked, utc_now
+from server.database import Database, is_lock_timeout, is_unavailable, utc_now
 from server.queue.owner import Owner, owner_of
 from server.queue.port import REQUEST, Able, GiveUp, Lease, Queue, Tasks, Ticket, Tickets, WorkSource
 from server.queue.stopping import Stop, Stopping
@@ -124,8 +124,8 @@ class Worker:
         keep()
         lease, work = begun
         if work is not None:
-            told = logs.on_behalf(str(lease.payload.get(REQUEST, "")))
-            with told, traces.job(lease.payload, lease.kind, lease.tries, since):
+            told = logs.request_context(str(lease.payload.get(REQUEST, "")))
+            with told, traces.job_span(lease.payload, lease.kind, lease.tries, since):
                 self._do(lease, work, keep)
         return lease
 
@@ -146,7 +146,7 @@ class Worker:
         try:
             return self._tasks[lease.kind].read(db, lease)
         except Exception as error:
-            if isinstance(error, DBAPIError) and (is_away(error) or isinstance(error, OperationalError)):
+            if isinstance(error, DBAPIError) and (is_unavailable(error) or isinstance(error, OperationalError)):
                 raise
             log.exception("job %s %s cannot be read, try %d", lease.kind, lease.key, lease.tries)
             self._queue.fail(db, lease, self._give_ups)
@@ -155,12 +155,12 @@ class Worker:
     def _do(self, lease: Lease, work: Any, keep: Callable[[], None]) -> None:
         self._heartbeat.hold(lease, keep)
         try:
-            with traces.step("run"), self._stopping.open():
+            with traces.span("run"), self._stopping.open():
                 result = self._tasks[lease.kind].run(work)
-            with traces.step("record"):
+            with traces.span("record"):
                 self._write(lambda db: self._record(db, lease, work, result), patiently=True)
             seconds = (utc_now() - lease.started_at).total_seconds()
-            logs.tell("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
+            logs.log_event("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
         except Stop:
             with self._database.write() as db:
                 self._queue.give_back(db, lease)
@@ -188,8 +188,8 @@ class Worker:
                 with self._database.write() as db:
                     return step(db)
             except DBAPIError as error:
-                locked = isinstance(error, OperationalError) and is_locked(error)
-                if not locked and not (patiently and is_away(error)):
+                locked = isinstance(error, OperationalError) and is_lock_timeout(error)
+                if not locked and not (patiently and is_unavailable(error)):
                     raise
                 what, rest = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
                 log.warning("the database %s, trying again in %g s", what, rest)
@@ -228,7 +228,7 @@ class Worker:
         try:
             self._use(ticket)
         except DBAPIError as error:
-            if not is_away(error) and not isinstance(error, OperationalError):
+            if not is_unavailable(error) and not isinstance(error, OperationalError):
                 raise
             log.error("the database does not answer, trying again in %g s: %s", DATABASE_PAUSE, error.orig)
             with self._stopping.open():

@@ -8,7 +8,7 @@ from __future__ import annotations
 from threading import Lock
 
 from server.base.errors import NotFound
-from server.base.files import archive_of
+from server.base.files import reproducible_zip
 from server.course import Course
 from server.course.code import load_file
 
@@ -29,5 +29,5 @@ class Downloads:
         with self._lock:
             if (module, name) not in self._made:
                 files: dict[str, bytes] = load_file(course_module.files[name]).files()
-                self._made[module, name] = archive_of(name, files)
+                self._made[module, name] = reproducible_zip(name, files)
             return self._made[module, name]

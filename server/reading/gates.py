@@ -6,7 +6,7 @@ from server.course.models import Lesson
 from server.gradebook import solutions
 from server.reading.schemas import Gate
 from server.rights import service as rights
-from server.web.views import Reader, door_view, lesson_href
+from server.web.views import Reader, lesson_href, solution_switch_view
 
 #: What an archive shows: it is anybody's file, and no teacher could close it again.
 ONLINE = Gate("online")
@@ -21,7 +21,7 @@ def gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
         return None
     access = solutions.load_solution_access(reader.db, reader.account, lesson.id)
     if access.teaches:
-        doors = tuple(map(door_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
+        doors = tuple(map(solution_switch_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
         return Gate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
     if access.to_all or access.to_class:
         return None

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root_path
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.base.errors import NotFound
 from server.base.http import client_address
 from server.course.dependencies import CourseOf
@@ -21,33 +21,35 @@ from server.polls import service as polls
 from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
-from server.web.dependencies import Reading
+from server.web.dependencies import CurrentReader
 from server.web.packing import PLACE
-from server.web.rendering import once, page
+from server.web.rendering import render_page, with_etag
 from server.web.views import find_module, lesson_href
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
 
-DownloadsOf = Annotated[Downloads, Depends(provided(Downloads))]
+DownloadsOf = Annotated[Downloads, Depends(app_service(Downloads))]
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/{module:module}")
-def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
+def course_home(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
+    return render_page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
 
 
 @router.get("/{module:module}/lire/{slug}")
-def lesson(request: Request, module: str, slug: str, reader: Reading, ouvrir: Literal["", "oui"] = "") -> HTMLResponse:
+def lesson(
+    request: Request, module: str, slug: str, reader: CurrentReader, ouvrir: Literal["", "oui"] = ""
+) -> HTMLResponse:
     """`ouvrir`: the answers of a paper, once one has read the warning before them."""
     course_module = find_module(reader.course, module)
     found = service.find_lesson(course_module, slug)
     view = service.lesson_page(reader, course_module, found, past_warning=bool(ouvrir))
     shown = replace(view, html=PLACE)
-    return page(request, "reading/lesson.html", reader.account, page=shown, steady=view.html)
+    return render_page(request, "reading/lesson.html", reader.account, page=shown, steady=view.html)
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")
@@ -61,31 +63,31 @@ def open_or_close_answers(module: str, slug: str, course: CourseOf, door: Soluti
 
 
 @router.post("/{module:module}/previsions")
-def say(module: str, body: NewAnswer, reader: Reading) -> JSONResponse:
+def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
     """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
     poll = polls.find(course_module, body.question)
     marked = polls.say(reader.db, reader.account, course_module, poll, body.answer)
-    told = {**asdict(marked), "why": root_path.written(marked.why)}
+    told = {**asdict(marked), "why": root_path.with_external_paths(marked.why)}
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
 
 
 @router.get("/{module:module}/glossaire")
-def glossary(request: Request, module: str, reader: Reading) -> HTMLResponse:
+def glossary(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(course_module))
+    return render_page(request, "reading/glossary.html", reader.account, page=service.glossary_page(course_module))
 
 
 @router.get("/{module:module}/recherche")
-def search(request: Request, module: str, reader: Reading, q: Annotated[str, Query()] = "") -> HTMLResponse:
+def search(request: Request, module: str, reader: CurrentReader, q: Annotated[str, Query()] = "") -> HTMLResponse:
     course_module = find_module(reader.course, module)
-    return page(request, "reading/search.html", reader.account, page=service.search_page(course_module, q))
+    return render_page(request, "reading/search.html", reader.account, page=service.search_page(course_module, q))
 
 
 @router.get("/{module:module}/figures/{name}.svg")
 async def figure(request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light") -> Response:
     picture = await figures.of_lesson(module, name, theme, client_address(request))
-    return once(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
+    return with_etag(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
-from server.web.schemas import DoorView, EditionNote, ExerciseRow, FigureView, ModuleLink
+from server.web.schemas import EditionNote, ExerciseRow, FigureView, ModuleLink, SolutionSwitchView
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class Gate:
     state: Literal["kept", "warned", "online", "open"]
     onward: str = ""
     action: str = ""
-    doors: tuple[DoorView, ...] = ()
+    doors: tuple[SolutionSwitchView, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -39,9 +39,17 @@ from server.reading.schemas import (
 from server.text.prose import line
 from server.web import deadlines, editions
 from server.web.deadlines import DueView
-from server.web.rendering import environment
+from server.web.rendering import jinja_environment
 from server.web.schemas import ExerciseRow, FigureView
-from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link, on_the_way, resumed
+from server.web.views import (
+    Reader,
+    exercise_row,
+    exercises_in_reading_order,
+    lesson_href,
+    lessons_in_reading_order,
+    module_link,
+    next_exercise,
+)
 from server.web.words import plural
 
 DEEPEST = 3  # level of the smallest headings in a table of contents
@@ -61,9 +69,9 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
-    due = deadlines.soon(reader.db, reader.account, progress, module.slug)
+    due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
     view = home_view(module, progress, due, {one.number: f"/{one.slug}" for one in reader.course.latest})
-    return replace(view, edition=editions.note(reader, module))
+    return replace(view, edition=editions.edition_note(reader, module))
 
 
 def home_view(
@@ -73,8 +81,8 @@ def home_view(
 
     `others` are the addresses of modules, by their numbers.
     """
-    rows = _rows(in_order(module), progress)
-    way = on_the_way(module)
+    rows = _rows(exercises_in_reading_order(module), progress)
+    way = lessons_in_reading_order(module)
     sessions = tuple(
         _session(module, lesson, _following(module, rows, lesson)) for lesson in way if lesson.kind is SEANCE
     )
@@ -98,7 +106,7 @@ def home_view(
         references=tuple(Markup(line(one, module.names)) for one in module.references),
         paths=tuple(PathView(one.title, one.summary, f"/{module.slug}/lire/{one.page}") for one in module.paths),
         start=_link(way[0]) if way else None,
-        resumed=resumed(tuple(rows.values())),
+        resumed=next_exercise(tuple(rows.values())),
         sessions=sessions,
         shelves=tuple(_shelves(way)),
         exercises=tuple(row for row in left if not row.stars),
@@ -181,7 +189,7 @@ def lesson_view(
 ) -> LessonPage:
     """A lesson for one who stands there in the module's exercises, and `said` so to its questions; None where nobody
     hears them. Behind a gate that is not open, nothing of its text."""
-    way = on_the_way(module)
+    way = lessons_in_reading_order(module)
     place = way.index(lesson)
     shown = gate is None or gate.state == "open"
     return LessonPage(
@@ -207,7 +215,7 @@ def lesson_view(
 @lru_cache(maxsize=512)
 def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
     """A lesson's text, its questions written where they stand; `heard`: they are marked there."""
-    macros: Any = environment().get_template("reading/asked.html").module
+    macros: Any = jinja_environment().get_template("reading/asked.html").module
 
     def written(match: re.Match[str]) -> str:
         poll = polls.of_lesson(module, lesson).get(match[1])

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.regrades.service import RegradeService
 
-RegradeServiceOf = Annotated[RegradeService, Depends(provided(RegradeService))]
+RegradeServiceOf = Annotated[RegradeService, Depends(app_service(RegradeService))]

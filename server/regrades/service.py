@@ -23,7 +23,7 @@ from server.assignments import repository as assignments
 from server.assignments.counting import ScoredAttempt
 from server.assignments.models import Assignment, AttemptSelection, Mode
 from server.base.errors import Conflict, Invalid, NotFound
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.schemas import Member
@@ -191,7 +191,7 @@ def _by_rules(db: Session, assignment: Assignment) -> Marker:
 
 def find_regrade(db: Session, class_id: UUID, regrade_id: UUID | str) -> Regrade:
     """Raises NotFound for one that is not of this class."""
-    found = repository.find_regrade(db, class_id, identity_of(regrade_id, UNKNOWN))
+    found = repository.find_regrade(db, class_id, parse_uuid(regrade_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

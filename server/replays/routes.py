@@ -10,12 +10,12 @@ from fastapi import APIRouter, Depends, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from graders.scene.parameters import Values
-from server.base.app_services import provided
-from server.base.concurrency import FullError, Turns
-from server.base.errors import ServiceError, TooMany
-from server.base.http import as_json, client_address, of_error
+from server.base.app_services import app_service
+from server.base.concurrency import FairLimiter, LimiterFullError
+from server.base.errors import RateLimited, ServiceError
+from server.base.http import client_address, error_document, problem_response
 from server.replays.service import Answer, Replays, Script
-from server.web.rendering import once
+from server.web.rendering import with_etag
 
 MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
@@ -27,7 +27,7 @@ class Desk:
 
     def __init__(self, replays: Replays) -> None:
         self.replays = replays
-        self._turns = Turns(1, MOST_WAITING - 1)
+        self._turns = FairLimiter(1, MOST_WAITING - 1)
 
     async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
         """None when the reader has left in the meantime. Raises TooMany."""
@@ -36,8 +36,8 @@ class Desk:
             return answer
         try:
             await self._turns.take(client_address(request))
-        except FullError:
-            raise TooMany("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1) from None
+        except LimiterFullError:
+            raise RateLimited("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1) from None
         try:
             if await request.is_disconnected():
                 return None
@@ -47,7 +47,7 @@ class Desk:
             self._turns.give_back()
 
 
-DeskOf = Annotated[Desk, Depends(provided(Desk))]
+DeskOf = Annotated[Desk, Depends(app_service(Desk))]
 
 
 @router.get("/{module}/rejeux/{name}")
@@ -63,7 +63,7 @@ async def manipulation(request: Request, desk: DeskOf, module: str, name: str) -
 @router.get("/{module}/manipulations/{name}/{file}")
 async def manipulation_script(request: Request, desk: DeskOf, module: str, name: str, file: str) -> Response:
     text = await run_in_threadpool(desk.replays.script, module, name, file)
-    return once(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
+    return with_etag(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
 
 
 async def _answered(
@@ -73,7 +73,7 @@ async def _answered(
         script = await run_in_threadpool(find, module, name)
         answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
     except ServiceError as error:
-        return as_json(of_error(request, error), error.headers)
+        return problem_response(error_document(request, error), error.headers)
     return Response(status_code=GONE) if answer is None else _sent(request, answer)
 
 

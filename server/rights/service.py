@@ -15,7 +15,7 @@ from sqlalchemy import ColumnElement
 from sqlalchemy.orm import Session
 
 from server.base.errors import Forbidden, NotFound
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
@@ -54,7 +54,7 @@ class ClassAccess:
 
 def load_class_access(db: Session, account: Account, class_id: UUID | str) -> ClassAccess:
     """Raises NotFound for a class that does not concern this account, or is none."""
-    identity = identity_of(class_id, UNKNOWN_CLASS)
+    identity = parse_uuid(class_id, UNKNOWN_CLASS)
     seen = classes.load_class_and_membership(db, identity, account.id)
     if seen is None:
         raise NotFound(UNKNOWN_CLASS)

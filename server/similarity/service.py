@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.assignments.models import Assignment
-from server.base.errors import Crowded, Invalid
+from server.base.errors import Invalid, Overloaded
 from server.base.processes import bare_environment
 from server.course import Course, Exercise
 from server.similarity import repository
@@ -92,7 +92,7 @@ def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Compari
 
 def _asked(question: str) -> dict[str, list[tuple[int, int, float, float, list[int], list[int]]]]:
     if not _comparing.acquire(blocking=False):
-        raise Crowded(BUSY, retry_after=5)
+        raise Overloaded(BUSY, retry_after=5)
     try:
         done = subprocess.run(
             [sys.executable, "-m", "server.similarity.compare"],

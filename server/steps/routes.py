@@ -4,14 +4,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.base.http import client_address
 from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.steps.schemas import NewCall, NewCell, NewReplay
 from server.steps.service import Steps
 
 router = APIRouter(include_in_schema=False)
-StepsOf = Annotated[Steps, Depends(provided(Steps))]
+StepsOf = Annotated[Steps, Depends(app_service(Steps))]
 NO_STORE = {"Cache-Control": "no-store"}
 
 

@@ -10,9 +10,9 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.assignments import feedback, sittings
-from server.base.errors import Crowded, Failed, Invalid, NotFound, NotNow
+from server.base.errors import InternalFailure, Invalid, NotFound, Overloaded, WrongMoment
 from server.base.settings import Settings
-from server.base.validation import encoded
+from server.base.validation import encode_bounded
 from server.course import Course, Exercise
 from server.course.reuse import Own, shelves
 from server.database import Database
@@ -52,18 +52,18 @@ class Steps:
         """A lesson's cell. Raises NotFound, Invalid or TooLarge."""
         if module not in self.course.modules:
             raise NotFound(NO_MODULE)
-        source = encoded(_plain(new.code), self.settings.code_bytes)
+        source = encode_bounded(_plain(new.code), self.settings.code_bytes)
         return await self._asked(account, address, lambda _: AskedCell(module=module, code=source.decode()))
 
     async def of_call(self, account: Account, exercise_id: str, new: NewCall, address: str) -> bytes:
         """One's own call of what is in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
         exercise = self._exercise(exercise_id)
-        source = encoded(_plain(new.code), self.settings.code_bytes)
+        source = encode_bounded(_plain(new.code), self.settings.code_bytes)
         calls.read(new.call)
 
         def asked(db: Session) -> Asked:
             if held := feedback.load_holds(db, account.id, exercise.id).tests:
-                raise NotNow(IN_TEST.format(title=held[0].title))
+                raise WrongMoment(IN_TEST.format(title=held[0].title))
             sittings.require_no_tested_imports(db, account.id, source, self._reused(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
             return AskedCall(
@@ -131,7 +131,7 @@ class Steps:
         question = await run_in_threadpool(prepared)
         try:
             return await self.follow(question, reader=str(account.id), address=address)
-        except (Crowded, Failed):
+        except (Overloaded, InternalFailure):
             await run_in_threadpool(give_back)
             raise
 

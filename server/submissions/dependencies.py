@@ -4,11 +4,11 @@ from typing import Annotated
 
 from fastapi import Depends
 
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import Submissions
 
-EventsOf = Annotated[Events, Depends(provided(Events))]
-CollectingOf = Annotated[Collecting, Depends(provided(Collecting))]
-SubmissionsOf = Annotated[Submissions, Depends(provided(Submissions))]
+EventsOf = Annotated[Events, Depends(app_service(Events))]
+CollectingOf = Annotated[Collecting, Depends(app_service(Collecting))]
+SubmissionsOf = Annotated[Submissions, Depends(app_service(Submissions))]

@@ -16,7 +16,7 @@ from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
-from server.database import is_away
+from server.database import is_unavailable
 from server.queue.port import BEGUN
 
 log = logging.getLogger(__name__)
@@ -131,7 +131,7 @@ class Events:
                     yield snapshot
                     latest = snapshot
                 if snapshot is not None and snapshot.done:
-                    traces.news(key, woken)
+                    traces.record_notification(key, woken)
                     return
                 if self._closed:
                     return
@@ -154,7 +154,7 @@ class Events:
                 event.clear()
                 snapshot = await _looked(key, read)
                 if snapshot is not None and snapshot.done:
-                    traces.news(key, woken)
+                    traces.record_notification(key, woken)
                     return snapshot
         return await run_in_threadpool(read)
 
@@ -180,7 +180,7 @@ async def _looked(key: str, read: Callable[[], S]) -> S | None:
     try:
         return await run_in_threadpool(read)
     except DBAPIError as error:
-        if not is_away(error):
+        if not is_unavailable(error):
             raise
         log.warning("the database does not answer whoever follows %s", key)
         return None

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import ask, change, loaded, prepared, table_of, upserting, utc_now
+from server.database import ask, change, loaded, prepared, table_of, upsert_statement, utc_now
 from server.submissions.models import Deal, Submission
 
 
@@ -120,7 +120,7 @@ def dealt_seed(db: Session, account_id: UUID, exercise: str) -> int:
 def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
     """Keeps a seed, unless there is one already: of two requests at once, the first one's stays."""
     row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
-    db.execute(upserting(db, Deal).on_conflict_do_nothing(), row)
+    db.execute(upsert_statement(db, Deal).on_conflict_do_nothing(), row)
 
 
 def move_deals(db: Session, old: UUID, new: UUID) -> None:

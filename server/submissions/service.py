@@ -12,9 +12,9 @@ from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical
 from server.assignments import sittings
-from server.base.errors import Invalid, TooMany
+from server.base.errors import Invalid, RateLimited
 from server.base.settings import Settings
-from server.base.validation import encoded, identity_of
+from server.base.validation import encode_bounded, parse_uuid
 from server.classes import service as classes
 from server.course.models import SEED_BITS, Exercise
 from server.database import utc_now
@@ -125,7 +125,7 @@ class Submissions:
 
     def source_of(self, code: str) -> bytes:
         """The file as it is stored. Raises TooLarge or Invalid."""
-        return encoded(code, self._settings.code_bytes)
+        return encode_bounded(code, self._settings.code_bytes)
 
     def source_of_answers(self, answers: Mapping[str, Any]) -> bytes:
         """Raises TooLarge or Invalid."""
@@ -133,7 +133,7 @@ class Submissions:
             text = canonical(answers)
         except RecursionError as error:
             raise Invalid("Ces réponses sont trop imbriquées.") from error
-        return encoded(text, self._settings.code_bytes, "Le texte des réponses")
+        return encode_bounded(text, self._settings.code_bytes, "Le texte des réponses")
 
     def _submit(
         self,
@@ -159,7 +159,7 @@ class Submissions:
         try:
             return self._store(db, account, address, exercise_id, source, now, name, answers=answers, most=most)
         except HeapError as error:
-            raise TooMany(_full(error, account, most), retry_after=FULL_SECONDS) from error
+            raise RateLimited(_full(error, account, most), retry_after=FULL_SECONDS) from error
 
     def _store(
         self,
@@ -242,7 +242,7 @@ def digest(code: str) -> str:
 
 def parse_id(text: UUID | str) -> UUID:
     """Raises NotFound."""
-    return identity_of(text, UNKNOWN)
+    return parse_uuid(text, UNKNOWN)
 
 
 def may_see(db: Session, account: Account | None, submission: Submission) -> bool:

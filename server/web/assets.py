@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from server.base.http import encodings
+from server.base.http import accepted_encodings
 
 log = logging.getLogger(__name__)
 
@@ -33,7 +33,7 @@ class _Packed(StaticFiles):
     def file_response(
         self, full_path: str | os.PathLike[str], stat_result: os.stat_result, scope: Scope, status_code: int = 200
     ) -> Response:
-        for encoding in accepted(Headers(scope=scope).get("accept-encoding", "")):
+        for encoding in precompressed_encodings(Headers(scope=scope).get("accept-encoding", "")):
             packed = f"{os.fspath(full_path)}{PACKED[encoding]}"
             if os.path.isfile(packed):
                 answer = super().file_response(packed, os.stat(packed), scope, status_code)
@@ -46,9 +46,9 @@ class _Packed(StaticFiles):
         return answer
 
 
-def accepted(header: str) -> Iterator[str]:
+def precompressed_encodings(header: str) -> Iterator[str]:
     """Of our encodings those that the browser takes, in our order."""
-    taken = encodings(header)
+    taken = accepted_encodings(header)
     return (encoding for encoding in PACKED if encoding in taken)
 
 
@@ -62,37 +62,37 @@ def is_built() -> bool:
 
 
 @lru_cache(maxsize=1)
-def stamp() -> str:
+def build_stamp() -> str:
     """What the addresses of static files change with."""
     return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_built() else "source"
 
 
-def address(name: str) -> str:
+def static_url(name: str) -> str:
     """The address of a static file, which changes with its content: it may be cached for ever."""
-    return f"{root()}/{name}"
+    return f"{static_root()}/{name}"
 
 
-def root() -> str:
+def static_root() -> str:
     """What the addresses of static files begin with."""
-    return f"{PREFIX}/{stamp()}"
+    return f"{PREFIX}/{build_stamp()}"
 
 
-def folder() -> Path:
+def static_folder() -> Path:
     """Where static files are."""
     return BUILT if is_built() else SOURCES
 
 
 @lru_cache(maxsize=1)
 def _files() -> StaticFiles:
-    return _Packed(directory=folder())
+    return _Packed(directory=static_folder())
 
 
-async def serve(scope: Scope, version: str, name: str) -> Response:
+async def serve_static(scope: Scope, version: str, name: str) -> Response:
     """The answer to a request for a static file. Raises 404 (HTTPException) where there is none.
 
     A page that was opened before an update asks for the old version: it gets the new file, and does not keep it.
     """
     answer = await _files().get_response(name, scope)
-    current = is_built() and version == stamp()
+    current = is_built() and version == build_stamp()
     answer.headers["Cache-Control"] = FOREVER if current else "no-cache"
     return answer

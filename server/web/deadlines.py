@@ -16,7 +16,7 @@ from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
-from server.web.words import moment, moment_words
+from server.web.words import iso_moment, long_moment
 
 SOON = timedelta(days=7)
 MOST = 5  # lines on a page
@@ -39,7 +39,7 @@ class DueView:
     test: Literal["", "may_begin", "running"] = ""
 
 
-def soon(
+def due_soon(
     db: Session, account: Account | None, progress: Mapping[str, Progress], module: str | None = None
 ) -> tuple[DueView, ...]:
     """Tests that are open, then what is due within a week, or late, and not done yet; of one module, or of all.
@@ -74,8 +74,8 @@ def _test(one: StudentAssignment, sitting: Sitting | None) -> DueView:
     return DueView(
         title=one.assignment.title,
         href=feedback.sitting_path(one.assignment.class_id, one.assignment.id),
-        when="" if end is None else moment(end),
-        when_text="" if end is None else moment_words(end),
+        when="" if end is None else iso_moment(end),
+        when_text="" if end is None else long_moment(end),
         late=False,
         left=len(one.exercises),
         test="may_begin" if sitting is None else "running",
@@ -86,7 +86,7 @@ def _is_of(one: StudentAssignment, module: str | None) -> bool:
     return module is None or any(row.exercise.startswith(f"{module}/") for row in one.exercises)
 
 
-def of_exercise(db: Session, account: Account | None, exercise: str) -> tuple[DueView, ...]:
+def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tuple[DueView, ...]:
     """The assignments that ask one for this exercise now. Three queries at most, one where there is none.
 
     A test says so itself, over the exercise, as one stands in it.
@@ -104,8 +104,8 @@ def _view(one: StudentAssignment, progress: Mapping[str, Progress]) -> DueView:
     return DueView(
         title=one.assignment.title,
         href=f"/classes/{one.assignment.class_id}#devoir-{one.assignment.id}",
-        when="" if when is None else moment(when),
-        when_text="" if when is None else moment_words(when),
+        when="" if when is None else iso_moment(when),
+        when_text="" if when is None else long_moment(when),
         late=late,
         left=sum(not progress.get(row.exercise, NOTHING_YET).succeeded for row in one.exercises),
     )

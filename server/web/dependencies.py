@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 from starlette.convertors import Convertor, register_url_convertor
 
-from server.base.app_services import needed
+from server.base.app_services import app_service_getter
 from server.base.http import SAFE_METHODS
 from server.classes.presence import PresenceRecorder
 from server.course import Course
@@ -20,10 +20,10 @@ from server.submissions.service import Submissions
 from server.web.views import Reader
 
 _database, _course, _submissions, _presence = (
-    needed(Database),
-    needed(Course),
-    needed(Submissions),
-    needed(PresenceRecorder),
+    app_service_getter(Database),
+    app_service_getter(Course),
+    app_service_getter(Submissions),
+    app_service_getter(PresenceRecorder),
 )
 
 
@@ -53,4 +53,4 @@ async def _reader(request: Request, db: Db) -> Reader:
     return Reader(db, _course(request.app), _submissions(request.app), who)
 
 
-Reading = Annotated[Reader, Depends(_reader)]
+CurrentReader = Annotated[Reader, Depends(_reader)]

@@ -17,7 +17,7 @@ OURS = "Votre classe garde cette édition, jusqu’à ce que votre enseignant en
 OTHER = "Votre classe travaille sur une autre édition de ce module\u202f: {label}."
 
 
-def kept(reader: Reader) -> frozenset[str]:
+def modules_of_classes(reader: Reader) -> frozenset[str]:
     """The modules of one's classes, those that are archived left out."""
     if reader.account is None:
         return frozenset()
@@ -25,7 +25,7 @@ def kept(reader: Reader) -> frozenset[str]:
     return frozenset(one.school_class.module for one in joined if one.school_class.archived_at is None)
 
 
-def shown(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
+def visible_editions(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
     """Of each module the edition of one's class, else the last, and those where one has begun; in the course's order.
 
     No query where each module has but one edition.
@@ -33,20 +33,20 @@ def shown(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
     course = reader.course
     if len(course.latest) == len(course.modules):
         return course.latest
-    own = kept(reader)
+    own = modules_of_classes(reader)
     families = {edition_of(slug).family for slug in own if slug in course.modules}
     wanted = own | {one.slug for one in course.latest if edition_of(one.slug).family not in families}
     begun = {exercise.partition("/")[0] for exercise, one in progress.items() if one.attempts}
     return [module for slug, module in course.modules.items() if slug in wanted | begun]
 
 
-def note(reader: Reader, module: Module) -> EditionNote | None:
+def edition_note(reader: Reader, module: Module) -> EditionNote | None:
     """What is said on the page of a module that has other editions."""
     course = reader.course
     others = [one for one in course.editions(module.slug) if one is not module]
     if not others:
         return None
-    own = kept(reader)
+    own = modules_of_classes(reader)
     if module.slug in own:
         return EditionNote(OURS) if course.newer(module.slug) else None
     for one in others:
@@ -56,19 +56,19 @@ def note(reader: Reader, module: Module) -> EditionNote | None:
     return EditionNote(NEWER.format(label=newer.label), f"/{newer.slug}") if newer else None
 
 
-def to_move_to(course: Course, slug: str) -> tuple[Module, ...]:
+def later_editions(course: Course, slug: str) -> tuple[Module, ...]:
     """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
     return tuple(one for one in course.editions(slug) if edition_of(one.slug) >= edition_of(slug))
 
 
-def chosen(course: Course, own: str, wanted: str) -> str:
+def chosen_edition(course: Course, own: str, wanted: str) -> str:
     """The module of a class's copy. Raises NotFound for one that is none of its later editions."""
-    if wanted in {"", own} or any(one.slug == wanted for one in to_move_to(course, own)):
+    if wanted in {"", own} or any(one.slug == wanted for one in later_editions(course, own)):
         return wanted or own
     raise NotFound("Cette édition du module n’existe pas.")
 
 
-def there(course: Course, exercise: str, module: str) -> str | None:
+def exercise_in_edition(course: Course, exercise: str, module: str) -> str | None:
     """The exercise of the same name in another edition, where it has one; in its own, served or not."""
     home, _, slug = exercise.partition("/")
     if home == module:

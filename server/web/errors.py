@@ -13,14 +13,14 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
-from server.base.app_services import provided_to
-from server.base.errors import Away, Invalid, ServiceError
-from server.base.http import TITLES, as_json, of_error, place, problem
-from server.base.middleware import SECURITY_HEADERS, route_of
-from server.database import Database, is_away
+from server.base.app_services import get_service
+from server.base.errors import Invalid, ServiceError, Unavailable
+from server.base.http import TITLES, error_document, error_location, problem_document, problem_response
+from server.base.middleware import SECURITY_HEADERS, route_path
+from server.database import Database, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.web.rendering import page
+from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
 
@@ -31,60 +31,60 @@ AWAY = (
 AWAY_SECONDS = 2
 
 
-def refusal(request: Request, error: ServiceError, account: Account | None = None) -> Response:
-    return answer(request, of_error(request, error), error.headers, account)
+def error_response(request: Request, error: ServiceError, account: Account | None = None) -> Response:
+    return problem_answer(request, error_document(request, error), error.headers, account)
 
 
-def answer(
+def problem_answer(
     request: Request, body: dict[str, Any], headers: Mapping[str, str] | None = None, account: Account | None = None
 ) -> Response:
     """The problem, in the form that fits who asks."""
     if request.url.path.startswith("/api/") or "application/json" in request.headers.get("accept", ""):
-        return as_json(body, headers)
+        return problem_response(body, headers)
     context = {"code": body["status"], "title": body["title"], "detail": body["detail"]}
-    return page(request, "error.html", account, status=body["status"], headers=headers, **context)
+    return render_page(request, "error.html", account, status=body["status"], headers=headers, **context)
 
 
 def _asker(request: Request) -> Account | None:
-    return load_session_account(request, provided_to(request.app, Database))
+    return load_session_account(request, get_service(request.app, Database))
 
 
 def _service_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, ServiceError)
-    return refusal(request, error, _asker(request))
+    return error_response(request, error, _asker(request))
 
 
 def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
     title, detail = TITLES.get(error.status_code, (HTTPStatus(error.status_code).phrase, str(error.detail)))
-    body = problem(request, error.status_code, title, detail)
-    return answer(request, body, error.headers, _asker(request))
+    body = problem_document(request, error.status_code, title, detail)
+    return problem_answer(request, body, error.headers, _asker(request))
 
 
 def _validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     title, detail = TITLES[422]
-    places = [place(fault) for fault in error.errors()]
-    body = problem(request, 422, title, detail, slug=Invalid.slug, errors=places)
-    return answer(request, body, None, _asker(request))
+    places = [error_location(fault) for fault in error.errors()]
+    body = problem_document(request, 422, title, detail, slug=Invalid.slug, errors=places)
+    return problem_answer(request, body, None, _asker(request))
 
 
 def _database_error(request: Request, error: Exception) -> Response:
     """That the database is away is told in a line, and to nobody by name: who asks is written there."""
-    if isinstance(error, DBAPIError) and not is_away(error):
+    if isinstance(error, DBAPIError) and not is_unavailable(error):
         raise error
     why = str(getattr(error, "orig", error)).partition("\n")[0]
-    log.error("the database does not answer %s %s: %s", request.method, route_of(request.scope), why)
-    return refusal(request, Away(AWAY, retry_after=AWAY_SECONDS))
+    log.error("the database does not answer %s %s: %s", request.method, route_path(request.scope), why)
+    return error_response(request, Unavailable(AWAY, retry_after=AWAY_SECONDS))
 
 
 def _unexpected(request: Request, error: Exception) -> Response:
     """Told by its route: addresses hold one-time links. No middleware adds anything to this answer."""
-    log.error("unexpected error on %s %s", request.method, route_of(request.scope), exc_info=error)
-    return answer(request, problem(request, 500, *TITLES[500]), SECURITY_HEADERS)
+    log.error("unexpected error on %s %s", request.method, route_path(request.scope), exc_info=error)
+    return problem_answer(request, problem_document(request, 500, *TITLES[500]), SECURITY_HEADERS)
 
 
-def install(app: FastAPI) -> None:
+def install_error_handlers(app: FastAPI) -> None:
     app.add_exception_handler(ServiceError, _service_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _validation_error)

@@ -9,7 +9,7 @@ from starlette.datastructures import FormData
 
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
-from server.web.rendering import page
+from server.web.rendering import render_page
 
 Field = Annotated[str, Form()]
 
@@ -23,20 +23,22 @@ FormFields = Annotated[FormData, Depends(_fields)]
 SEE_OTHER = 303
 
 
-def form(
+def account_form(
     request: Request, template: str, account: Account | None, refused: RefusedForm | None = None, **context: Any
 ) -> HTMLResponse:
     problems = refused.problems if refused else {}
     values = {"name": "", "login": "", **context}
-    return page(request, f"accounts/{template}", account, status=422 if refused else 200, problems=problems, **values)
+    return render_page(
+        request, f"accounts/{template}", account, status=422 if refused else 200, problems=problems, **values
+    )
 
 
-def local(address: str) -> str:
+def local_path(address: str) -> str:
     """Where to go afterwards: a path of this site, whatever was asked for."""
     parts = urlsplit(address)
     safe = address.startswith("/") and not address.startswith(("//", "/\\")) and not parts.netloc
     return address if safe and address.isprintable() else "/"
 
 
-def go(address: str) -> RedirectResponse:
+def redirect(address: str) -> RedirectResponse:
     return RedirectResponse(address, SEE_OTHER)

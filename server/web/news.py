@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from server.comments.schemas import ReceivedNote, UnreadThread
 from server.course import Course
-from server.web.threads import about, short
-from server.web.words import moment, moment_text
+from server.web.threads import shorten, thread_subject
+from server.web.words import iso_moment, short_moment
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,9 @@ class WordView:
 
 def news_views(found: Sequence[UnreadThread], course: Course) -> tuple[NewsView, ...]:
     return tuple(
-        NewsView(_title(course, one.thread.exercise), about(one.thread), short(one.text), f"/fils/{one.thread.id}")
+        NewsView(
+            _title(course, one.thread.exercise), thread_subject(one.thread), shorten(one.text), f"/fils/{one.thread.id}"
+        )
         for one in found
     )
 
@@ -47,8 +49,8 @@ def word_view(word: ReceivedNote, course: Course) -> WordView:
     return WordView(
         id=str(note.id),
         author=word.author or "Un enseignant",
-        when=moment(note.created_at),
-        when_text=moment_text(note.created_at),
+        when=iso_moment(note.created_at),
+        when_text=short_moment(note.created_at),
         text=note.text,
         link=note.link,
         link_title=title_of_link(course, note.link),

@@ -50,13 +50,13 @@ class Steady:
 
 
 def _written(html: str) -> bytes:
-    return root_path.written(str(html)).encode()  # as plain text: what is put into markup is escaped
+    return root_path.with_external_paths(str(html)).encode()  # as plain text: what is put into markup is escaped
 
 
 def steady(html: str, *, changing: bool = False) -> Steady:
     """Of the HTML of the part, whose addresses are still the service's own. `changing`: it is the same for a while
     alone, and not worth to be compressed longer than what is written for one reader."""
-    return _changing(html, root_path.root()) if changing else _steady(html, root_path.root())
+    return _changing(html, root_path.root_path()) if changing else _steady(html, root_path.root_path())
 
 
 @lru_cache(maxsize=MOST_KEPT)
@@ -117,5 +117,5 @@ class Page:
 
 def page(html: str, long: str, *, changing: bool = False) -> Page:
     """A page as its template wrote it, and what comes in it at `PLACE`, if that stands there."""
-    before, place, after = root_path.written(html).partition(PLACE)
+    before, place, after = root_path.with_external_paths(html).partition(PLACE)
     return Page(before.encode(), long, after.encode(), changing) if place else Page(before.encode())

@@ -11,8 +11,8 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Kind as Answered
 from server.regrades import service
 from server.regrades.differences import DifferenceKind, VerdictDifference
-from server.web.verdicts import title_of
-from server.web.words import mark, moment, moment_text, points
+from server.web.verdicts import outcome_title
+from server.web.words import format_mark, format_points, iso_moment, short_moment
 
 
 @dataclass(frozen=True)
@@ -26,59 +26,62 @@ class RegradedView:
     why: tuple[str, ...]
 
 
-def of(db: Session, grading: UUID, kind: Answered) -> RegradedView | None:
+def load_regraded_view(db: Session, grading: UUID, kind: Answered) -> RegradedView | None:
     """What the author of an attempt reads beside this grading, where a regrade has it count."""
     told = service.find_applied_regrade(db, grading)
     if told is None:
         return None
-    before, after = pair(_points(told.before), _points(told.after))
-    why = tuple(f"{text[0].upper()}{text[1:]}." for text in sentences(told.differences, kind))
-    return RegradedView(moment(told.applied_at), moment_text(told.applied_at), before, after, why)
+    before, after = format_points_pair(_points(told.before), _points(told.after))
+    why = tuple(f"{text[0].upper()}{text[1:]}." for text in reason_sentences(told.differences, kind))
+    return RegradedView(iso_moment(told.applied_at), short_moment(told.applied_at), before, after, why)
 
 
 def _points(score: float | None) -> float | None:
     return None if score is None else 20.0 * score
 
 
-def pair(before: float | None, after: float | None, most: float = 20.0) -> tuple[str, str]:
+def format_points_pair(before: float | None, after: float | None, most: float = 20.0) -> tuple[str, str]:
     """Two numbers of points as marks are read; to the hundredth, where rounding would make them one."""
     known = [one for one in (before, after) if one is not None]
-    read = points if len({mark(one, max(one, most)) for one in known}) < len(set(known)) else _mark(most)
+    read = format_points if len({format_mark(one, max(one, most)) for one in known}) < len(set(known)) else _mark(most)
     written = ["" if one is None else read(one) for one in (before, after)]
     return written[0], written[1]
 
 
 def _mark(most: float) -> Callable[[float], str]:
-    return lambda value: mark(value, max(value, most))
+    return lambda value: format_mark(value, max(value, most))
 
 
-def sentences(why: Sequence[VerdictDifference], kind: Answered) -> tuple[str, ...]:
+def reason_sentences(why: Sequence[VerdictDifference], kind: Answered) -> tuple[str, ...]:
     """One for each reason, without capital or full stop; titles in them are as the exercise has them."""
     return tuple(WORDS[reason.kind](reason, kind) for reason in why)
 
 
 def _changed(reason: VerdictDifference, _: Answered) -> str:
-    before, after = pair(reason.before, reason.after, reason.most or 0.0)
-    return f"la vérification « {reason.name} » passe de {before} à {after} sur {points(reason.most or 0.0)}"
+    before, after = format_points_pair(reason.before, reason.after, reason.most or 0.0)
+    return f"la vérification « {reason.name} » passe de {before} à {after} sur {format_points(reason.most or 0.0)}"
 
 
 def _scaled(reason: VerdictDifference, _: Answered) -> str:
-    now, was = points(reason.after or 0.0), points(reason.before or 0.0)
+    now, was = format_points(reason.after or 0.0), format_points(reason.before or 0.0)
     return f"la vérification « {reason.name} » est maintenant sur {now}, et non plus sur {was}"
 
 
 def _new(reason: VerdictDifference, _: Answered) -> str:
     most = reason.most or 0.0
-    return f"nouvelle vérification « {reason.name} » : {mark(reason.after or 0.0, most)} sur {points(most)}"
+    return (
+        f"nouvelle vérification « {reason.name} » : {format_mark(reason.after or 0.0, most)} sur {format_points(most)}"
+    )
 
 
 def _gone(reason: VerdictDifference, _: Answered) -> str:
     most = reason.most or 0.0
-    return f"la vérification « {reason.name} », {mark(reason.before or 0.0, most)} sur {points(most)}, n’existe plus"
+    mark = format_mark(reason.before or 0.0, most)
+    return f"la vérification « {reason.name} », {mark} sur {format_points(most)}, n’existe plus"
 
 
 def _ended(reason: VerdictDifference, kind: Answered) -> str:
-    return f"l’issue est « {title_of(reason.now, kind)} », et non plus « {title_of(reason.was, kind)} »"
+    return f"l’issue est « {outcome_title(reason.now, kind)} », et non plus « {outcome_title(reason.was, kind)} »"
 
 
 def _recognised(reason: VerdictDifference, _: Answered) -> str:

@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 
 from graders.typography import french
 from server.base import root_path
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.files import TEMPLATES
 from server.base.http import SAFE_METHODS
 from server.course import Course, Module
@@ -25,11 +25,11 @@ from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
 from server.web import assets, packing, school_time, words
-from server.web.schemas import AccountView, HereView
+from server.web.schemas import AccountView, CurrentModuleView
 
 
 @lru_cache(maxsize=1)
-def environment() -> Environment:
+def jinja_environment() -> Environment:
     """The one environment: everything is escaped, a name that is not in the context is an error."""
     jinja = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -43,7 +43,7 @@ def environment() -> Environment:
         french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken
     )
     jinja.globals.update(
-        static=assets.address, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.zone
+        static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone
     )
     return jinja
 
@@ -78,12 +78,12 @@ def account_view(account: Account | None) -> AccountView:
     return AccountView(account.role, account.name, str(account.id))  # type: ignore[arg-type]
 
 
-def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
+def _here(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView | None:
     """The module that the address is in, when there is something to search there."""
     module = modules.get(request.path_params.get("module", ""))
     if module is None or not module.lessons:
         return None
-    return HereView(module.slug, module.label, request.url.path == f"/{module.slug}/recherche")
+    return CurrentModuleView(module.slug, module.label, request.url.path == f"/{module.slug}/recherche")
 
 
 def _modules(request: Request, course: Course) -> list[tuple[str, str, str]]:
@@ -103,7 +103,7 @@ def _back(request: Request, context: Mapping[str, Any]) -> str:
     return f"{request.url.path}{query}"
 
 
-def page(
+def render_page(
     request: Request,
     template: str,
     account: Account | None,
@@ -119,14 +119,14 @@ def page(
     `steady` is what comes at `packing.PLACE`: HTML that is long, and the same for many pages; with `changing`, only
     for a while.
     """
-    course = provided_to(request.app, Course)
+    course = get_service(request.app, Course)
     surroundings = {
         "modules": _modules(request, course),
         "here": _here(request, course.modules),
         "path": request.url.path,
         "back": _back(request, context),
     }
-    html = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
+    html = jinja_environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
     return _sent(request, packing.page(html, steady, changing=changing), status, all_headers)
@@ -140,7 +140,7 @@ def _sent(request: Request, written: packing.Page, status: int, headers: dict[st
         headers["ETag"] = written.tag
         if headers["ETag"] in request.headers.get("if-none-match", ""):
             return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, {**headers, **varies})
-    if "gzip" not in assets.accepted(request.headers.get("accept-encoding", "")):
+    if "gzip" not in assets.precompressed_encodings(request.headers.get("accept-encoding", "")):
         return HTMLResponse(written.plain, status, headers)
     return HTMLResponse(written.packed, status, {**headers, **varies, "Content-Encoding": "gzip"})
 
@@ -148,7 +148,7 @@ def _sent(request: Request, written: packing.Page, status: int, headers: dict[st
 Answer = TypeVar("Answer", bound=Response)
 
 
-def once(request: Request, answer: Answer) -> Answer:
+def with_etag(request: Request, answer: Answer) -> Answer:
     """The same answer with a tag of its content; without its content for a browser that has it already."""
     tag = f'W/"{blake2b(bytes(answer.body), digest_size=12).hexdigest()}"'
     answer.headers["ETag"] = tag
@@ -158,7 +158,7 @@ def once(request: Request, answer: Answer) -> Answer:
     return answer
 
 
-def fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
+def render_fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
     """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
-    body = environment().get_template(template).render(account=account_view(account), back=back, **context)
-    return HTMLResponse(root_path.written(body), headers={"Cache-Control": "private, no-store"})
+    body = jinja_environment().get_template(template).render(account=account_view(account), back=back, **context)
+    return HTMLResponse(root_path.with_external_paths(body), headers={"Cache-Control": "private, no-store"})

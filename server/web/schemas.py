@@ -34,7 +34,7 @@ class EditionNote:
 
 
 @dataclass(frozen=True)
-class HereView:
+class CurrentModuleView:
     """The module that one is in; `searching` where the page has a search field of its own."""
 
     slug: str
@@ -53,7 +53,7 @@ class ModuleLink:
 
 
 @dataclass(frozen=True)
-class DoorView:
+class SolutionSwitchView:
     """A button that opens a solution to a class, or to everyone (no class), or closes it."""
 
     class_id: str
@@ -62,7 +62,7 @@ class DoorView:
 
 
 @dataclass(frozen=True)
-class OwnState:
+class OwnProgress:
     """Where one stands in an exercise: `done` with full marks, `label` in words, `best` out of 20 or empty."""
 
     attempts: int
@@ -81,7 +81,7 @@ class ExerciseRow:
     summary: str
     stars: int
     origin: str
-    own: OwnState
+    own: OwnProgress
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class DiagnosisView:
     by_teacher: bool = False
 
 
-class Texts(Protocol):
+class ExerciseTexts(Protocol):
     """What renders the texts of an exercise (`server.course.Exercise`)."""
 
     def prose(self, text: str) -> str: ...
@@ -166,7 +166,7 @@ class VerdictView:
     timings: tuple[tuple[str, str], ...]
     seed: str
     version: str
-    texts: Texts | None
+    texts: ExerciseTexts | None
     films: tuple[FilmView, ...] = ()
 
     @property
@@ -181,7 +181,7 @@ class VerdictView:
 
 
 @dataclass(frozen=True)
-class ShownVerdict:
+class RenderedVerdict:
     """A verdict as it stands on a page: its HTML, and what the frame around it says."""
 
     tone: Tone

@@ -24,30 +24,30 @@ SKIPPED = (
 _zones = [ZoneInfo("Europe/Paris")]
 
 
-def use(name: str) -> None:
+def set_time_zone(name: str) -> None:
     """From now on this process shows and reads dates in this time zone."""
     _zones[0] = ZoneInfo(name)
 
 
-def zone() -> ZoneInfo:
+def time_zone() -> ZoneInfo:
     return _zones[0]
 
 
-def zone_name() -> str:
+def time_zone_name() -> str:
     """« heure de Paris »."""
-    place = zone().key.rpartition("/")[2].replace("_", " ")
+    place = time_zone().key.rpartition("/")[2].replace("_", " ")
     of = "d’" if place[0] in "AEIOUYÉÎ" else "de "
-    return f"heure {of}{place}" if "/" in zone().key else f"heure {place}"
+    return f"heure {of}{place}" if "/" in time_zone().key else f"heure {place}"
 
 
-def local(when: datetime) -> datetime:
+def to_local(when: datetime) -> datetime:
     """An instant on the school's clock; one that says no zone is in UTC."""
-    return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(zone())
+    return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(time_zone())
 
 
-def comes_twice(when: datetime) -> bool:
+def is_ambiguous(when: datetime) -> bool:
     """Whether the clock shows this time twice, as when it is put back."""
-    here = local(when).replace(fold=0)
+    here = to_local(when).replace(fold=0)
     return here.utcoffset() != here.replace(fold=1).utcoffset() and _exists(here)
 
 
@@ -56,12 +56,12 @@ def _exists(here: datetime) -> bool:
     return here.astimezone(UTC).astimezone(here.tzinfo).replace(fold=0) == here.replace(fold=0)
 
 
-def field(when: datetime | None) -> str:
+def format_field(when: datetime | None) -> str:
     """As a `datetime-local` field holds it; empty for none."""
-    return "" if when is None else local(when).strftime("%Y-%m-%dT%H:%M")
+    return "" if when is None else to_local(when).strftime("%Y-%m-%dT%H:%M")
 
 
-def read(text: str, what: str, kept: datetime | None = None) -> datetime | None:
+def parse_field(text: str, what: str, kept: datetime | None = None) -> datetime | None:
     """The instant, in UTC, of what a `datetime-local` field says in the school's zone; None for an empty one.
 
     Of a time that comes twice, the first. `kept` is what the field was filled with: left as it was, it stays that very
@@ -70,7 +70,7 @@ def read(text: str, what: str, kept: datetime | None = None) -> datetime | None:
     text = text.strip()
     if not text:
         return None
-    if kept is not None and text == field(kept):
+    if kept is not None and text == format_field(kept):
         return kept
     try:
         said = datetime.fromisoformat(text if WRITTEN.fullmatch(text) else "")
@@ -78,22 +78,22 @@ def read(text: str, what: str, kept: datetime | None = None) -> datetime | None:
         raise Invalid(UNREADABLE.format(what=what, text=text[:40])) from error
     if said.year not in YEARS:
         raise Invalid(TOO_FAR.format(what=what))
-    here = said.replace(tzinfo=zone(), fold=0)
+    here = said.replace(tzinfo=time_zone(), fold=0)
     if not _exists(here):
-        after = here.astimezone(UTC).astimezone(zone())
-        raise Invalid(SKIPPED.format(what=what, hour=hour(here), after=hour(after)))
+        after = here.astimezone(UTC).astimezone(time_zone())
+        raise Invalid(SKIPPED.format(what=what, hour=format_hour(here), after=format_hour(after)))
     return here.astimezone(UTC)
 
 
-def hour(when: datetime) -> str:
+def format_hour(when: datetime) -> str:
     """« 2 h 30 », of a time on the school's clock."""
     return f"{when.hour} h {when.minute:02d}"
 
 
-def moved(when: datetime, days: int) -> datetime:
+def shift_days(when: datetime, days: int) -> datetime:
     """The same time of day so many days later, whatever the clock does in between.
 
     A time that the clock skips on that day becomes the one after the change.
     """
-    there = local(when) + timedelta(days=days)
+    there = to_local(when) + timedelta(days=days)
     return there.astimezone(UTC)

@@ -13,7 +13,7 @@ from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
-from server.web.words import moment, moment_text
+from server.web.words import iso_moment, short_moment
 
 STATES = {ThreadState.open: "ouvert", ThreadState.answered: "répondu", ThreadState.settled: "réglé"}
 REMARK = "remarque"
@@ -102,10 +102,10 @@ def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
     mine = account is not None and account.id == thread.account_id
     return ThreadView(
         id=str(thread.id),
-        about=about(thread, talk.lines),
-        href=href_of(thread),
+        about=thread_subject(thread, talk.lines),
+        href=thread_href(thread),
         state=talk.state.value,
-        label=label_of(thread, all(said.message.as_staff for said in talk.messages)),
+        label=state_label(thread, all(said.message.as_staff for said in talk.messages)),
         note=_note(talk),
         origin="" if talk.number is None else f"essai n° {talk.number}",
         origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
@@ -114,7 +114,7 @@ def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
     )
 
 
-def about(thread: Thread, place: LineRange | None = None) -> str:
+def thread_subject(thread: Thread, place: LineRange | None = None) -> str:
     if thread.check_id is not None:
         return f"Vérification « {thread.check_title} »"
     first, last = (place.first, place.last) if place else (thread.first_line, thread.last_line)
@@ -123,12 +123,12 @@ def about(thread: Thread, place: LineRange | None = None) -> str:
     return "L’essai entier" if thread.submission_id else "L’exercice"
 
 
-def href_of(thread: Thread) -> str:
+def thread_href(thread: Thread) -> str:
     """Where the thread stands, with what it is about."""
     return f"/fils/{thread.id}"
 
 
-def label_of(thread: Thread, by_staff_alone: bool) -> str:
+def state_label(thread: Thread, by_staff_alone: bool) -> str:
     """Its state in a word: what a teacher says unasked waits for nothing."""
     state = ThreadState(thread.state)
     return REMARK if by_staff_alone and state is ThreadState.answered else STATES[state]
@@ -147,13 +147,13 @@ def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
         author="vous" if mine else said.name or (A_TEACHER if message.as_staff else A_STUDENT),
         staff=message.as_staff,
         named=message.as_staff and not mine and bool(said.name),
-        when=moment(message.created_at),
-        when_text=moment_text(message.created_at),
+        when=iso_moment(message.created_at),
+        when_text=short_moment(message.created_at),
         text=message.text,
     )
 
 
-def writer(
+def writer_view(
     db: Session, account: Account, exercise: str, back: str, *, staff: bool, diagnosis: str | None = None
 ) -> WriterView:
     """`diagnosis` is that of the attempt that is written of: it decides which phrases come first."""
@@ -166,7 +166,7 @@ def writer(
     return WriterView(True, views, back)
 
 
-def short(text: str) -> str:
+def shorten(text: str) -> str:
     """The beginning of a message, on one line."""
     line = " ".join(text.split())
     return line if len(line) <= SHORT else line[:SHORT].rstrip() + "…"

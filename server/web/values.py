@@ -15,7 +15,7 @@ Kind = Literal["text", "matrix", "plan", "list", "fields"]
 
 
 @dataclass(frozen=True)
-class Cell:
+class MatrixCell:
     """One number of a matrix; `odd` when it is not what was expected there."""
 
     text: str
@@ -31,21 +31,21 @@ class ValueView:
 
     kind: Kind
     text: str = ""
-    rows: tuple[tuple[Cell, ...], ...] = ()
+    rows: tuple[tuple[MatrixCell, ...], ...] = ()
     items: tuple[tuple[str, ValueView], ...] = ()
     note: str = ""
 
 
-def view(value: Any, expected: Any = None) -> ValueView:
+def value_view(value: Any, expected: Any = None) -> ValueView:
     """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked."""
     if isinstance(value, Mapping):
         return _summary(value) if _is_summary(value) else _fields(value)
     if isinstance(value, list) and value:
         return _sequence(value, expected)
-    return ValueView("text", scalar(value))
+    return ValueView("text", format_scalar(value))
 
 
-def named(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
+def name_parts(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
     """A list of as many values as `parts` has names, each under its own: « R = … », « t = … »."""
     items = laid_out.items
     if laid_out.kind != "list" or len(items) != len(parts) or laid_out.note:
@@ -53,7 +53,7 @@ def named(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
     return ValueView("fields", items=tuple((name, item) for name, (_, item) in zip(parts, items, strict=True)))
 
 
-def scalar(value: Any) -> str:
+def format_scalar(value: Any) -> str:
     """A number, truth value or text in French."""
     if value is None:
         return "None"
@@ -74,12 +74,12 @@ def _is_summary(value: Mapping[str, Any]) -> bool:
 
 def _summary(value: Mapping[str, Any]) -> ValueView:
     shape = " × ".join(str(size) for size in value["forme"])
-    start = " ; ".join(scalar(item) for item in value.get("premiers", []))
+    start = " ; ".join(format_scalar(item) for item in value.get("premiers", []))
     return ValueView("text", f"tableau de forme {shape}", note=f"premières valeurs : {start}" if start else "")
 
 
 def _fields(value: Mapping[str, Any]) -> ValueView:
-    return ValueView("fields", items=tuple((str(name), view(item)) for name, item in value.items()))
+    return ValueView("fields", items=tuple((str(name), value_view(item)) for name, item in value.items()))
 
 
 def _sequence(value: list[Any], expected: Any) -> ValueView:
@@ -103,7 +103,10 @@ def _is_number(value: Any) -> bool:
 def _matrix(rows: list[list[Any]], expected: Any) -> ValueView:
     same = _same_shape(rows, expected)
     cells = tuple(
-        tuple(Cell(scalar(item), same and _differs(item, expected[i][j])) for j, item in enumerate(row[:MAX_COLUMNS]))
+        tuple(
+            MatrixCell(format_scalar(item), same and _differs(item, expected[i][j]))
+            for j, item in enumerate(row[:MAX_COLUMNS])
+        )
         for i, row in enumerate(rows[:MAX_ROWS])
     )
     cut = len(rows) > MAX_ROWS or len(rows[0]) > MAX_COLUMNS
@@ -131,12 +134,12 @@ def _plan(rows: list[list[bool]]) -> ValueView:
 
 def _list(value: list[Any], expected: Any) -> ValueView:
     wishes = expected if isinstance(expected, list) and len(expected) == len(value) else [None] * len(value)
-    items = tuple(("", view(item, wish)) for item, wish in zip(value[:MAX_LIST], wishes, strict=False))
+    items = tuple(("", value_view(item, wish)) for item, wish in zip(value[:MAX_LIST], wishes, strict=False))
     left = len(value) - MAX_LIST
     return ValueView("list", items=items, note=f"et {left} autres" if left > 0 else "")
 
 
-def as_code(inputs: Mapping[str, Any]) -> str:
+def inputs_as_code(inputs: Mapping[str, Any]) -> str:
     """Python lines that give the same inputs again, to try at home; empty when a value has been cut short."""
     lines = [f"{name} = {_literal(value)}" for name, value in inputs.items() if name.isidentifier()]
     if len(lines) != len(inputs) or any(_is_cut(value) for value in inputs.values()):

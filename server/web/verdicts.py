@@ -14,13 +14,13 @@ from server.web.schemas import (
     CheckView,
     CounterexampleView,
     DiagnosisView,
+    ExerciseTexts,
     FigureView,
     FilmView,
-    Texts,
     Tone,
     VerdictView,
 )
-from server.web.words import mark, points
+from server.web.words import format_mark, format_points
 
 #: The address under which figures are drawn, and the grading that they are of.
 Figures = tuple[str, UUID | None]
@@ -39,10 +39,10 @@ TIMINGS = {
 }
 
 
-def view(
+def verdict_view(
     verdict: Verdict,
     figures: str,
-    texts: Texts | None = None,
+    texts: ExerciseTexts | None = None,
     functions: Sequence[FunctionSpec] = (),
     *,
     grading: UUID | None = None,
@@ -63,7 +63,7 @@ def view(
         title=wording.title,
         sentence=wording.sentence,
         tone=_tone(verdict),
-        points=mark(verdict.points) if verdict.outcome.counts else "",
+        points=format_mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
         checks=tuple(
             _check(check, (figures, grading), marked, functions, films[1], replayed) for check in verdict.checks
@@ -78,7 +78,7 @@ def view(
     )
 
 
-def title_of(outcome: str | None, kind: Kind = "code") -> str:
+def outcome_title(outcome: str | None, kind: Kind = "code") -> str:
     """The outcome of that name in words; « en cours » while there is none."""
     return Outcome(outcome).wording(kind).title if outcome else "En cours de correction"
 
@@ -116,8 +116,8 @@ def _check(
         id=check.id,
         title=check.title,
         passed=check.passed,
-        points=mark(check.points, check.max_points),
-        max_points=points(check.max_points),
+        points=format_mark(check.points, check.max_points),
+        max_points=format_points(check.max_points),
         message=check.message,
         hint=check.hint or "",
         counterexample=_counterexample(counterexample, functions, shows_inputs=not marked) if counterexample else None,
@@ -135,10 +135,12 @@ def _counterexample(
     judged = counterexample.expected is not None or counterexample.got is not None
     parts = _parts(given, functions)
     return CounterexampleView(
-        inputs=tuple((name, values.view(value)) for name, value in given.items()),
-        expected=values.named(values.view(counterexample.expected), parts) if judged else None,
-        got=values.named(values.view(counterexample.got, expected=counterexample.expected), parts) if judged else None,
-        code=values.as_code(given),
+        inputs=tuple((name, values.value_view(value)) for name, value in given.items()),
+        expected=values.name_parts(values.value_view(counterexample.expected), parts) if judged else None,
+        got=values.name_parts(values.value_view(counterexample.got, expected=counterexample.expected), parts)
+        if judged
+        else None,
+        code=values.inputs_as_code(given),
     )
 
 

@@ -16,8 +16,8 @@ from server.gradebook.schemas import NOTHING_YET, Progress
 from server.gradebook.solutions import SolutionAudience
 from server.identity.models import Account
 from server.submissions.service import Submissions
-from server.web.schemas import DoorView, ExerciseRow, ModuleLink, OwnState
-from server.web.words import mark
+from server.web.schemas import ExerciseRow, ModuleLink, OwnProgress, SolutionSwitchView
+from server.web.words import format_mark
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,10 @@ def lesson_href(lesson: Lesson) -> str:
     return f"/{lesson.module}/lire/{lesson.slug}"
 
 
-def door_view(door: SolutionAudience) -> DoorView:
+def solution_switch_view(door: SolutionAudience) -> SolutionSwitchView:
     to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
     verb = "Refermer" if door.is_open else "Ouvrir"
-    return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
+    return SolutionSwitchView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
 
 
 def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
@@ -72,27 +72,27 @@ def module_link(module: Module, progress: dict[str, Progress] | None = None) -> 
 
 
 def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
-    own = own_state(progress)
+    own = own_progress(progress)
     return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
 
 
-def own_state(progress: Progress) -> OwnState:
-    best = "" if progress.best is None else mark(20 * progress.best)
-    return OwnState(progress.attempts, best, progress.succeeded)
+def own_progress(progress: Progress) -> OwnProgress:
+    best = "" if progress.best is None else format_mark(20 * progress.best)
+    return OwnProgress(progress.attempts, best, progress.succeeded)
 
 
-def in_order(module: Module) -> list[Exercise]:
+def exercises_in_reading_order(module: Module) -> list[Exercise]:
     """The exercises in the order in which one meets them: those of each lesson, then those that follow none."""
     places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
     return sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))
 
 
-def on_the_way(module: Module) -> tuple[Lesson, ...]:
+def lessons_in_reading_order(module: Module) -> tuple[Lesson, ...]:
     """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
     return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
-def resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
+def next_exercise(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
     """Where one who has come back goes on: the first exercise tried in vain, or else the first to try."""
     if not any(row.own.attempts for row in rows):
         return None

@@ -21,21 +21,21 @@ WHOLE = 1e-9  # points that rounding may take from a full mark
 
 
 @lru_cache(maxsize=KEPT)
-def points(value: float) -> str:
+def format_points(value: float) -> str:
     """A mark in French, at most two decimals: 12,5."""
     return number(round(float(value), 2), 4)
 
 
 @lru_cache(maxsize=KEPT)
-def mark(value: float, most: float = 20.0) -> str:
+def format_mark(value: float, most: float = 20.0) -> str:
     """What was obtained of `most` points, to the nearest quarter: 2,75. Less than all of them is never shown as all.
 
     Marks are kept and summed exactly: only what is read is rounded, here and nowhere else.
     """
     if value >= most - WHOLE:
-        return points(most)
+        return format_points(most)
     nearest, below = math.floor(4 * value + 0.5), math.ceil(4 * most - WHOLE) - 1
-    return points(min(nearest, below) / 4)
+    return format_points(min(nearest, below) / 4)
 
 
 def plural(count: int, singular: str, many: str | None = None) -> str:
@@ -43,7 +43,7 @@ def plural(count: int, singular: str, many: str | None = None) -> str:
     return f"{count} {singular if abs(count) < 2 else many or singular + 's'}"
 
 
-def moment(when: datetime) -> str:
+def iso_moment(when: datetime) -> str:
     """A date as ISO text for a `<time>` element."""
     return _instant(when).isoformat(timespec="seconds")
 
@@ -52,30 +52,30 @@ def _instant(when: datetime) -> datetime:
     return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC)
 
 
-def moment_text(when: datetime) -> str:
+def short_moment(when: datetime) -> str:
     """The same date on the school's clock, short, for a table: « 21/11/2026 à 12:05 »."""
-    return _moment_text(_instant(when), school_time.zone())
+    return _moment_text(_instant(when), school_time.time_zone())
 
 
 @lru_cache(maxsize=KEPT)
 def _moment_text(when: datetime, _zone: ZoneInfo) -> str:
-    return school_time.local(when).strftime("%d/%m/%Y à %H:%M") + _which(when)
+    return school_time.to_local(when).strftime("%d/%m/%Y à %H:%M") + _which(when)
 
 
-def moment_words(when: datetime) -> str:
+def long_moment(when: datetime) -> str:
     """The same in a sentence: « lundi 23 mars 2026 à 18:00 »."""
-    return f"{day_words(when)} à {school_time.local(when):%H:%M}{_which(when)}"
+    return f"{long_day(when)} à {school_time.to_local(when):%H:%M}{_which(when)}"
 
 
-def day_words(when: datetime) -> str:
+def long_day(when: datetime) -> str:
     """« lundi 23 mars 2026 », « dimanche 1er mars 2026 »."""
-    here = school_time.local(when)
+    here = school_time.to_local(when)
     day = "1er" if here.day == 1 else str(here.day)
     return f"{DAYS[here.weekday()]} {day} {MONTHS[here.month - 1]} {here.year}"
 
 
 def _which(when: datetime) -> str:
     """Which of both, of a time that comes twice in the night when the clock is put back."""
-    if not school_time.comes_twice(when):
+    if not school_time.is_ambiguous(when):
         return ""
-    return " (heure d’été)" if school_time.local(when).dst() else " (heure d’hiver)"
+    return " (heure d’été)" if school_time.to_local(when).dst() else " (heure d’hiver)"

@@ -21,8 +21,8 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.api.guide import Guide, shape
 from server.api.words import PARAMETERS, ROUTES, STATUSES
-from server.base.app_services import provided_to
-from server.base.helpers import UnansweredError
+from server.base.app_services import get_service
+from server.base.helpers import HelperError
 from server.base.settings import Settings
 from server.course import Course
 from server.figures.service import Figures
@@ -61,7 +61,7 @@ class Drawer:
 
 def draws(app: FastAPI, drawer: Drawer) -> None:
     """The application has its figures drawn by this one."""
-    provided_to(app, Figures).pictures._drawer = drawer
+    get_service(app, Figures).pictures._drawer = drawer
 
 
 def test_exercises_are_listed_and_described(site: Site) -> None:
@@ -313,7 +313,7 @@ def test_what_nobody_takes_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) 
     headers = site.token()
     sent = site.submit(headers)
     assert sent["notice"] is None
-    monkeypatch.setattr(provided_to(site.app, Submissions), "_unattended", lambda: True)
+    monkeypatch.setattr(get_service(site.app, Submissions), "_unattended", lambda: True)
     told = site.client.get(sent["url"], headers=headers).json()
     assert told["notice"].startswith("En attente : plus rien n’est corrigé")
     assert told["position"] == 1
@@ -325,8 +325,8 @@ def test_what_waits_for_a_worker_of_its_version_is_told(site: Site) -> None:
     headers = site.token()
     sent = site.submit(headers)
     with site.database.write() as db:
-        version = provided_to(site.app, Course).version_of(EXERCISE)
-        queue = provided_to(site.app, Submissions)._queue
+        version = get_service(site.app, Course).version_of(EXERCISE)
+        queue = get_service(site.app, Submissions)._queue
         assert not queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, version)], 60.0)), "as the page has it"
         assert queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, "another")], 60.0))
     assert site.client.get(sent["url"], headers=headers).json()["notice"] == OUTDATED
@@ -397,7 +397,7 @@ def test_nobody_holds_a_connection_to_the_database_while_a_figure_is_drawn(site:
 
 def test_a_figure_that_cannot_be_drawn_is_a_problem_each_time(site: Site) -> None:
     def fail() -> None:
-        raise UnansweredError
+        raise HelperError
 
     drawer = Drawer(before=fail)
     draws(site.app, drawer)

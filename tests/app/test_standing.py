@@ -8,7 +8,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from server.app import Services, create_app
-from server.base.app_services import provide, provided, provided_to
+from server.base.app_services import add_services, app_service, get_service
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from server.course import Course
@@ -31,9 +31,9 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
     with site(tmp_path / "one", course) as first:
         app = first.app
         before = dict(app.state.provided)  # type: ignore[attr-defined]
-        new_account(provided_to(app, Database))  # type: ignore[arg-type]
-        provide(app, before[Settings].model_copy(update={"login_burst": 1}))  # type: ignore[arg-type]
-        app.dependency_overrides[provided(Cells)] = lambda: None  # type: ignore[attr-defined]
+        new_account(get_service(app, Database))  # type: ignore[arg-type]
+        add_services(app, before[Settings].model_copy(update={"login_burst": 1}))  # type: ignore[arg-type]
+        app.dependency_overrides[app_service(Cells)] = lambda: None  # type: ignore[attr-defined]
         assert first.get("/l20").status_code == 200
     with site(tmp_path / "two", course) as second:
         assert second.app is app
@@ -43,7 +43,7 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
         assert after[Settings].login_burst == Settings().login_burst
         assert app.dependency_overrides == {}  # type: ignore[attr-defined]
         assert not second.cookies
-        with provided_to(app, Database).read() as db:  # type: ignore[arg-type]
+        with get_service(app, Database).read() as db:  # type: ignore[arg-type]
             assert db.query(Account).count() == 0
 
 

@@ -7,15 +7,15 @@ from threading import Thread
 
 import pytest
 
-from server.base.concurrency import Gate, ShutError
+from server.base.concurrency import Gate, GateClosed
 from tests.support.quick import in_a_loop
 
 
 def test_who_waits_passes_once_it_is_opened_from_another_thread() -> None:
     async def scene() -> None:
         gate = Gate()
-        waiting = [asyncio.create_task(gate.passed()) for _ in range(2)]
-        given_up = asyncio.create_task(gate.passed())
+        waiting = [asyncio.create_task(gate.wait_open()) for _ in range(2)]
+        given_up = asyncio.create_task(gate.wait_open())
         await asyncio.sleep(0)
         given_up.cancel()
         await asyncio.sleep(0)
@@ -23,9 +23,9 @@ def test_who_waits_passes_once_it_is_opened_from_another_thread() -> None:
         assert not any(one.done() for one in waiting)
         Thread(target=gate.open).start()
         await asyncio.gather(*waiting)
-        gate.shut()
+        gate.close()
         assert gate.is_open, "who has passed is not concerned"
-        await gate.passed()
+        await gate.wait_open()
 
     in_a_loop(scene())
 
@@ -33,10 +33,10 @@ def test_who_waits_passes_once_it_is_opened_from_another_thread() -> None:
 def test_who_waits_at_a_shut_gate_is_told() -> None:
     async def scene() -> None:
         gate = Gate()
-        waiting = asyncio.create_task(gate.passed())
+        waiting = asyncio.create_task(gate.wait_open())
         await asyncio.sleep(0)
-        gate.shut()
-        with pytest.raises(ShutError):
+        gate.close()
+        with pytest.raises(GateClosed):
             await waiting
         gate.open()
         assert not gate.is_open

@@ -105,7 +105,7 @@ def until(line: socket.socket, end: bytes) -> bytes:
 def running() -> Iterator[Site]:
     told, ready = Told(), threading.Event()
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(http.configuration(told, grace=1))
+    server = uvicorn.Server(http.uvicorn_config(told, grace=1))
     found: list[asyncio.AbstractEventLoop] = []
     startup = server.startup
 
@@ -201,7 +201,7 @@ def test_what_never_ends_is_refused_before_much_of_it_is_kept(site: Site, begin:
 def test_the_longest_head_is_read(site: Site) -> None:
     head = b"GET / HTTP/1.1\r\n" + HOST + b"Connection: close\r\n%s\r\n"
     line = b"X-More: " + b"y" * 992 + b"\r\n"
-    assert len(line) * 60 < http.HEAD
+    assert len(line) * 60 < http.MAX_HEAD_BYTES
     assert bodies(site.answer(head % (line * 60)))[0]["path"] == "/"
 
 

@@ -8,7 +8,7 @@ import pytest
 from fastapi import Depends, FastAPI
 
 from server.base import app_services as room
-from server.base.app_services import check_provided, provide, provided, provided_to
+from server.base.app_services import add_services, app_service, check_services, get_service
 from tests.support.client import TestClient
 
 
@@ -26,22 +26,22 @@ def test_a_route_gets_the_object_of_the_type_that_it_asks_for() -> None:
     app = FastAPI()
 
     @app.get("/")
-    def ring(bell: Annotated[Bell, Depends(provided(Bell))]) -> str:
+    def ring(bell: Annotated[Bell, Depends(app_service(Bell))]) -> str:
         return bell.sound
 
-    provide(app, Bell("dong"))
-    check_provided(app)
+    add_services(app, Bell("dong"))
+    check_services(app)
     assert TestClient(app).get("/").json() == "dong"
-    provide(app, Bell("ding"))
+    add_services(app, Bell("ding"))
     assert TestClient(app).get("/").json() == "ding"
-    assert provided_to(app, Bell).sound == "ding"
+    assert get_service(app, Bell).sound == "ding"
 
 
 def test_what_lacks_is_an_error_when_the_application_is_put_together() -> None:
     class Whistle: ...
 
     app = FastAPI()
-    provided(Whistle)
-    provide(app, Bell("dong"))
+    app_service(Whistle)
+    add_services(app, Bell("dong"))
     with pytest.raises(LookupError, match=r"built without .*Whistle"):
-        check_provided(app)
+        check_services(app)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fastapi import FastAPI, Request
 
-from server.base.http import client_address, visitor_of
+from server.base.http import client_address, visitor_key
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -30,7 +30,7 @@ PROXY, VISITOR, FORGED = "10.0.0.1", "203.0.113.7", "198.51.100.99"
     ],
 )
 def test_an_ipv6_subscriber_is_one_visitor(host: str, visitor: str) -> None:
-    assert visitor_of(host) == visitor
+    assert visitor_key(host) == visitor
 
 
 def seen(peer: str, headers: list[tuple[str, str]], trusted: str = "") -> tuple[str, str]:

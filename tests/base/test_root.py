@@ -17,8 +17,8 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments.models import Mode
 from server.base import root_path
-from server.base.app_services import provided_to
-from server.base.http import COOKIE
+from server.base.app_services import get_service
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.board.live import LiveBoards
 from server.database import Database
@@ -42,7 +42,7 @@ ADDRESS = re.compile(r"/(?![A-Za-z0-9+/=]{60})")
 @pytest.fixture
 def settings(tmp_path: Path) -> Iterator[Settings]:
     yield Settings(data_dir=tmp_path / "data", workers=0, root_path=ROOT, guest_burst=10_000, sign_up_burst=1000)
-    root_path.use("")
+    root_path.set_root_path("")
 
 
 class Addresses(HTMLParser):
@@ -139,8 +139,8 @@ def everything(table: dict[str, Any]) -> list[str]:
 )
 def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, people: tuple[str, ...]) -> None:
     """Every route that the table of rights knows."""
-    provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    provided_to(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    get_service(site.app, LiveBoards).stays_open = 0.0
     client = Watched(site.app)
     stage = Stage(Site(site.app, client, site.settings))
     for name in asked(expected()):
@@ -211,7 +211,7 @@ def test_our_own_failure_is_told_as_elsewhere_and_its_address_in_no_log(
         raise RuntimeError("ours")
 
     client = TestClient(site.app, follow_redirects=False, raise_server_exceptions=False)
-    monkeypatch.setattr(Database, "reading", fail)
+    monkeypatch.setattr(Database, "open_read_session", fail)
     page = client.get("/balise/l20/lire/le-secret-du-lien")
     assert page.status_code == 500
     assert "frame-ancestors 'none'" in page.headers["content-security-policy"]
@@ -240,7 +240,7 @@ def test_one_logs_in_and_comes_back_and_the_cookie_is_of_the_path_alone(site: Si
 def test_of_two_sessions_that_of_the_nearest_path_counts(site: Site) -> None:
     """A service that has moved to a path left a cookie at the root, which browsers show last."""
     ada = person(site)
-    shown = f"{COOKIE}={ada.cookies[COOKIE]}; {COOKIE}=ce-que-la-racine-avait"
+    shown = f"{SESSION_COOKIE}={ada.cookies[SESSION_COOKIE]}; {SESSION_COOKIE}=ce-que-la-racine-avait"
     assert "Se déconnecter" in site.client.get("/balise/compte", headers={"Cookie": shown}).text
 
 
@@ -265,16 +265,16 @@ def test_a_path_may_end_with_a_slash(text: str, path: str) -> None:
 
 
 def test_without_a_path_a_page_is_left_as_it_is() -> None:
-    root_path.use("")
+    root_path.set_root_path("")
     page = '<a href="/classes" title="/x">'
-    assert root_path.written(page) is page
+    assert root_path.with_external_paths(page) is page
 
 
 def test_what_somebody_wrote_is_no_address() -> None:
-    root_path.use(ROOT)
+    root_path.set_root_path(ROOT)
     said = (
         '<p title="/scan" data-key="/scan" href="//ailleurs/" src="https://x/"> href=&quot;/classes&quot; /classes</p>'
     )
-    assert root_path.written(said) == said
-    assert root_path.written('<a class="x" href="/">') == '<a class="x" href="/balise/">'
-    root_path.use("")
+    assert root_path.with_external_paths(said) == said
+    assert root_path.with_external_paths('<a class="x" href="/">') == '<a class="x" href="/balise/">'
+    root_path.set_root_path("")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from server.base.files import ROOT
-from server.base.settings import Settings, misspelt, table, variable
+from server.base.settings import Settings, misspelt_variables, settings_table, variable_name
 from server.cli import CannotRun, configuration, main
 from server.cli.configuration import read_settings
 from tests.support.quick import some
@@ -20,14 +20,14 @@ NOT_OURS = {"PATH", "PYTHONPATH"}
 
 
 def test_the_table_of_the_settings_is_theirs() -> None:
-    rows = [f"| `{name}` | {default} | {meaning} |" for name, default, meaning in table()]
+    rows = [f"| `{name}` | {default} | {meaning} |" for name, default, meaning in settings_table()]
     written = [line for line in DOCUMENT.read_text(encoding="utf-8").splitlines() if "BALISE_" in line and "|" in line]
     assert written[: len(rows)] == rows, "write these rows into the table:\n" + "\n".join(rows)
     assert len(rows) == len(Settings.model_fields)
 
 
 def test_every_setting_says_what_it_is_and_what_it_is_without_being_set() -> None:
-    for name, default, meaning in some(table()):
+    for name, default, meaning in some(settings_table()):
         assert default not in {"", "None"}, name
         assert len(meaning) > 20, name
 
@@ -88,13 +88,16 @@ def test_a_name_that_is_like_none_is_refused_alone(monkeypatch: pytest.MonkeyPat
 
 
 def test_right_names_in_any_case_and_others_variables_are_no_mistake() -> None:
-    names = [variable(name) for name in Settings.model_fields]
-    assert list(misspelt([*names, *(name.lower() for name in names), "BALISES", "PATH", "MY_BALISE_WORKRES"])) == []
+    names = [variable_name(name) for name in Settings.model_fields]
+    assert (
+        list(misspelt_variables([*names, *(name.lower() for name in names), "BALISES", "PATH", "MY_BALISE_WORKRES"]))
+        == []
+    )
 
 
 def test_settings_that_are_announced_are_no_mistake() -> None:
-    assert list(misspelt(["BALISE_COURSES", "BALISE_NATS_URL"])) == []
-    assert list(misspelt(["BALISE_COURSE"])) != []
+    assert list(misspelt_variables(["BALISE_COURSES", "BALISE_NATS_URL"])) == []
+    assert list(misspelt_variables(["BALISE_COURSE"])) != []
 
 
 REFUSED = {

@@ -16,7 +16,7 @@ from sqlalchemy import select
 
 from server.base import traces
 from server.base.files import ROOT
-from server.base.middleware import Trail
+from server.base.middleware import RequestLog
 from server.cli import main
 from server.queue.models import Job
 from tests.support.service import Site
@@ -29,9 +29,9 @@ def told() -> Iterator[InMemorySpanExporter]:
     """What is traced meanwhile."""
     exporter, provider = InMemorySpanExporter(), TracerProvider()
     provider.add_span_processor(SimpleSpanProcessor(exporter))
-    traces.use(provider)
+    traces.set_provider(provider)
     yield exporter
-    traces.use(None)
+    traces.set_provider(None)
 
 
 def tree(spans: tuple[ReadableSpan, ...]) -> set[tuple[str, str]]:
@@ -65,8 +65,8 @@ def test_a_submission_is_one_trace_from_its_request_to_its_verdict(site: Site, t
 
 
 def test_the_parts_of_a_grading_are_those_that_its_verdict_times(told: InMemorySpanExporter) -> None:
-    with traces.request("POST"):
-        traces.steps(1_000, {"checks": 2.0, "diagnosis": 0.5})
+    with traces.request_span("POST"):
+        traces.record_spans(1_000, {"checks": 2.0, "diagnosis": 0.5})
     first, second, _ = told.get_finished_spans()
     assert [(one.name, one.start_time, one.end_time) for one in (first, second)] == [
         ("checks", 1_000, 2_001_000), ("diagnosis", 2_001_000, 2_501_000),
@@ -79,9 +79,9 @@ def test_a_request_is_told_by_its_route_and_follows_a_trusted_proxy_alone(
     theirs = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"
     for proxied in (False, True):
         told.clear()
-        trail = next(one for one in site.app.user_middleware if one.cls is Trail)
+        trail = next(one for one in site.app.user_middleware if one.cls is RequestLog)
         monkeypatch.setitem(trail.kwargs, "proxied", proxied)
-        middle = Trail(site.app.router, proxied)
+        middle = RequestLog(site.app.router, proxied)
         monkeypatch.setattr(site.app, "middleware_stack", middle)
         site.client.get("/bienvenue/balise_un-secret", headers={traces.TRACE: theirs})
         (span, *_) = [one for one in told.get_finished_spans() if one.name.startswith("GET")]
@@ -93,9 +93,9 @@ def test_a_request_is_told_by_its_route_and_follows_a_trusted_proxy_alone(
 def test_what_fails_is_told_without_what_it_says(told: InMemorySpanExporter) -> None:
     payload = {traces.TRACE: "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"}
     within = [
-        lambda: traces.request("GET"),
-        lambda: traces.job(payload, "grade", 1, 1_000),
-        lambda: traces.step("run"),
+        lambda: traces.request_span("GET"),
+        lambda: traces.job_span(payload, "grade", 1, 1_000),
+        lambda: traces.span("run"),
     ]
     for first, second in ((within[0], within[2]), (within[1], within[2])):
         with pytest.raises(ValueError, match="Bob"), first(), second():
@@ -112,7 +112,8 @@ def test_nothing_is_traced_nor_loaded_unless_it_is_asked_for(site: Site) -> None
         payload = db.execute(select(Job.payload)).scalars().one()
     assert traces.TRACE not in payload
     line = (
-        "import sys; from server.base import traces; traces.start('web'); from server.queue import worker, service;"
+        "import sys; from server.base import traces; traces.start_tracing('web');"
+        "from server.queue import worker, service;"
         "assert not [name for name in sys.modules if name.startswith('opentelemetry')]"
     )
     subprocess.run([sys.executable, "-c", line], check=True, cwd=ROOT)
@@ -132,7 +133,7 @@ ASKED = [
 
 @pytest.mark.parametrize(("environment", "asked"), ASKED)
 def test_the_standard_variables_say_whether(environment: dict[str, str], asked: bool) -> None:
-    assert traces.wanted(environment) is asked
+    assert traces.is_requested(environment) is asked
 
 
 def test_what_cannot_be_traced_is_told_in_words(
@@ -144,13 +145,13 @@ def test_what_cannot_be_traced_is_told_in_words(
     assert "http/protobuf" in capsys.readouterr().err
     monkeypatch.setitem(sys.modules, "opentelemetry.sdk.trace", None)
     with pytest.raises(traces.CannotTrace, match=r"balise\[traces\]"):
-        traces.start("web")
+        traces.start_tracing("web")
 
 
 def test_a_collector_gets_them_as_the_variables_say(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OTEL_TRACES_EXPORTER", "console")
     monkeypatch.setenv("OTEL_RESOURCE_ATTRIBUTES", "deployment.environment=lycée")
-    traces.start("web")
+    traces.start_tracing("web")
     try:
         provider = traces._State.provider
         assert provider is not None
@@ -158,5 +159,5 @@ def test_a_collector_gets_them_as_the_variables_say(monkeypatch: pytest.MonkeyPa
         assert (attributes["service.name"], attributes["service.instance.id"]) == ("balise", "web")
         assert attributes["deployment.environment"] == "lycée"
     finally:
-        traces.stop()
+        traces.stop_tracing()
     assert traces._State.tracer is None

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from server.base.concurrency import FullError, Turns
+from server.base.concurrency import FairLimiter, LimiterFullError
 from tests.support.quick import in_a_loop
 
 
@@ -21,7 +21,7 @@ class Queue:
     """Who comes from where, and who has had a turn."""
 
     def __init__(self, at_once: int, waiting: int) -> None:
-        self.turns, self.served, self.refused = Turns(at_once, waiting), list[str](), list[str]()
+        self.turns, self.served, self.refused = FairLimiter(at_once, waiting), list[str](), list[str]()
 
     async def come(self, *names: str) -> list[asyncio.Task[None]]:
         """A name is an address, then anything."""
@@ -32,7 +32,7 @@ class Queue:
     async def _wait(self, name: str) -> None:
         try:
             await self.turns.take(name[0])
-        except FullError:
+        except LimiterFullError:
             self.refused.append(name)
         else:
             self.served.append(name)

@@ -22,7 +22,7 @@ from sqlalchemy import text
 from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
-from server.database import Database, after_commit
+from server.database import Database, run_after_commit
 from server.database.migrate import upgrade
 from server.queue.jetstream.engine import Engine
 from server.queue.polling import Polling
@@ -108,7 +108,7 @@ def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[floa
         for number in range(jobs):
             with database.write() as db:
                 queue.put(db, KIND, str(number), sender=Sender(f"s{number % 7}", line=f"s{number % 7}"))
-                after_commit(db, lambda key=str(number): committed.update({key: time.monotonic()}))  # type: ignore[misc]
+                run_after_commit(db, lambda key=str(number): committed.update({key: time.monotonic()}))  # type: ignore[misc]
             if (number + 1) % burst == 0:
                 time.sleep(PAUSE * burst)
         return [1000.0 * (when - committed[key]) for key, when in begun(database, started)]

@@ -19,8 +19,8 @@ from functools import partial
 from pathlib import Path
 
 from server.app import create_app
-from server.base.app_services import provided_to
-from server.base.http import COOKIE
+from server.base.app_services import get_service
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.board import repository, service
 from server.course import Course, load
@@ -67,14 +67,14 @@ def site(data: Path, course: Course) -> Iterator[tuple[TestClient, Database, Acc
     database.close()
     app = create_app(settings, course=course)
     with TestClient(app) as client:
-        database, cookie = provided_to(app, Database), new_token()
+        database, cookie = get_service(app, Database), new_token()
         with database.write() as db:
             teacher = Account(role=Role.teacher, name="Banc")
             db.add(teacher)
             db.flush()
             later = utc_now().replace(year=2100)
             db.add(BrowserSession(token_digest=digest(cookie), account_id=teacher.id, expires_at=later))
-        client.cookies.set(COOKIE, cookie)
+        client.cookies.set(SESSION_COOKIE, cookie)
         yield client, database, teacher
 
 

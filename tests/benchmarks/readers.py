@@ -14,7 +14,7 @@ from uuid import UUID
 import httpx
 from sqlalchemy import delete
 
-from server.base.http import COOKIE
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database, utc_now
@@ -72,7 +72,7 @@ def school(data: Path, course: Course) -> School:
             db.add(BrowserSession(token_digest=digest(cookie), account_id=owners[who], expires_at=later))
         db.add(ApiToken(account_id=students[0], label="banc", token_digest=digest(token), expires_at=later))
     database.close()
-    shown = {who: {COOKIE: cookie} for who, cookie in cookies.items()}
+    shown = {who: {SESSION_COOKIE: cookie} for who, cookie in cookies.items()}
     return School({"visitor": {}, **shown}, token, made.id, students[0], given, mistakes[EXERCISE][0])
 
 

@@ -10,7 +10,7 @@ from uuid import UUID, uuid4
 
 import pytest
 
-from server.base.errors import TooMany
+from server.base.errors import RateLimited
 from server.board import live, service
 from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board
@@ -159,7 +159,7 @@ def test_an_account_has_some_streams_only(watched: Watched) -> None:
         for one in opened:
             watched.boards.require_room(watched.teacher.id)
             one.__enter__()
-        with pytest.raises(TooMany):
+        with pytest.raises(RateLimited):
             watched.boards.require_room(watched.teacher.id)
         watched.boards.require_room(uuid4())
         opened[0].__exit__(None, None, None)

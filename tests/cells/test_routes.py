@@ -12,9 +12,9 @@ import httpx
 import pytest
 from starlette.types import Message
 
-from server.base.app_services import provided, provided_to
-from server.base.errors import Crowded, Failed
-from server.base.http import COOKIE
+from server.base.app_services import app_service, get_service
+from server.base.errors import InternalFailure, Overloaded
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from tests.support.client import TestClient
@@ -46,7 +46,7 @@ class Echo:
 @pytest.fixture
 def play(site: Site) -> Callable[[Echo], Echo]:
     def put(cells: Echo) -> Echo:
-        site.app.dependency_overrides[provided(Cells)] = lambda: cells
+        site.app.dependency_overrides[app_service(Cells)] = lambda: cells
         return cells
 
     return put
@@ -56,11 +56,11 @@ def test_a_visitor_becomes_a_guest_and_gets_what_the_cell_shows(site: Site) -> N
     answer = post(site, "import matplotlib.pyplot as plt\nprint(H)\nplt.plot([1])\n1 / 0")
     assert (answer.status_code, answer.headers["content-type"]) == (200, "application/json")
     assert answer.headers["cache-control"] == "no-store"
-    assert COOKIE in answer.cookies
+    assert SESSION_COOKIE in answer.cookies
     shown = answer.json()
     assert set(shown) == {"stdout", "truncated", "fault", "figures", "milliseconds"}
     assert (shown["stdout"], shown["truncated"], shown["fault"]["line"]) == ("16\n", False, 4)
-    assert COOKIE not in post(site).cookies, "the same guest"
+    assert SESSION_COOKIE not in post(site).cookies, "the same guest"
     shown = post(site, "import matplotlib.pyplot as plt\nplt.plot([1])").json()
     assert shown["fault"] is None
     assert [one[:22] for one in shown["figures"]] == ["data:image/png;base64,"]
@@ -112,7 +112,10 @@ def test_runs_are_counted_by_account(
 
 @pytest.mark.parametrize(
     ("error", "status", "slug"),
-    [(Crowded("Beaucoup de monde.", retry_after=5), 503, "trop-de-monde"), (Failed("Réessayez."), 500, "incident")],
+    [
+        (Overloaded("Beaucoup de monde.", retry_after=5), 503, "trop-de-monde"),
+        (InternalFailure("Réessayez."), 500, "incident"),
+    ],
 )
 def test_a_cell_that_was_not_run_is_told_and_does_not_count(
     site: Site, settings: Settings, play: Callable[[Echo], Echo], error: Exception, status: int, slug: str
@@ -167,6 +170,6 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
 
 
 def test_no_process_is_started_before_the_first_cell(site: Site) -> None:
-    cells = provided_to(site.app, Cells)
+    cells = get_service(site.app, Cells)
     assert site.client.get("/l20").status_code == 200
     assert cells.helper._process is None

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from server.base.errors import Crowded, Failed
+from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.cells.supervisor import EACH, Cells
 from tests.support.live import alive, children, until
@@ -129,7 +129,7 @@ def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path)
         running = await started(cells, "import time\ntime.sleep(5)")
         await eventually(lambda: bool(asked(cells)))
         os.kill(first, signal.SIGKILL)
-        with pytest.raises(Failed):
+        with pytest.raises(InternalFailure):
             await running
         assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
         assert process(cells) != first
@@ -166,7 +166,7 @@ def test_who_waits_for_a_process_that_comes_up_is_told_at_once_when_the_service_
         waiting = await started(cells, "1")
         await asking(cells)
         await cells.close()
-        with pytest.raises(Failed):
+        with pytest.raises(InternalFailure):
             await waiting
 
     played(tmp_path, test, DEAF)
@@ -176,7 +176,7 @@ def test_who_waits_for_a_process_that_comes_up_is_told_at_once_when_the_service_
 def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) -> None:
     async def test(cells: Cells) -> None:
         for _ in range(2):
-            with pytest.raises(Failed):
+            with pytest.raises(InternalFailure):
                 await ran(cells, "1")
 
     played(tmp_path, test, script)
@@ -184,7 +184,7 @@ def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) 
 
 def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        with pytest.raises(Failed):
+        with pytest.raises(InternalFailure):
             await ran(cells, "1")
         await eventually(lambda: not alive(process(cells)))
 
@@ -198,7 +198,7 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
         os.kill(first, signal.SIGSTOP)
         patient = cells.helper.program
         cells.helper.program = replace(patient, patience=0.3)
-        with pytest.raises(Failed):
+        with pytest.raises(InternalFailure):
             await ran(cells, "1")
         cells.helper.program = patient
         assert json.loads(await ran(cells, "encore"))["code"] == "encore"
@@ -210,7 +210,7 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
 def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         running, waiting = await started(cells, "1"), await started(cells, "2")
-        with pytest.raises(Crowded) as caught:
+        with pytest.raises(Overloaded) as caught:
             await ran(cells, "3")
         assert int(caught.value.headers["Retry-After"]) >= 1
         waiting.cancel()
@@ -229,7 +229,7 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         mine = [asyncio.create_task(ran(cells, "1", "me")) for _ in range(EACH)]
         await asyncio.sleep(0)
-        with pytest.raises(Crowded, match="vos cellules"):
+        with pytest.raises(Overloaded, match="vos cellules"):
             await ran(cells, "1", "me")
         hers = await started(cells, "1")
         await asyncio.sleep(0)
@@ -238,7 +238,7 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
         await asyncio.sleep(0)
         mine.append(asyncio.create_task(ran(cells, "1", "me")))
         await asyncio.sleep(0)
-        with pytest.raises(Crowded):
+        with pytest.raises(Overloaded):
             await ran(cells, "1", "me")
         for waiting in (hers, *mine):
             waiting.cancel()
@@ -250,10 +250,10 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
 def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         flood = [await started(cells, str(number)) for number in range(3)]
-        with pytest.raises(Crowded):
+        with pytest.raises(Overloaded):
             await ran(cells, "one too many")
         hers = asyncio.create_task(ran(cells, "hers", address="elsewhere"))
-        with pytest.raises(Crowded):
+        with pytest.raises(Overloaded):
             await flood.pop()
         assert not hers.done()
         for waiting in (hers, *flood):

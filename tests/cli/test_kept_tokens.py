@@ -13,7 +13,7 @@ from typing import Any
 import httpx
 import pytest
 
-from server.base.settings import misspelt
+from server.base.settings import misspelt_variables
 from server.cli import CannotRun, kept, main
 from server.cli.configuration import read_settings
 from server.cli.remote import server_of, token_of
@@ -122,4 +122,4 @@ def test_a_file_that_is_not_ours_is_said_in_a_sentence(content: str) -> None:
 def test_the_token_s_variable_is_no_misspelt_setting(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BALISE_TOKEN", "environnement")
     assert read_settings(workers=1).workers == 1
-    assert [name for name, _ in misspelt(["BALISE_TOKEN", "BALISE_TOKENS"])] == ["BALISE_TOKENS"]
+    assert [name for name, _ in misspelt_variables(["BALISE_TOKEN", "BALISE_TOKENS"])] == ["BALISE_TOKENS"]

@@ -6,7 +6,7 @@ from concurrent.futures import Future
 
 import pytest
 
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.cli import serve
 from server.cli.serve import open_once_tried
@@ -32,7 +32,7 @@ def test_the_gate_opens_where_every_required_wall_was_tried_and_stands(
 ) -> None:
     probing: Future[list[WallReport]] = Future()
     walls, left = Gate(), []
-    open_once_tried(probing, walls, provided_to(site.app, Metrics), lambda: left.append(True))
+    open_once_tried(probing, walls, get_service(site.app, Metrics), lambda: left.append(True))
     assert not walls.is_open
     assert not left
     if found is None:
@@ -46,7 +46,7 @@ def test_the_gate_opens_where_every_required_wall_was_tried_and_stands(
 def test_nothing_is_ready_before_the_walls_are_tried(site: Site) -> None:
     from server.health.readiness import Readiness
 
-    readiness = provided_to(site.app, Readiness)
+    readiness = get_service(site.app, Readiness)
     assert readiness.checks()["walls"] == "ok", "of an application that was told that they stand"
     assert Readiness(readiness.database, readiness.supervisor, Gate()).checks()["walls"] == "being tried"
 

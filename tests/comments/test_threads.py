@@ -10,7 +10,7 @@ from sqlalchemy import func, select
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
-from server.base.errors import Conflict, Invalid, NotFound, TooMany
+from server.base.errors import Conflict, Invalid, NotFound, RateLimited
 from server.base.settings import Settings
 from server.classes import service as classes
 from server.classes.models import ClassRole, SchoolClass
@@ -202,7 +202,7 @@ def test_how_much_is_said_is_bounded(room: Room, monkeypatch: pytest.MonkeyPatch
     room.settings = room.settings.model_copy(update={"comment_burst": 1, "comment_refill_seconds": 1000.0})
     monkeypatch.setattr(service, "MAX_MESSAGES", 20)
     room.reply(room.teacher, thread)
-    with pytest.raises(TooMany):
+    with pytest.raises(RateLimited):
         room.reply(room.teacher, thread)
 
 

@@ -12,10 +12,10 @@ import pytest
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import DBAPIError, OperationalError
 
-from server.base.app_services import provide
-from server.base.http import COOKIE
+from server.base.app_services import add_services
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
-from server.database import Database, is_away
+from server.database import Database, is_unavailable
 from server.database import engine as engines
 from server.queue import repository as queue
 from server.queue import worker as workers
@@ -55,7 +55,7 @@ def test_what_is_away_is_told_from_what_is_wrong(postgres_url: str, settings: Se
         (settings.url, "SELECT * FROM nothing_of_that_name", False),
     ]:
         with closing(Database(url)) as database:
-            assert is_away(failure(database, statement)) is expected, (url, statement)
+            assert is_unavailable(failure(database, statement)) is expected, (url, statement)
 
 
 def test_who_is_frozen_with_everybody_s_lock_is_undone(
@@ -76,7 +76,7 @@ def test_who_is_frozen_with_everybody_s_lock_is_undone(
                     thawed.wait(30)
                     db.execute(text("SELECT 1"))
             except DBAPIError as error:
-                undone.append(is_away(error))
+                undone.append(is_unavailable(error))
 
         thread = threading.Thread(target=freeze)
         thread.start()
@@ -111,9 +111,9 @@ def test_every_transaction_has_its_bound(postgres_url: str, settings: Settings) 
 def test_who_asks_meanwhile_is_told_to_come_back(site: Site) -> None:
     headers = site.token()
     with closing(Database(NOWHERE)) as nowhere:
-        provide(site.app, nowhere)
+        add_services(site.app, nowhere)
         answer = site.client.get("/api/v1/submissions/none", headers=headers)
-        page = site.client.get("/compte", headers={"Cookie": f"{COOKIE}=x"})
+        page = site.client.get("/compte", headers={"Cookie": f"{SESSION_COOKIE}=x"})
     assert (answer.status_code, answer.headers["retry-after"]) == (503, "2")
     assert answer.json()["type"].endswith("indisponible")
     assert (page.status_code, "réessayez dans quelques secondes" in page.text) == (503, True)
@@ -131,10 +131,10 @@ def test_who_starts_meanwhile_waits_for_a_while(postgres_url: str, settings: Set
             return real()
 
         database.engine.connect = connect  # type: ignore[method-assign]
-        database.wait(30.0)
+        database.wait_until_available(30.0)
         assert not refusals
     with closing(Database(NOWHERE)) as nowhere, pytest.raises(OperationalError):
-        nowhere.wait(0.0)
+        nowhere.wait_until_available(0.0)
 
 
 class Step:

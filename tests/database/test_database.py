@@ -23,8 +23,15 @@ from sqlalchemy import insert, select, text, update
 from server.base.files import ROOT
 from server.base.settings import Settings
 from server.cli import main
-from server.database import Database, after_commit, engine, table_of
-from server.database.migrate import WrongSchema, configuration, head, is_known, require_current, upgrade
+from server.database import Database, engine, run_after_commit, table_of
+from server.database.migrate import (
+    WrongSchema,
+    alembic_config,
+    head_revision,
+    is_known_revision,
+    require_current,
+    upgrade,
+)
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.limits.models import Allowance
@@ -53,7 +60,7 @@ def test_a_writing_transaction_that_raises_leaves_nothing(database: Database) ->
     def fail_halfway() -> None:
         with database.write() as db:
             db.add(Account(name="Ada"))
-            after_commit(db, lambda: ran.append("told"))
+            run_after_commit(db, lambda: ran.append("told"))
             db.flush()
             raise RuntimeError("halfway")
 
@@ -73,7 +80,7 @@ def test_actions_after_commit_see_the_commit(database: Database) -> None:
 
     with database.write() as db:
         db.add(Account(name="Ada"))
-        after_commit(db, look)
+        run_after_commit(db, look)
     assert seen == [1]
 
 
@@ -150,7 +157,7 @@ def test_revisions_come_and_go_with_their_migration(postgres_url: str, tmp_path:
                 assert revisions[waits] is None
                 seen.add(revisions[graded])
                 with database.engine.begin() as connection:
-                    command.downgrade(configuration(connection), "0020")
+                    command.downgrade(alembic_config(connection), "0020")
                 with database.write() as db:
                     db.execute(points.values(digest="other"))
                     db.execute(update(table_of(Grading)).values(outcome="timeout"))
@@ -213,10 +220,10 @@ def test_real_processes_that_start_together_migrate_once(postgres_url: str, tmp_
 
 
 def test_the_numbers_of_migrations_are_those_that_alembic_finds() -> None:
-    scripts = ScriptDirectory.from_config(configuration())
-    assert head() == scripts.get_current_head()
-    assert all(is_known(script.revision) for script in scripts.walk_revisions())
-    assert not is_known("9999")
+    scripts = ScriptDirectory.from_config(alembic_config())
+    assert head_revision() == scripts.get_current_head()
+    assert all(is_known_revision(script.revision) for script in scripts.walk_revisions())
+    assert not is_known_revision("9999")
 
 
 def test_what_is_current_needs_no_alembic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -232,7 +239,7 @@ def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
     with database.write() as db:
         db.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     try:
-        with pytest.raises(WrongSchema, match=rf"plus récente.*9999.*{head()}"):
+        with pytest.raises(WrongSchema, match=rf"plus récente.*9999.*{head_revision()}"):
             upgrade(database.engine)
         if both.database_url:
             monkeypatch.setenv("BALISE_DATABASE_URL", both.database_url)
@@ -242,7 +249,7 @@ def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
             assert db.execute(text("SELECT version_num FROM alembic_version")).scalar_one() == "9999"
     finally:
         with database.write() as db:
-            db.execute(text("UPDATE alembic_version SET version_num = :head"), {"head": head()})
+            db.execute(text("UPDATE alembic_version SET version_num = :head"), {"head": head_revision()})
 
 
 def test_who_does_not_migrate_refuses_an_older_database(tmp_path: Path) -> None:

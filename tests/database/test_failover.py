@@ -18,7 +18,7 @@ from sqlalchemy import select, text
 from sqlalchemy.exc import DBAPIError
 
 from server.base.settings import Settings
-from server.database import Database, is_away
+from server.database import Database, is_unavailable
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.submissions.service import Submissions
@@ -108,7 +108,7 @@ def patiently(doing: Callable[[], object]) -> None:
             doing()
             return
         except DBAPIError as error:
-            if not is_away(error) or time.monotonic() > deadline:
+            if not is_unavailable(error) or time.monotonic() > deadline:
                 raise
             time.sleep(0.05)
 

@@ -15,7 +15,7 @@ from sqlalchemy import create_engine, func, make_url, select, text
 
 from graders.core.contract.verdict import Outcome
 from server.app import Services
-from server.base.http import COOKIE
+from server.base.http import SESSION_COOKIE
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database, utc_now
@@ -194,7 +194,7 @@ def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
     with closing(services.database):
         services.first_look()
     app = standing_app(upgraded.settings, upgraded.course)
-    with TestClient(app, cookies={COOKIE: "Ada"}) as client:
+    with TestClient(app, cookies={SESSION_COOKIE: "Ada"}) as client:
 
         def page(path: str) -> str:
             answer = client.get(path)
@@ -215,7 +215,7 @@ def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
         assert "Sans rotation" in page(f"/soumissions/{landed.sent['wrong']}")
         for name in ("queued", "running", "ours"):
             page(f"/soumissions/{landed.sent[name]}")
-        client.cookies.set(COOKIE, "Guest")
+        client.cookies.set(SESSION_COOKIE, "Guest")
         assert "15 / 20" in page("/l20/exercices/poses/essais")
 
 

@@ -29,8 +29,8 @@ from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.marks.schemas import ExerciseMark
 from server.submissions.models import Submission
-from server.web.school_time import field
-from server.web.words import moment_words
+from server.web.school_time import format_field
+from server.web.words import long_moment
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
@@ -43,9 +43,9 @@ GOOD: dict[str, Any] = {
     "titre": "Se <repérer>",
     "exercice": [EXERCISE, OTHER],
     f"poids:{EXERCISE}": "2,5",
-    "ouvre": field(NOW - DAY),
-    "rendre": field(NOW + 2 * DAY),
-    "ferme": field(NOW + 6 * DAY),
+    "ouvre": format_field(NOW - DAY),
+    "rendre": format_field(NOW + 2 * DAY),
+    "ferme": format_field(NOW + 6 * DAY),
     "retard": "penalty",
     "par_jour": "2",
 }
@@ -99,7 +99,7 @@ def test_an_assignment_is_given_shown_changed_and_taken_back(school: School) -> 
     page = school.martin.get(href).text
     assert "Se &lt;repérer&gt;" in page
     shown = told(page)
-    assert f"À rendre avant {moment_words(NOW + 2 * DAY)}" in shown
+    assert f"À rendre avant {long_moment(NOW + 2 * DAY)}" in shown
     assert "coefficient 2,5" in shown
     assert "chaque jour de retard commencé coûte 2 points sur 20 : 18 au plus le premier jour" in shown
     assert '<svg class="late-line"' in page
@@ -136,7 +136,7 @@ def test_a_field_left_as_it_was_keeps_the_very_second(school: School) -> None:
     exact = datetime(2031, 10, 26, 1, 30, 17, tzinfo=UTC)  # the second 2:30 of that night in Paris
     with school.site.database.write() as db:
         db.query(Assignment).one().closes_at = exact
-    assert school.martin.post(f"{href}/modifier", data=GOOD | {"ferme": field(exact)}).status_code == 303
+    assert school.martin.post(f"{href}/modifier", data=GOOD | {"ferme": format_field(exact)}).status_code == 303
     assert school.stored(Assignment)[0].closes_at == exact
 
 
@@ -150,7 +150,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"par_jour": "inf"}, "« inf » n’est pas un nombre"),
     ({"par_jour": "1e9"}, "n’est pas un nombre"),
     ({"rendre": ""}, "demande une date de remise"),
-    ({"rendre": field(NOW - 2 * DAY)}, "La date de remise vient avant l’ouverture."),
+    ({"rendre": format_field(NOW - 2 * DAY)}, "La date de remise vient avant l’ouverture."),
     ({"ferme": "2031-03-30T02:30"}, "il n’est jamais 2 h 30 ce jour-là"),
     ({"ferme": "<script>"}, "« <script> » n’est pas une date"),
     ({"retard": "peut-être"}, "Ce choix n’est pas proposé."),
@@ -177,12 +177,12 @@ def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked
     page = school.give() + "/amenagements"
     both = [str(school.ada.id), str(school.bob.id)]
     later = NOW + 9 * DAY
-    granted = {"eleve": both, "rendre": field(later), "raison": "=SOMME(1)"}
+    granted = {"eleve": both, "rendre": format_field(later), "raison": "=SOMME(1)"}
     assert school.martin.post(page, data=granted).headers["location"] == page
     assert school.martin.post(page, data={"groupe": "TP1", "dispense": "oui", "raison": "voyage"}).status_code == 303
     shown = read(school.martin, page)
     assert shown.index("groupe TP1") < shown.index("Ada À rendre avant") < shown.index("Bob À rendre avant")
-    assert moment_words(later) in shown
+    assert long_moment(later) in shown
     newest = read(school.martin, f"{page}?tri=date")
     assert newest.index("groupe TP1") < newest.index("Bob")
 
@@ -194,7 +194,7 @@ def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked
         ("", "TP1", "voyage"), ("Ada", "", "'=SOMME(1)"), ("Bob", "", "'=SOMME(1)"),
     ]  # fmt: skip
 
-    sooner = {"eleve": both[0], "rendre": field(NOW + 3 * DAY), "remplacer": "oui"}
+    sooner = {"eleve": both[0], "rendre": format_field(NOW + 3 * DAY), "remplacer": "oui"}
     school.martin.post(page, data=sooner)
     held = [one for one in school.stored(Exemption) if one.account_id == school.ada.id and one.revoked_at is None]
     assert [one.due_at for one in held] == [NOW + 3 * DAY]
@@ -203,7 +203,7 @@ def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked
     kinds = [one.what for one in school.stored(AuditEvent) if "exemption" in one.what]
     assert (kinds.count(AuditAction.exemption_made), kinds.count(AuditAction.exemption_revoked)) == (4, 2)
     for refused in (
-        {}, {"eleve": both}, {"eleve": "zut", "rendre": field(later)}, {"groupe": "TP9", "dispense": "oui"},
+        {}, {"eleve": both}, {"eleve": "zut", "rendre": format_field(later)}, {"groupe": "TP9", "dispense": "oui"},
         {"eleve": both, "groupe": "TP1", "dispense": "oui"}, {"eleve": both, "temps": "5"},
         {"eleve": both, "dispense": "peut-être"}, {"eleve": str(uuid4()), "dispense": "oui"},
     ):  # fmt: skip
@@ -213,22 +213,28 @@ def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked
 
 def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
     href = school.give()
-    soon = {"titre": "Contrôle", "mode": "test", "ouvre": field(NOW + DAY), "rendre": "", "ferme": field(NOW + 3 * DAY)}
+    soon = {
+        "titre": "Contrôle",
+        "mode": "test",
+        "ouvre": format_field(NOW + DAY),
+        "rendre": "",
+        "ferme": format_field(NOW + 3 * DAY),
+    }
     school.give(**soon, retard="accept", duree="60")
     later = NOW + 9 * DAY
-    grant = {"groupe": "TP1", "rendre": field(later), "raison": "secret médical"}
+    grant = {"groupe": "TP1", "rendre": format_field(later), "raison": "secret médical"}
     school.martin.post(f"{href}/amenagements", data=grant)
     ada, bob = school.ada.browser(school.site), school.bob.browser(school.site)
     school.site.submit(school.ada.headers, code="x  # outcome: wrong_answer")
     assert worker_of(school.site.database, school.site.settings).step()
 
     page = read(ada, school.href)
-    assert f"À rendre avant {moment_words(later)}" in page
+    assert f"À rendre avant {long_moment(later)}" in page
     assert "Un aménagement vous a été accordé." in page
     assert "½ Composer, inverser et comparer des poses 10 / 20" in page
     assert "○ Un pas d’odométrie, à la main à faire" in page
     assert "Les exercices seront montrés à l’ouverture." in page
-    assert f"À rendre avant {moment_words(NOW + 2 * DAY)}" in read(bob, school.href)
+    assert f"À rendre avant {long_moment(NOW + 2 * DAY)}" in read(bob, school.href)
     assert "secret" not in page
     row = {"account_id": school.ada.id, "based_on": []}
     with school.site.database.write() as db:
@@ -237,7 +243,7 @@ def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
     assert "½ Composer, inverser et comparer des poses 15 / 20, note de votre enseignant : bien à l’oral" in page
 
     why = read(ada, f"{href}/pourquoi")
-    assert f"groupe « TP1 » : {moment_words(later)} — c’est ce qui vaut" in why
+    assert f"groupe « TP1 » : {long_moment(later)} — c’est ce qui vaut" in why
     assert "secret" not in why
     assert "secret médical" in read(school.martin, f"{href}/pourquoi?eleve={school.ada.id}")
     read(ada, f"{href}/pourquoi?eleve={school.bob.id}", 403)
@@ -256,13 +262,13 @@ def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
 def test_what_is_due_soon_is_told_where_one_works(school: School) -> None:
     school.give()
     bob, stranger = school.bob.browser(school.site), person(school.site).browser(school.site)
-    line = f"à rendre avant le {moment_words(NOW + 2 * DAY)} (encore 2 exercices)"
+    line = f"à rendre avant le {long_moment(NOW + 2 * DAY)} (encore 2 exercices)"
     for path in ("/", "/l20"):
         assert line in read(bob, path)
         for nobody in (stranger, school.site.client, school.martin):
             assert "à rendre avant" not in read(nobody, path)
     of_exercise = read(bob, "/l20/exercices/poses")
-    assert f"À rendre avant le {moment_words(NOW + 2 * DAY)} (devoir « Se <repérer> »)" in of_exercise
+    assert f"À rendre avant le {long_moment(NOW + 2 * DAY)} (devoir « Se <repérer> »)" in of_exercise
     with school.site.database.write() as db:
         db.get_one(SchoolClass, school.made.id).archived_at = utc_now()
     assert "avant le" not in read(bob, "/l20/exercices/poses")
@@ -278,7 +284,7 @@ def test_who_has_worked_ahead_has_done_it(school: School) -> None:
         db.query(Submission).one().created_at = NOW - 2 * DAY
     school.give()
     assert "✓ Composer, inverser et comparer des poses réussi" in read(ada, school.href)
-    dates = {"ouvre": field(NOW + DAY), "rendre": "", "ferme": field(NOW + 3 * DAY), "retard": "accept"}
+    dates = {"ouvre": format_field(NOW + DAY), "rendre": "", "ferme": format_field(NOW + 3 * DAY), "retard": "accept"}
     href = school.give(titre="Bientôt", exercice=EXERCISE, **dates)
     assert "◷ à venir · déjà fait" in read(ada, school.href)
     gradebook = school.martin.get(f"{school.href}/carnet").text
@@ -339,7 +345,7 @@ def test_a_copy_takes_the_assignments_along_at_their_time_of_day(school: School)
         assert copied.status_code == 303
         there = copied.headers["location"].rpartition("/")[2]
         (one,) = [one for one in school.stored(Assignment) if str(one.class_id) == there]
-        assert (field(one.opens_at), field(one.due_at), one.closes_at) == (opens, due, None)
+        assert (format_field(one.opens_at), format_field(one.due_at), one.closes_at) == (opens, due, None)
     assert len(school.stored(Exemption)) == 1
     before = len(school.stored(SchoolClass))
     for fields in ({"semaines": "9999"}, {"semaines": "un an"}, {"rentree": "demain"}, {"rentree": "2131-09-01"}):

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.board import service
 from server.board.live import LiveBoards
 from server.board.schemas import Board
@@ -220,7 +220,7 @@ def test_what_changes_is_told_as_the_page_draws_it(
 def test_the_stream_of_a_page_begins_with_what_it_shows(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    provided_to(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, LiveBoards).stays_open = 0.0
     version = board_of(site, course, made).version
     browser, path = martin.browser(site), f"/classes/{made.id}/evenements"
     answer = browser.get(path, params={"version": version})

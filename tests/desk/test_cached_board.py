@@ -107,7 +107,7 @@ def test_times_follow_the_time_zone_of_the_school(
 ) -> None:
     before = page(site, teacher, made).split('id="activite"')[1]
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
-    school_time.use("America/Martinique")
+    school_time.set_time_zone("America/Martinique")
     elsewhere = page(site, teacher, made).split('id="activite"')[1]
     FRAGMENTS.clear()
     assert page(site, teacher, made).split('id="activite"')[1] == elsewhere

@@ -107,7 +107,7 @@ def test_dates_follow_the_time_zone_of_the_school(
     term.assignment(due_at=utc_now().replace(hour=2))
     before = page(site, martin, term)
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
-    school_time.use("America/Martinique")
+    school_time.set_time_zone("America/Martinique")
     elsewhere = page(site, martin, term)
     FRAGMENTS.clear()
     assert page(site, martin, term) == elsewhere

@@ -10,7 +10,7 @@ from uuid import UUID
 import pytest
 
 from server.assignments.models import AssignedExercise
-from server.base.app_services import provide, provided_to
+from server.base.app_services import add_services, get_service
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.identity.models import Role
@@ -25,13 +25,13 @@ NEWER = "L20, 2ᵉ édition"
 @pytest.fixture
 def two_editions(site: Site) -> Iterator[Site]:
     """The second has no kabsch."""
-    course = provided_to(site.app, Course)
+    course = get_service(site.app, Course)
     module = course.modules["l20"]
     exercises = tuple(replace(one, module="l20e2") for one in module.exercises if one.id != LEFT)
     newer = replace(module, slug="l20e2", exercises=exercises)
-    provide(site.app, Course(MappingProxyType({**course.modules, "l20e2": newer}), ()))
+    add_services(site.app, Course(MappingProxyType({**course.modules, "l20e2": newer}), ()))
     yield site
-    provide(site.app, course)
+    add_services(site.app, course)
 
 
 def test_a_class_keeps_its_edition_until_it_is_copied(two_editions: Site) -> None:

@@ -8,7 +8,7 @@ from uuid import UUID, uuid4
 
 import pytest
 
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.classes import service as classes
 from server.course.models import Course
 from server.figures.service import Figures
@@ -24,7 +24,7 @@ from tests.support.service import EXERCISE, Site
 
 @pytest.fixture
 def lesson(site: Site) -> Lesson:
-    return Lesson(site.database, site.settings, provided_to(site.app, RegradeService).queue)
+    return Lesson(site.database, site.settings, get_service(site.app, RegradeService).queue)
 
 
 @pytest.fixture
@@ -156,7 +156,7 @@ class Drawer:
 
 def test_figures_are_those_of_the_grading_that_a_page_shows(site: Site, lesson: Lesson, martin: Person) -> None:
     drawer = Drawer()
-    provided_to(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
+    get_service(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
     ada = person(site, account=lesson.arrive())
     name, other = lesson.sent(ada.account, 4, 8), lesson.sent(ada.account, 4, 8)
     regrade, browser = lesson.prepared(), ada.browser(site)

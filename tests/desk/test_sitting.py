@@ -18,7 +18,7 @@ from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, Visibility
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.errors import Conflict
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments import notes
@@ -89,7 +89,7 @@ class Room:
                     setattr(row, column.key, getattr(row, column.key) - earlier)
 
     def collect(self, now: datetime | None = None) -> int:
-        return provided_to(self.site.app, Collecting).collect(self.site.database, now or utc_now())
+        return get_service(self.site.app, Collecting).collect(self.site.database, now or utc_now())
 
     def sent(self, who: Person) -> list[Submission]:
         query = select(Submission).where(Submission.account_id == who.id).order_by(Submission.created_at)
@@ -544,8 +544,8 @@ def test_nobody_s_time_is_ended_in_the_past(room: Room) -> None:
     room.let_time_pass(30)
     room.send(ada)
     form = {"titre": "Interro", "exercice": EXERCISE, "mode": "test", "duree": "60", "retard": "accept"}
-    form["ouvre"] = school_time.field(room.test.opens_at)
-    past = school_time.field(utc_now() - 5 * MINUTE)
+    form["ouvre"] = school_time.format_field(room.test.opens_at)
+    past = school_time.format_field(utc_now() - 5 * MINUTE)
     for fields in ({"duree": "20"}, {"ferme": past}):
         refused = teacher.post(f"{room.path}/modifier", data=form | fields)
         assert (refused.status_code, "finirait dans le passé" in told(refused)) == (422, True)
@@ -555,7 +555,7 @@ def test_nobody_s_time_is_ended_in_the_past(room: Room) -> None:
     with room.site.database.read() as db:
         (one,) = db.query(Exemption).all()
     assert teacher.post(f"{room.path}/amenagements/{one.id}/retirer").status_code == 409
-    later = school_time.field(utc_now() + 60 * MINUTE)
+    later = school_time.format_field(utc_now() + 60 * MINUTE)
     assert teacher.post(f"{room.path}/modifier", data=form | {"ouvre": later}).status_code == 303
     assert "vous composez" in own_page(room, ada), "whatever the dates become, who has begun goes on"
     assert room.send(ada, "x = 2").status_code == 202

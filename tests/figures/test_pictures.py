@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from server.base.errors import Crowded, Failed
-from server.base.helpers import UnansweredError
+from server.base.errors import InternalFailure, Overloaded
+from server.base.helpers import HelperError
 from server.figures.orders import WARM, Order
 from server.figures.pictures import LONGEST_QUESTION, Pictures
 from server.figures.store import Store
@@ -37,7 +37,7 @@ class Drawer:
         await self.go.wait()
         self.at_once -= 1
         if name in self.fails:
-            raise UnansweredError
+            raise HelperError
         return f"<{name}>".encode()
 
     async def close(self) -> None:
@@ -159,7 +159,7 @@ def test_a_failure_is_told_to_all_who_wait_and_not_remembered(tmp_path: Path) ->
         await asyncio.sleep(0)
         drawer.go.set()
         answers = await asyncio.gather(*waiting, return_exceptions=True)
-        assert [type(answer) for answer in answers] == [Failed] * 6
+        assert [type(answer) for answer in answers] == [InternalFailure] * 6
         assert drawer.drawn == {"a": 1}
         drawer.fails.clear()
         assert await looks(pictures, "a") == b"<a>"
@@ -179,7 +179,7 @@ def test_the_queue_has_an_end_but_not_for_a_picture_that_is_coming(tmp_path: Pat
         for waiting, name in enumerate("bc", 1):
             coming.append(looks(pictures, name))
             await until_waiting(pictures, waiting)
-        with pytest.raises(Crowded) as refused:
+        with pytest.raises(Overloaded) as refused:
             await looks(pictures, "d")
         assert int(refused.value.headers["Retry-After"]) >= 1
         coming += [looks(pictures, name) for name in "abc"]
@@ -201,7 +201,7 @@ def test_a_crowd_at_one_address_makes_room_for_another(tmp_path: Path) -> None:
             crowd.append(looks(pictures, name))
             await until_waiting(pictures, waiting)
         elsewhere = looks(pictures, "e", "elsewhere")
-        with pytest.raises(Crowded):
+        with pytest.raises(Overloaded):
             await crowd.pop()
         drawer.go.set()
         assert await asyncio.gather(first, *crowd, elsewhere) == [b"<a>", b"<b>", b"<e>"]
@@ -234,7 +234,7 @@ def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> 
 
 def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: Pictures) -> None:
-        with pytest.raises(Failed):
+        with pytest.raises(InternalFailure):
             await pictures.picture(Order(b"x" * (LONGEST_QUESTION + 1), "0" * 64), "here")
         assert not drawer.drawn
 

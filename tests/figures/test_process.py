@@ -14,7 +14,7 @@ import pytest
 
 from graders.plotting import counterexample
 from graders.scene.films import wire
-from server.base.helpers import Helper, Program, UnansweredError
+from server.base.helpers import Helper, HelperError, HelperProgram
 from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw
@@ -68,7 +68,7 @@ def question(path: Path, function: str) -> bytes:
     return orders.of_lesson(drawing(path, function), "dark").question
 
 
-def play(scene: Callable[[Helper], Awaitable[None]], made: Program | None = None) -> None:
+def play(scene: Callable[[Helper], Awaitable[None]], made: HelperProgram | None = None) -> None:
     async def whole() -> None:
         helper = Helper(made or program())
         await scene(helper)
@@ -80,7 +80,7 @@ def play(scene: Callable[[Helper], Awaitable[None]], made: Program | None = None
 
 
 async def raises(helper: Helper, asked: bytes) -> None:
-    with pytest.raises(UnansweredError):
+    with pytest.raises(HelperError):
         await helper.ask(asked)
 
 
@@ -125,7 +125,7 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
         assert len(set(processes)) == len(processes)
 
     async def scene(helper: Helper) -> None:
-        with pytest.raises(UnansweredError) as caught:
+        with pytest.raises(HelperError) as caught:
             await helper.ask(question(folder, "endless"))
         assert isinstance(caught.value.__cause__, ConnectionError), "it ended by itself, long before the patience"
         await drawn_by_another(helper)

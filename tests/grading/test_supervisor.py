@@ -70,7 +70,7 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
         walls = Gate()
         async with Supervisor(wanted, Switchboard(print), lambda _owner: None, SLEEPS, walls) as supervisor:
             supervisor.expect_the_end()
-            walls.shut()
+            walls.close()
         assert supervisor.alive() == 0
 
     in_a_loop(scene())

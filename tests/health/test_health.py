@@ -17,10 +17,10 @@ from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
 from server.base import logs
-from server.base.app_services import provide, provided_to
+from server.base.app_services import add_services, get_service
 from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
-from server.base.middleware import Trail
+from server.base.middleware import RequestLog
 from server.grading.supervisor import Supervisor
 from server.health import repository
 from server.health.counts import Counts
@@ -45,7 +45,7 @@ def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch
         amiss = site.client.get("/readyz")
         assert (amiss.status_code, amiss.json()["checks"]["database"]) == (503, "unreachable")
         assert site.client.get("/healthz").status_code == 200
-    supervisor = provided_to(site.app, Supervisor)
+    supervisor = get_service(site.app, Supervisor)
     monkeypatch.setattr(Supervisor, "wanted", 2)
     assert site.client.get("/readyz").json()["checks"]["workers"] == "none"
     monkeypatch.setattr(supervisor, "alive", lambda: 1)
@@ -56,9 +56,9 @@ def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch
 
 def test_without_what_carries_the_work_it_serves_and_says_so(site: Site) -> None:
     assert "nats" not in site.client.get("/readyz").json()["checks"], "one machine has none"
-    readiness = provided_to(site.app, Readiness)
+    readiness = get_service(site.app, Readiness)
     for state, status in (("unreachable", "degraded"), ("ok", "ok")):
-        provide(site.app, replace(readiness, carrier=lambda state=state: state))
+        add_services(site.app, replace(readiness, carrier=lambda state=state: state))
         answer = site.client.get("/readyz")
         assert (answer.status_code, answer.json()["status"], answer.json()["checks"]["nats"]) == (200, status, state)
 
@@ -126,7 +126,7 @@ def test_metrics_count_what_is_refused_and_what_is_renewed(site: Site, measured:
     for _ in range(2):
         elsewhere.renewed("worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 3
-    provided_to(site.app, Metrics).tell_walls({"seccomp": True, "cgroup": False})
+    get_service(site.app, Metrics).tell_walls({"seccomp": True, "cgroup": False})
     walls = {labels: value for (name, labels), value in measured().items() if name == "balise_wall_standing"}
     assert walls == {frozenset({("wall", "seccomp")}): 1, frozenset({("wall", "cgroup")}): 0}
 
@@ -142,14 +142,14 @@ def told() -> Iterator[io.StringIO]:
     stream = io.StringIO()
     handler = logging.StreamHandler(stream)
     handler.setFormatter(JsonLines("test"))
-    root, level = logging.getLogger(), logs.trail.level
+    root, level = logging.getLogger(), logs.event_log.level
     root.addHandler(handler)
-    logs.trail.setLevel(logging.INFO)
+    logs.event_log.setLevel(logging.INFO)
     try:
         yield stream
     finally:
         root.removeHandler(handler)
-        logs.trail.setLevel(level)
+        logs.event_log.setLevel(level)
 
 
 def test_the_logs_follow_a_request_to_its_verdict_and_tell_nothing_of_its_author(site: Site) -> None:
@@ -196,12 +196,12 @@ def test_an_error_is_logged_with_its_trace_and_without_what_a_statement_carries(
 )
 def test_a_trusted_proxy_names_requests_and_nobody_else(proxied: bool, given: str, kept: bool) -> None:
     async def app(scope: Any, receive: Any, send: Any) -> None:
-        assert logs.current_id()
+        assert logs.current_request_id()
         await send({"type": "http.response.start", "status": 204, "headers": []})
         await send({"type": "http.response.body", "body": b""})
 
     headers = {"X-Request-ID": given.replace("\r\n", " ")}
-    name = TestClient(Trail(app, proxied)).get("/", headers=headers).headers["x-request-id"]
+    name = TestClient(RequestLog(app, proxied)).get("/", headers=headers).headers["x-request-id"]
     assert (name == given) is kept
-    assert logs.ID.fullmatch(name)
-    assert not logs.current_id()
+    assert logs.REQUEST_ID_PATTERN.fullmatch(name)
+    assert not logs.current_request_id()

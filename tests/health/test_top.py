@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from server.base.app_services import provided_to
-from server.base.counters import Visits
-from server.base.logs import RECENT
+from server.base.app_services import get_service
+from server.base.counters import VisitCounter
+from server.base.logs import RECENT_ERRORS
 from server.cli import main, top
 from server.grading.kinds import LANES
 from server.health.metrics import Metrics
@@ -68,7 +68,7 @@ def test_it_tells_what_waits_who_grades_and_how_fast_and_nothing_of_what_was_sen
 
 
 def test_visitors_are_counted_for_a_while_and_who_watches_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    visits = Visits(seconds=300)
+    visits = VisitCounter(seconds=300)
     for who in (b"a", b"b", b"a"):
         visits.note(who)
     assert (visits.visitors(), visits.last_minute()) == (2, 3)
@@ -79,7 +79,7 @@ def test_visitors_are_counted_for_a_while_and_who_watches_is_none(monkeypatch: p
 
 def test_the_latest_errors_of_the_logs_are_told_in_one_line(site: Site, administrator: dict[str, str]) -> None:
     record = logging.LogRecord("server.x", logging.ERROR, "", 0, "le modèle %s a cessé\nsuite", ("numpy",), None)
-    RECENT.handle(record)
+    RECENT_ERRORS.handle(record)
     faults = site.client.get("/statusz", headers=administrator).json()["faults"]
     assert ("server.x", "le modèle numpy a cessé") in {(one["where"], one["message"]) for one in faults}
     assert all("suite" not in one["message"] for one in faults)
@@ -99,8 +99,8 @@ def shown(site: Site, administrator: dict[str, str], monkeypatch: pytest.MonkeyP
 
 
 def test_the_screen_is_plain_and_fits_eighty_columns(site: Site, shown: Any) -> None:
-    provided_to(site.app, Metrics).tell_walls({"seccomp": True, "cgroup-mémoire": False})
-    RECENT.handle(logging.LogRecord("server.x", logging.ERROR, "", 0, "\033[2J" + "long " * 60, (), None))
+    get_service(site.app, Metrics).tell_walls({"seccomp": True, "cgroup-mémoire": False})
+    RECENT_ERRORS.handle(logging.LogRecord("server.x", logging.ERROR, "", 0, "\033[2J" + "long " * 60, (), None))
     site.submit(site.token())
     screen = shown("--once")
     assert all(len(line) <= 80 for line in screen.splitlines())

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from sqlalchemy import select
 
-from server.base.errors import Crowded
+from server.base.errors import Overloaded
 from server.identity import secrets
 from server.identity.hashing import PasswordHasher
 from server.identity.models import Account
@@ -107,5 +107,5 @@ def test_few_are_hashed_at_once_off_the_loop_and_too_many_are_sent_away(monkeypa
 
     results = in_a_loop(scene())
     assert most[0] == 2
-    assert [type(result) for result in results].count(Crowded) == 4
+    assert [type(result) for result in results].count(Overloaded) == 4
     assert results[-1] == "other"

@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.base.errors import TooMany
-from server.base.settings import Bucket
+from server.base.errors import RateLimited
+from server.base.settings import BucketSettings
 from server.database import Database, utc_now
 from server.limits import service as throttle
 from server.limits.models import Allowance
 
-SLOW = Bucket(burst=3, refill_seconds=1000)
+SLOW = BucketSettings(burst=3, refill_seconds=1000)
 
 
-def take(database: Database, bucket: Bucket = SLOW, key: str = "k") -> None:
+def take(database: Database, bucket: BucketSettings = SLOW, key: str = "k") -> None:
     with database.write() as db:
         throttle.take_token(db, key, bucket, "dans {seconds} s")
 
@@ -28,14 +28,14 @@ def refusals(database: Database, tries: int) -> int:
     for _ in range(tries):
         try:
             take(database)
-        except TooMany:
+        except RateLimited:
             count += 1
     return count
 
 
 def test_a_burst_then_a_refusal_that_tells_when(database: Database) -> None:
     assert refusals(database, 3) == 0
-    with pytest.raises(TooMany, match="dans 1000 s") as refused:
+    with pytest.raises(RateLimited, match="dans 1000 s") as refused:
         take(database)
     assert refused.value.retry_after == 1000
 
@@ -65,4 +65,4 @@ def test_a_bucket_stays_between_what_it_held_and_its_burst(
     tokens: float, elapsed: float, burst: int, refill: float
 ) -> None:
     held = min(tokens, burst)
-    assert held <= throttle.refilled(held, elapsed, Bucket(burst, refill)) <= burst
+    assert held <= throttle.refilled(held, elapsed, BucketSettings(burst, refill)) <= burst

@@ -19,7 +19,7 @@ from urllib.parse import unquote, urldefrag
 
 import pytest
 
-from server.base.errors import Crowded, NotFound, NotNow
+from server.base.errors import NotFound, Overloaded, WrongMoment
 from server.course import Module
 from server.offline import site
 from server.offline.addresses import ON_THE_SERVER, Places
@@ -197,7 +197,7 @@ class Drawn:
         if self.fails:
             raise RuntimeError("a drawing of the author's")
         if self.asked == 1:
-            raise Crowded("Plein.", retry_after=1)
+            raise Overloaded("Plein.", retry_after=1)
         return PICTURE
 
 
@@ -225,7 +225,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
         archives: Any = Archives(course, drawn, Downloads(course), tmp_path)  # type: ignore[arg-type]
         module = archives.module("l20")
         assert await archives.look(module) is None
-        with pytest.raises(NotNow):
+        with pytest.raises(WrongMoment):
             await archives.file(module)
         await asyncio.gather(archives.prepare(module), archives.prepare(module))
         await archives.look(module)

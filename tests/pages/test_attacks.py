@@ -15,7 +15,7 @@ from graders.plotting import counterexample
 from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from server.web import verdicts
-from server.web.rendering import environment
+from server.web.rendering import jinja_environment
 from tests.support.quick import the_course
 from tests.support.small_site import SmallSite
 
@@ -86,7 +86,11 @@ def assert_harmless(html: str) -> None:
 
 def shown(grading: Judgement) -> str:
     stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
-    return environment().from_string(SHOW).render(verdict=verdicts.view(Verdict.from_json(stored), "/figures"))
+    return (
+        jinja_environment()
+        .from_string(SHOW)
+        .render(verdict=verdicts.verdict_view(Verdict.from_json(stored), "/figures"))
+    )
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,8 @@ from sqlalchemy import select
 
 from graders.core.contract.findings import Judgement
 from server.assignments.models import Mode
-from server.base.app_services import provided_to
-from server.base.helpers import UnansweredError
+from server.base.app_services import get_service
+from server.base.helpers import HelperError
 from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
@@ -41,7 +41,7 @@ class Drawer:
     async def ask(self, question: bytes) -> bytes:
         self.asked.append(json.loads(question))
         if self.fails:
-            raise UnansweredError
+            raise HelperError
         return gzip.compress(ANSWER)
 
     async def close(self) -> None: ...
@@ -49,7 +49,7 @@ class Drawer:
 
 def draws(site: Site, **options: bool) -> Drawer:
     drawer = Drawer(**options)
-    provided_to(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
+    get_service(site.app, Figures).pictures._drawer = drawer  # type: ignore[assignment]
     return drawer
 
 

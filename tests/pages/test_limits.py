@@ -9,7 +9,7 @@ from dataclasses import fields
 import pytest
 
 from server.api.schemas import LimitsOut
-from server.base.validation import size
+from server.base.validation import format_size
 from server.course.schemas import PolicyEntry
 from server.pages.policy import policy_lines
 from server.sandbox.policy import LIMIT_SPECS, Policy
@@ -94,4 +94,4 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     ],
 )
 def test_sizes_are_in_french_units(count: int, text: str) -> None:
-    assert size(count).replace("\u00a0", " ") == text
+    assert format_size(count).replace("\u00a0", " ") == text

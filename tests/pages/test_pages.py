@@ -9,7 +9,7 @@ from uuid import UUID, uuid4
 import pytest
 
 from graders.core.contract.outcomes import Outcome
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
@@ -132,7 +132,7 @@ def test_who_waits_asks_for_the_place_alone_until_the_verdict_is_there(small_sit
     identity = UUID(small_site.submit("b").rpartition("/")[2])
     with database.read() as db:
         author = db.get_one(Account, db.get_one(Submission, identity).account_id)
-    watch = Watched(author, provided_to(app, Submissions), database, identity)
+    watch = Watched(author, get_service(app, Submissions), database, identity)
     assert watch.look().text == "En attente : 1 envoi passe avant le vôtre."
     with Counted(database) as counted:
         assert not watch.look().done
@@ -241,7 +241,7 @@ def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) 
 
 def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypatch: pytest.MonkeyPatch) -> None:
     app: Any = small_site.client.app
-    monkeypatch.setattr(provided_to(app, Submissions), "_unattended", lambda: True)
+    monkeypatch.setattr(get_service(app, Submissions), "_unattended", lambda: True)
     href = small_site.submit()
     for path in (f"{href}/verdict", PAGE):
         assert "plus rien n’est corrigé depuis un moment" in small_site.get(path)
@@ -252,8 +252,8 @@ def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypat
 def test_what_waits_for_a_worker_of_its_version_is_told_to_who_waits(small_site: SmallSite) -> None:
     app: Any = small_site.client.app
     href = small_site.submit()
-    with provided_to(app, Database).write() as db:
-        assert provided_to(app, Submissions)._queue.refuse(db, [GRADE], Able([], 60.0))
+    with get_service(app, Database).write() as db:
+        assert get_service(app, Submissions)._queue.refuse(db, [GRADE], Able([], 60.0))
     for path in (f"{href}/verdict", PAGE):
         assert "attend un correcteur de la même version" in small_site.get(path)
     small_site.grade(verdict())

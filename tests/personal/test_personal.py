@@ -18,7 +18,7 @@ from sqlalchemy import func, select, text, update
 from server.app import Services
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
-from server.base.app_services import provide, provided_to
+from server.base.app_services import add_services, get_service
 from server.base.settings import Settings
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.cli import main
@@ -112,7 +112,7 @@ def test_it_is_given_to_its_owner_alone_and_not_too_often(ada: Site, course: Cou
     assert nobody.get("/compte/donnees").status_code == 401
     assert nobody.get("/api/v1/me/export").status_code == 401
     slow = ada.settings.model_copy(update={"export_burst": 1, "export_refill_seconds": 1000.0})
-    provide(ada.app, Personal(ada.database, slow, course))
+    add_services(ada.app, Personal(ada.database, slow, course))
     assert ada.client.get("/compte/donnees").status_code == 200
     assert ada.client.get("/compte/donnees").status_code == 429
 
@@ -368,8 +368,8 @@ def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
     (one,) = read(archive(ada.client.get("/compte/donnees")), "classes.json")
     assert (one["class"], one["role"], one["status"]) == ("MPSI 2", "student", "active")
     assert (one["family_name"], one["groups"]) == ("Lovelace", ["TP1"])
-    provided_to(ada.app, Personal).erase(account.id)
-    provided_to(ada.app, Personal).erase(teacher.id)
+    get_service(ada.app, Personal).erase(account.id)
+    get_service(ada.app, Personal).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Membership)).first() is None
         assert db.execute(select(SchoolClass.created_by)).scalar_one() is None
@@ -394,8 +394,8 @@ def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, cou
     changed = {one["what"]: one["reason"] for one in kept["changes_about_you"]}
     assert changed == {"mark_overridden": "malade ce jour-là", "exemption_made": ""}
     assert kept["changes_you_made"] == kept["overrides_you_set"] == []
-    provided_to(ada.app, Personal).erase(account.id)
-    provided_to(ada.app, Personal).erase(teacher.id)
+    get_service(ada.app, Personal).erase(account.id)
+    get_service(ada.app, Personal).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Override)).first() is None
         events = db.execute(select(AuditEvent)).scalars().all()

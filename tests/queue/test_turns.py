@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy import delete, select, text
 
-from server.base.http import visitor_of
+from server.base.http import visitor_key
 from server.database import Database
 from server.identity.models import Account, Role
 from server.queue.models import Job
@@ -279,7 +279,7 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
     ],
 )
 def test_who_may_choose_among_addresses_has_one(address: str, network: str) -> None:
-    assert guest_at(visitor_of(address)).line == network
+    assert guest_at(visitor_key(address)).line == network
 
 
 def test_what_the_limits_call_a_visitor_is_taken_as_it_is() -> None:

@@ -15,7 +15,7 @@ from reference.formats.trajectory_files import read_tum
 from reference.metrics import absolute_trajectory_error
 from reference.odometry import DifferentialDrive, integrate
 from server.base.errors import NotFound
-from server.base.files import archive_of
+from server.base.files import reproducible_zip
 from server.base.settings import Settings
 from server.reading.downloads import Downloads
 from tests.support.client import TestClient
@@ -77,7 +77,7 @@ def test_the_bag_leaves_the_localisation_to_its_reader(journey: dict[str, bytes]
 
 def test_the_same_files_make_the_same_archive() -> None:
     files = {"b.txt": b"2", "a/c.txt": b"1"}
-    assert archive_of("x", files) == archive_of("x", dict(reversed(files.items())))
+    assert reproducible_zip("x", files) == reproducible_zip("x", dict(reversed(files.items())))
 
 
 @pytest.mark.parametrize(("module", "name"), [("l20", "absent"), ("l99", "parcours"), ("l20", "../kit/l20")])

@@ -12,7 +12,7 @@ import anyio.to_thread
 import pytest
 
 from server.app import create_app
-from server.base.app_services import provided
+from server.base.app_services import app_service
 from server.base.settings import Settings
 from server.database import Database
 from server.figures.service import Figures
@@ -166,7 +166,7 @@ def test_a_page_is_made_in_one_thread(
         small_site.client.get(path)
     for module in ("anyio.to_thread", "server.database.dependencies"):
         monkeypatch.setattr(f"{module}.run_sync", counted)
-    monkeypatch.setattr(Database, "is_near", near)
+    monkeypatch.setattr(Database, "is_local_file", near)
     for path in ("/", READ, PAGE):
         crossed.clear()
         assert small_site.client.get(path).status_code == 200
@@ -196,7 +196,7 @@ def test_a_drawing_that_one_has_is_not_sent_again(small_site: SmallSite) -> None
         async def of_lesson(self, *_: str) -> bytes:
             return b"<svg/>"
 
-    small_site.client.app.dependency_overrides[provided(Figures)] = Drawn  # type: ignore[attr-defined]
+    small_site.client.app.dependency_overrides[app_service(Figures)] = Drawn  # type: ignore[attr-defined]
     path = "/m9/figures/dessin.svg?theme=dark"
     first = small_site.client.get(path)
     assert (first.content, first.headers["content-type"]) == (b"<svg/>", "image/svg+xml")

@@ -17,7 +17,7 @@ from starlette.requests import Request
 
 from graders.scene.parameters import Values
 from server.app import create_app
-from server.base.errors import Invalid, NotFound, TooMany
+from server.base.errors import Invalid, NotFound, RateLimited
 from server.base.settings import Settings
 from server.replays.routes import MOST_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
@@ -182,7 +182,7 @@ def test_one_computation_at_a_time_a_short_queue_and_none_for_who_has_left(repla
         ]
         while not slow.running:
             await asyncio.sleep(0.001)
-        with pytest.raises(TooMany):
+        with pytest.raises(RateLimited):
             await desk.answer(Reader(), script, settings[-1])
         slow.go.set()
         answers = await asyncio.gather(*waiting)

@@ -12,7 +12,7 @@ import pytest
 
 from graders.core.contract.findings import Judgement
 from server.assignments.models import AssignedExercise, Assignment
-from server.base.errors import Crowded, Invalid
+from server.base.errors import Invalid, Overloaded
 from server.classes.models import SchoolClass, Status
 from server.course import Course
 from server.database import utc_now
@@ -86,7 +86,7 @@ def test_pairs_are_found_and_short_exercises_are_refused(course: Course, monkeyp
 
 
 def test_one_comparison_at_a_time_and_its_failure_is_told(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
-    with service._comparing, pytest.raises(Crowded):
+    with service._comparing, pytest.raises(Overloaded):
         service.compare(course, course.exercises[LONG], [])
     monkeypatch.setattr(service.sys, "executable", "/bin/false")
     with pytest.raises(Invalid, match="n’ont pas pu être comparées"):

@@ -12,8 +12,8 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
 from server.assignments import sittings
 from server.assignments.models import Mode
-from server.base.app_services import provide, provided_to
-from server.base.errors import Crowded, Failed
+from server.base.app_services import add_services, get_service
+from server.base.errors import InternalFailure, Overloaded
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -45,9 +45,9 @@ class Process:
 
 
 def follow(site: Site, process: Process, **limits: float) -> Process:
-    steps = provided_to(site.app, Steps)
+    steps = get_service(site.app, Steps)
     settings = steps.settings.model_copy(update=limits)
-    provide(site.app, replace(steps, follow=process, settings=settings))
+    add_services(site.app, replace(steps, follow=process, settings=settings))
     return process
 
 
@@ -128,7 +128,7 @@ def test_the_case_of_a_failed_check_is_asked_as_the_verdict_shows_it(
     assert check.counterexample is not None
     assert (asked.source, asked.inputs, asked.seed) == (failed[0], check.counterexample.inputs, 5)
     assert asked.mistakes == ("angle_jamais_ramene",)
-    assert asked.policy == provided_to(site.app, Course).exercises[POSES].policy
+    assert asked.policy == get_service(site.app, Course).exercises[POSES].policy
 
 
 def test_whoever_may_read_an_attempt_may_follow_it_and_nobody_else(
@@ -192,7 +192,9 @@ def test_what_a_running_test_asks_for_is_not_imported_elsewhere_to_compare_one_s
     assert (statuses(imports), statuses(CODE)) == ([409, 409], [200, 202])
 
 
-@pytest.mark.parametrize(("raises", "status"), [(Crowded("Attendez.", retry_after=2), 503), (Failed("Incident."), 500)])
+@pytest.mark.parametrize(
+    ("raises", "status"), [(Overloaded("Attendez.", retry_after=2), 503), (InternalFailure("Incident."), 500)]
+)
 def test_what_was_not_followed_costs_nothing(site: Site, raises: Exception, status: int) -> None:
     process = follow(site, Process(raises), step_burst=1, step_refill_seconds=1000)
     ada = person(site).browser(site)

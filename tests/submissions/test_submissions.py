@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy.orm import Session
 
-from server.base.errors import Forbidden, Invalid, NotFound, TooLarge, TooMany
+from server.base.errors import Forbidden, Invalid, NotFound, RateLimited, TooLarge
 from server.base.settings import Settings
 from server.classes import service as classes
 from server.classes.models import Status
@@ -88,7 +88,7 @@ def test_what_is_not_unicode_is_refused(desk: Desk, ada: Account) -> None:
 def test_sending_too_fast_is_refused_and_stores_nothing(desk: Desk, ada: Account) -> None:
     for _ in range(desk.settings.submission_burst):
         desk.submit(ada)
-    with pytest.raises(TooMany) as refused:
+    with pytest.raises(RateLimited) as refused:
         desk.submit(ada)
     assert 1 <= refused.value.retry_after <= desk.settings.submission_refill_seconds
     with desk.database.read() as db:
@@ -99,12 +99,12 @@ def test_sending_too_fast_is_refused_and_stores_nothing(desk: Desk, ada: Account
 def test_our_error_gives_the_allowance_back(desk: Desk, ada: Account) -> None:
     for k in range(desk.settings.submission_burst):
         desk.submit(ada, f"# {k}, outcome: {'internal_error' if k < 2 else 'ok'}")
-    with pytest.raises(TooMany):
+    with pytest.raises(RateLimited):
         desk.submit(ada)
     desk.grade_all()
     for _ in range(2):
         desk.submit(ada)
-    with pytest.raises(TooMany):
+    with pytest.raises(RateLimited):
         desk.submit(ada)
 
 
@@ -231,7 +231,7 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
             store.submit(db, account, EXERCISE, "x = 1\n", address=address)
 
     send(one)
-    with pytest.raises(TooMany, match=r"depuis votre adresse.*Ceux qui ont un compte passent avant") as refused:
+    with pytest.raises(RateLimited, match=r"depuis votre adresse.*Ceux qui ont un compte passent avant") as refused:
         send(two)
     assert refused.value.retry_after >= 1
     with desk.database.read() as db:

@@ -8,7 +8,7 @@ from typing import Any
 from uuid import UUID
 
 from server.assignments.models import AssignedExercise, Assignment
-from server.base.http import COOKIE
+from server.base.http import SESSION_COOKIE
 from server.classes import service
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import Database, utc_now
@@ -72,4 +72,4 @@ def person(site: Site, role: Role = Role.student, name: str = "Ada", account: Ac
         _, secret = tokens.create_token(db, account, "essai", site.settings)
         ends = service.utc_now().replace(year=2100)
         db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
-    return Person(account, {"Authorization": f"Bearer {secret}"}, {COOKIE: cookie})
+    return Person(account, {"Authorization": f"Bearer {secret}"}, {SESSION_COOKIE: cookie})

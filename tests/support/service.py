@@ -220,37 +220,37 @@ class Site:
 
     @cached_property
     def database(self) -> Database:
-        from server.base.app_services import provided_to
+        from server.base.app_services import get_service
 
-        return provided_to(self.app, Database)
+        return get_service(self.app, Database)
 
     @property
     def accounts(self) -> AccountService:
-        from server.base.app_services import provided_to
+        from server.base.app_services import get_service
         from server.identity.service import AccountService
 
-        return provided_to(self.app, AccountService)
+        return get_service(self.app, AccountService)
 
     def tighten(self, **limits: float) -> None:
         """Other settings from now on."""
-        from server.base.app_services import provide, provided_to
+        from server.base.app_services import add_services, get_service
         from server.classes.service import ClassService
         from server.submissions.service import Submissions
 
         settings = self.settings.model_copy(update=limits)
-        store = provided_to(self.app, Submissions)
-        provide(self.app, ClassService(self.database, settings))
-        provide(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
+        store = get_service(self.app, Submissions)
+        add_services(self.app, ClassService(self.database, settings))
+        add_services(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
 
     @cached_property
     def worker(self) -> Worker:
         return self.worker_with(fake_grade)
 
     def worker_with(self, grade: Grade) -> Worker:
-        from server.base.app_services import provided_to
+        from server.base.app_services import get_service
         from server.submissions.service import Submissions
 
-        return worker_of(self.database, self.settings, grade, provided_to(self.app, Submissions)._queue)
+        return worker_of(self.database, self.settings, grade, get_service(self.app, Submissions)._queue)
 
     def token(self, role: Role = Role.student) -> dict[str, str]:
         """The headers of a new account's API token."""

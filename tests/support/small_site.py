@@ -8,7 +8,7 @@ from typing import Any
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
@@ -62,9 +62,9 @@ class SmallSite:
 
     def grade(self, result: dict[str, Any]) -> None:
         app: Any = self.client.app
-        task = GradingTask(provided_to(app, Course), lambda _sent: Judgement(Verdict.from_json(result)))
+        task = GradingTask(get_service(app, Course), lambda _sent: Judgement(Verdict.from_json(result)))
         queue = TableQueue(NoSignals())
-        assert Worker(self.database, queue, provided_to(app, Settings), {GRADE: task}).step()
+        assert Worker(self.database, queue, get_service(app, Settings), {GRADE: task}).step()
 
     def attempt(self, code: str, result: dict[str, Any]) -> str:
         page = self.submit(code)
@@ -75,7 +75,7 @@ class SmallSite:
     def version(self) -> str:
         """The version of the exercise that is served."""
         app: Any = self.client.app
-        return provided_to(app, Course).exercises["m9/a"].version
+        return get_service(app, Course).exercises["m9/a"].version
 
     def another(self) -> SmallSite:
         """Somebody else's browser."""

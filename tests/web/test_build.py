@@ -21,7 +21,7 @@ from tests.support.quick import in_a_loop
 from tests.support.small_course import CourseFolder
 
 FRONTEND = assets.SERVER / "frontend"
-CACHED = (assets.is_built, assets.stamp, assets._files)
+CACHED = (assets.is_built, assets.build_stamp, assets._files)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_what_was_compressed_at_build_is_sent_so(
     async def ask(tag: str = "") -> Response:
         headers = [(b"accept-encoding", accepted.encode()), (b"if-none-match", tag.encode())]
         scope = {"type": "http", "method": "GET", "path": name, "headers": headers}
-        return await assets.serve(scope, "stamp", name)
+        return await assets.serve_static(scope, "stamp", name)
 
     answer = in_a_loop(ask())
     assert isinstance(answer, FileResponse)

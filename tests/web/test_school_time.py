@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 
 from server.base.errors import Invalid
 from server.web import school_time
-from server.web.words import day_words, moment_text, moment_words
+from server.web.words import long_day, long_moment, short_moment
 
 PARIS = ZoneInfo("Europe/Paris")
 
 
 @pytest.fixture(autouse=True)
 def _in_paris() -> Iterator[None]:
-    school_time.use("Europe/Paris")
+    school_time.set_time_zone("Europe/Paris")
     yield
-    school_time.use("Europe/Paris")
+    school_time.set_time_zone("Europe/Paris")
 
 
 def at(*parts: int) -> datetime:
@@ -29,27 +29,27 @@ def at(*parts: int) -> datetime:
 
 
 def read(text: str, kept: datetime | None = None) -> datetime | None:
-    return school_time.read(text, "À rendre avant", kept)
+    return school_time.parse_field(text, "À rendre avant", kept)
 
 
 def test_dates_are_told_on_the_school_s_clock() -> None:
-    assert moment_words(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18:00"
-    assert moment_words(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 00:00"
-    assert moment_text(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05"
-    assert moment_text(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05", "what says no zone is in UTC"
-    assert day_words(at(2026, 2, 10)) == "mardi 10 février 2026"
-    assert school_time.zone_name() == "heure de Paris"
-    school_time.use("Indian/Reunion")
-    assert moment_words(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21:00"
-    school_time.use("America/Argentina/Buenos_Aires")
-    assert school_time.zone_name() == "heure de Buenos Aires"
+    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 18:00"
+    assert long_moment(at(2026, 7, 31, 22)) == "samedi 1er août 2026 à 00:00"
+    assert short_moment(at(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05"
+    assert short_moment(datetime(2026, 12, 31, 23, 5)) == "01/01/2027 à 00:05", "what says no zone is in UTC"
+    assert long_day(at(2026, 2, 10)) == "mardi 10 février 2026"
+    assert school_time.time_zone_name() == "heure de Paris"
+    school_time.set_time_zone("Indian/Reunion")
+    assert long_moment(at(2026, 3, 23, 17)) == "lundi 23 mars 2026 à 21:00"
+    school_time.set_time_zone("America/Argentina/Buenos_Aires")
+    assert school_time.time_zone_name() == "heure de Buenos Aires"
 
 
 def test_an_hour_that_comes_twice_is_told_apart_and_read_as_the_first() -> None:
     first, second = at(2026, 10, 25, 0, 30), at(2026, 10, 25, 1, 30)
-    assert moment_text(first) == "25/10/2026 à 02:30 (heure d’été)"
-    assert moment_text(second) == "25/10/2026 à 02:30 (heure d’hiver)"
-    assert school_time.field(first) == school_time.field(second) == "2026-10-25T02:30"
+    assert short_moment(first) == "25/10/2026 à 02:30 (heure d’été)"
+    assert short_moment(second) == "25/10/2026 à 02:30 (heure d’hiver)"
+    assert school_time.format_field(first) == school_time.format_field(second) == "2026-10-25T02:30"
     assert read("2026-10-25T02:30") == first
     assert read("2026-10-25T02:30", second) == second, "a field left as it was changes nothing"
     assert read("2026-10-25T03:00") == at(2026, 10, 25, 2)
@@ -87,18 +87,18 @@ def test_an_empty_field_is_no_date() -> None:
 @given(when=st.datetimes(datetime(2000, 1, 2), datetime(2199, 12, 30), timezones=st.just(UTC)))
 def test_what_a_field_holds_is_read_back(when: datetime) -> None:
     minute = when.replace(second=0, microsecond=0)
-    again = read(school_time.field(minute))
+    again = read(school_time.format_field(minute))
     assert again is not None
     assert again == (minute - timedelta(hours=1) if again != minute else minute)
     assert (again == minute) == (not minute.astimezone(PARIS).fold)
-    assert read(school_time.field(when), when) == when
+    assert read(school_time.format_field(when), when) == when
 
 
 @given(
     when=st.datetimes(datetime(2000, 1, 2), datetime(2100, 1, 1), timezones=st.just(UTC)), days=st.integers(-800, 800)
 )
 def test_what_is_moved_keeps_its_time_of_day(when: datetime, days: int) -> None:
-    before, after = when.astimezone(PARIS), school_time.moved(when, days).astimezone(PARIS)
+    before, after = when.astimezone(PARIS), school_time.shift_days(when, days).astimezone(PARIS)
     assert (after.date() - before.date()).days == days
     wall = timedelta(hours=after.hour - before.hour, minutes=after.minute - before.minute)
     assert wall == timedelta(0) or (before.hour == 2 and wall == timedelta(hours=1))

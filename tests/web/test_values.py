@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.text.plain import visible
-from server.web.rendering import environment, ticks
-from server.web.values import MAX_ROWS, ValueView, as_code, view
-from server.web.words import mark, plural, points
+from server.web.rendering import jinja_environment, ticks
+from server.web.values import MAX_ROWS, ValueView, inputs_as_code, value_view
+from server.web.words import format_mark, format_points, plural
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
 numbers = (
@@ -27,11 +27,11 @@ json_values: st.SearchStrategy[Any] = st.recursive(
 
 
 def shown(value: ValueView) -> str:
-    return environment().from_string(SHOW).render(value=value)
+    return jinja_environment().from_string(SHOW).render(value=value)
 
 
 def cells(value: Any, expected: Any = None) -> list[list[str]]:
-    return [[cell.text for cell in row] for row in view(value, expected).rows]
+    return [[cell.text for cell in row] for row in value_view(value, expected).rows]
 
 
 def test_vectors_and_matrices_are_tables_in_french() -> None:
@@ -40,25 +40,28 @@ def test_vectors_and_matrices_are_tables_in_french() -> None:
 
 
 def test_what_differs_from_the_expected_is_marked() -> None:
-    odd = [[cell.odd for cell in row] for row in view([[1, 2], [3, "nan"]], expected=[[1, 5], [3.0000000001, 4]]).rows]
+    odd = [
+        [cell.odd for cell in row]
+        for row in value_view([[1, 2], [3, "nan"]], expected=[[1, 5], [3.0000000001, 4]]).rows
+    ]
     assert odd == [[False, True], [False, True]]
-    assert not any(cell.odd for cell in view([1, 2], expected=[1, 2, 3]).rows[0])
+    assert not any(cell.odd for cell in value_view([1, 2], expected=[1, 2, 3]).rows[0])
 
 
 def test_large_values_are_cut_and_say_so() -> None:
-    big = view([[0.0] * 30] * 40)
+    big = value_view([[0.0] * 30] * 40)
     assert len(big.rows) == MAX_ROWS
     assert "40 × 30" in big.note
-    assert "tableau de forme 40 × 50" in view({"forme": [40, 50], "premiers": [1.5]}).text
+    assert "tableau de forme 40 × 50" in value_view({"forme": [40, 50], "premiers": [1.5]}).text
 
 
 def test_grids_of_truth_values_are_drawn_as_maps() -> None:
-    plan = view([[True, False], [False, True]])
+    plan = value_view([[True, False], [False, True]])
     assert (plan.kind, plan.text) == ("plan", ".#\n#.")
 
 
 def test_lists_that_are_no_matrix() -> None:
-    mixed = view([[[1, 0], [0, 1]], [1, 2]], expected=[[[1, 0], [0, 1]], [1, 3]])
+    mixed = value_view([[[1, 0], [0, 1]], [1, 2]], expected=[[[1, 0], [0, 1]], [1, 3]])
     assert mixed.kind == "list"
     assert mixed.items[1][1].rows[0][1].odd
 
@@ -66,7 +69,7 @@ def test_lists_that_are_no_matrix() -> None:
 @settings(deadline=None, max_examples=60)
 @given(json_values, json_values)
 def test_any_json_can_be_shown(value: Any, expected: Any) -> None:
-    assert shown(view(value, expected))
+    assert shown(value_view(value, expected))
 
 
 @settings(deadline=None, max_examples=60)
@@ -79,14 +82,14 @@ def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
     import numpy as np
 
     names: dict[str, Any] = {"np": np}
-    exec(as_code(inputs), names)
+    exec(inputs_as_code(inputs), names)
     for name, value in inputs.items():
         wanted = np.array(value, dtype=float) if value not in ("nan", "inf", "-inf") else float(value)
         np.testing.assert_array_equal(np.asarray(names[name], dtype=float), wanted)
 
 
 def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
-    lines = as_code({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
+    lines = inputs_as_code({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
     assert lines == (
         "aretes = [[0, 1, np.array([1.0, np.nan]), np.array([[1, 0], [0, 2]])], "
         "[1, 2, np.array([3]), np.array([[1, 0]])]]"
@@ -94,8 +97,8 @@ def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
 
 
 def test_a_value_cut_short_cannot_be_replayed() -> None:
-    assert as_code({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
-    assert as_code({"argument 1": 3}) == ""
+    assert inputs_as_code({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
+    assert inputs_as_code({"argument 1": 3}) == ""
 
 
 @pytest.mark.parametrize("strange", ["\x1b[31m", "\u202e", "\u2066", "\u200b", "\ufeff", "\x00", "\x7f", "\U000e0041"])
@@ -131,7 +134,7 @@ def test_ticks_mark_code() -> None:
 
 def test_numbers_in_words() -> None:
     assert [plural(count, "essai") for count in (0, 1, 2)] == ["0 essai", "1 essai", "2 essais"]
-    assert [points(value) for value in (20, 12.5, 0, 6.6667)] == ["20", "12,5", "0", "6,67"]
+    assert [format_points(value) for value in (20, 12.5, 0, 6.6667)] == ["20", "12,5", "0", "6,67"]
 
 
 @pytest.mark.parametrize(
@@ -150,4 +153,4 @@ def test_numbers_in_words() -> None:
 def test_marks_are_shown_to_the_quarter_and_never_as_full_when_they_are_not(
     value: float, most: float, shown: str
 ) -> None:
-    assert mark(value, most) == shown
+    assert format_mark(value, most) == shown

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.course import FunctionSpec
 from server.web import verdicts
-from server.web.rendering import environment
+from server.web.rendering import jinja_environment
 from tests.support.shipped import CODE
 from tests.support.small_site import CHECK
 
@@ -34,7 +34,7 @@ PAIR = [FunctionSpec("kabsch", "kabsch(P, Q)", "", "", ("R", "t")), FunctionSpec
 def test_what_is_returned_together_is_named(inputs: dict[str, object], expected: object, names: list[str]) -> None:
     counterexample = {"inputs": inputs, "expected": expected, "got": expected}
     check = CheckResult.from_json({**CHECK, "counterexample": counterexample})
-    view = verdicts.view(Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check]), "/figures", functions=PAIR)
+    view = verdicts.verdict_view(Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check]), "/figures", functions=PAIR)
     example = view.checks[0].counterexample
     assert example is not None
     for value in (example.expected, example.got):
@@ -46,8 +46,8 @@ def test_what_is_returned_together_is_named(inputs: dict[str, object], expected:
 def test_what_can_be_replayed_is_offered_under_its_counterexample(which: tuple[str, ...], buttons: int) -> None:
     check = CheckResult.from_json({**CHECK, "counterexample": {"inputs": {"x": 1}, "expected": 1, "got": 2}})
     verdict = Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check])
-    view = verdicts.view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
-    html = environment().from_string(SHOW).render(verdict=view)
+    view = verdicts.verdict_view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
+    html = jinja_environment().from_string(SHOW).render(verdict=view)
     assert html.count(f'data-steps="/soumissions/1/pas" data-check="{check.id}"') == buttons
 
 
@@ -58,8 +58,8 @@ def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: CodeGrader) 
     mistake = grader.misconceptions[0]
     grading = grader.grade(mistake.source.encode(), LOCAL, seed=1, version="0")
     stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
-    verdict = verdicts.view(Verdict.from_json(stored), "/figures")
-    html = environment().from_string(SHOW).render(verdict=verdict)
+    verdict = verdicts.verdict_view(Verdict.from_json(stored), "/figures")
+    html = jinja_environment().from_string(SHOW).render(verdict=verdict)
     assert verdict.diagnosis is not None
     assert len(verdict.diagnosis.paragraphs) >= 2
     assert any(check.counterexample for check in verdict.checks)

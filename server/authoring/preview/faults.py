@@ -11,7 +11,7 @@ from pathlib import Path
 from server.authoring import shapes
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
-from server.base.files import write_whole
+from server.base.files import write_atomically
 from server.course import Problem
 from server.figures import lessons
 from server.replays.faults import faults as of_replays
@@ -26,7 +26,7 @@ def look(session: Session) -> None:
     sys.dont_write_bytecode = True
     course = read_course(session.place, render=True)
     found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
-    write_whole(session.faults, json.dumps([[str(one.path), one.line, one.message] for one in found]))
+    write_atomically(session.faults, json.dumps([[str(one.path), one.line, one.message] for one in found]))
 
 
 def read(session: Session, known: Iterable[Problem]) -> list[Problem]:

@@ -40,7 +40,7 @@ from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.sandbox import Sandbox
 from server.submissions import deals
 from server.submissions.dependencies import SubmissionsOf
-from server.web.rendering import environment, page
+from server.web.rendering import jinja_environment, render_page
 from server.web.views import exercise_href, find_exercise
 
 HERE = {"127.0.0.1", "localhost", "[::1]"}
@@ -132,7 +132,7 @@ def trying(
         tuple(asked(grader, graine)) if isinstance(grader, CodeGrader) else (),
         graine,
     )
-    return page(request, "preview/exercise.html", account, page=shown)
+    return render_page(request, "preview/exercise.html", account, page=shown)
 
 
 @router.post("/apercu/{module:module}/{slug}/{number}")
@@ -197,7 +197,7 @@ def foot(version: Version, path: str, course: Course | None) -> str:
     looked = version.session.faults.exists()
     context: dict[str, Any] = {"faults": views, "looked": looked, "generation": version.session.generation}
     exercise = _exercise_at(path, course)
-    return environment().get_template("preview/foot.html").render(**context, exercise=exercise)
+    return jinja_environment().get_template("preview/foot.html").render(**context, exercise=exercise)
 
 
 def _within(path: Path, place: Path) -> str:

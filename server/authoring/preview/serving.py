@@ -18,7 +18,7 @@ from server.authoring.preview.pages import Previewed, Version, router
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
 from server.base import http
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
 from server.course.memory import MEMORY, Memory
@@ -74,7 +74,7 @@ def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) 
     version = Version(session, course.problems, Sandbox(course.kits))
     app.state.preview = version
     app.include_router(router)
-    events = provided_to(app, Events)
+    events = get_service(app, Events)
     threading.Thread(target=_grade, args=(settings, course, version.sandbox, events), daemon=True).start()
 
     def stopping() -> None:
@@ -82,7 +82,7 @@ def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) 
         events.close()
 
     with version.sandbox:
-        config = http.configuration(Previewed(app, version, course), grace=GRACE)
+        config = http.uvicorn_config(Previewed(app, version, course), grace=GRACE)
         _Server(config, ready, stopping).run([listener])
 
 

@@ -110,9 +110,9 @@ def _forked(work: Callable[[], None], close: int | None = None) -> int:
         return child
     status = 1
     try:
-        from server.base.processes import die_with
+        from server.base.processes import die_with_parent
 
-        die_with(parent)
+        die_with_parent(parent)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if close is not None:
             os.close(close)

@@ -10,7 +10,7 @@ import sys
 
 from watchfiles import DefaultFilter, watch
 
-from server.base.processes import die_with
+from server.base.processes import die_with_parent
 
 #: Milliseconds: an editor writes a file in several strokes.
 SETTLED, AT_MOST = 40, 400
@@ -23,7 +23,7 @@ class Written(DefaultFilter):
 
 
 def main(parent: int, folders: list[str]) -> None:
-    die_with(parent)
+    die_with_parent(parent)
     for changes in watch(*folders, watch_filter=Written(), step=SETTLED, debounce=AT_MOST, raise_interrupt=False):
         print(json.dumps(sorted({path for _, path in changes})), flush=True)
 

@@ -31,7 +31,7 @@ ACTIONS: Mapping[str, Action] = {
 
 def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data)
-    school_time.use(settings.time_zone)
+    school_time.set_time_zone(settings.time_zone)
     with opened(settings) as database:
         try:
             answer = ACTIONS[arguments.action](database, settings, arguments)

@@ -5,13 +5,13 @@ from datetime import datetime
 
 from server.base.errors import NotFound
 from server.base.settings import Settings
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.cli import CannotRun
 from server.cli.admin.answer import Answer, told, who
 from server.database import Database
 from server.identity import links, repository, service, tokens
 from server.identity.models import ApiToken, BrowserSession
-from server.web.words import moment, plural
+from server.web.words import iso_moment, plural
 
 #: A session is named by the beginning of what is kept of its token: enough to tell it, of no use to enter.
 NAME_LENGTH = 12
@@ -22,7 +22,9 @@ def sessions(database: Database, _settings: Settings, arguments: Namespace) -> A
     with database.read() as db:
         account = links.find_account_by_login(db, arguments.login)
         found = repository.load_sessions(db, account.id)
-    lines = [f"  {_name(one)} : depuis {moment(one.created_at)}, jusqu’à {moment(one.expires_at)}" for one in found]
+    lines = [
+        f"  {_name(one)} : depuis {iso_moment(one.created_at)}, jusqu’à {iso_moment(one.expires_at)}" for one in found
+    ]
     end = f"{who(account)} : {plural(len(found), 'session ouverte', 'sessions ouvertes')}."
     return Answer([*lines, end], {**told(account), "sessions": [_session(one) for one in found]})
 
@@ -53,7 +55,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                     continue
                 missing = UNKNOWN.format(login=account.login, name=name)
                 try:
-                    tokens.revoke_token(db, account, identity_of(name, missing))
+                    tokens.revoke_token(db, account, parse_uuid(name, missing))
                 except NotFound as error:
                     raise NotFound(missing) from error
     return Answer([f"{who(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count})
@@ -73,4 +75,4 @@ def _token(one: ApiToken) -> dict[str, object]:
 
 
 def _served(when: datetime | None) -> str:
-    return "jamais utilisé" if when is None else f"utilisé pour la dernière fois {moment(when)}"
+    return "jamais utilisé" if when is None else f"utilisé pour la dernière fois {iso_moment(when)}"

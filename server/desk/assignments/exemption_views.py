@@ -41,7 +41,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
 from server.web import school_time
-from server.web.words import moment_text
+from server.web.words import short_moment
 
 ORDERS = ("eleve", "date")
 NOBODY = "La classe n’a pas encore d’élève."
@@ -71,7 +71,7 @@ def exemptions_page(
         values=values or ExemptionValues(),
         problems=problems or {},
         may_keep=may_keep(place),
-        zone=school_time.zone_name(),
+        zone=school_time.time_zone_name(),
         own=tuple(
             (words.FIELDS[name], words.value(name, getattr(one, name))) for name in ("opens_at", "due_at", "closes_at")
         ),
@@ -105,7 +105,7 @@ def _row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Memb
         effects=tuple(_effects(each)),
         reason=each.reason,
         by=author[1].name if author else "",
-        made=replace(when(each.created_at), text=moment_text(each.created_at)),
+        made=replace(when(each.created_at), text=short_moment(each.created_at)),
         revoked=when(each.revoked_at),
     )
 
@@ -161,11 +161,11 @@ def _sitting(found: Sitting | None, rules: Rules) -> str:
     """A sentence on a test: what the rules come to for who has begun it."""
     if found is None:
         return "Pas encore commencé."
-    began, end = f"Commencé le {moment_text(found.began_at)}", feedback.sitting_end(rules, found)
+    began, end = f"Commencé le {short_moment(found.began_at)}", feedback.sitting_end(rules, found)
     if feedback.is_sitting_running(rules, found, utc_now()):
-        return f"{began} ; fin le {moment_text(end)}." if end else f"{began} ; sans heure de fin."
+        return f"{began} ; fin le {short_moment(end)}." if end else f"{began} ; sans heure de fin."
     ended = "rendu" if found.ended_by == EndedBy.student else "temps écoulé"
-    return f"{began} ; {ended} le {moment_text(end)}." if end else f"{began}."
+    return f"{began} ; {ended} le {short_moment(end)}." if end else f"{began}."
 
 
 WHO = {

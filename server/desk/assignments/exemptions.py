@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import editing, exemption_service
-from server.base.errors import FieldsRefused, Forbidden
+from server.base.errors import Forbidden, InvalidFields
 from server.classes import repository as classes
 from server.classes.schemas import Member
 from server.course.dependencies import CourseOf
@@ -20,9 +20,9 @@ from server.desk.assignments.views import href_of
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import Reading
-from server.web.forms import FormFields, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import FormFields, redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -32,17 +32,17 @@ Word = Annotated[str, Query(max_length=100)]
 
 
 @router.get(f"{ONE}/amenagements")
-def exemptions(request: Request, class_id: str, aid: str, reader: Reading, tri: Word = "") -> Response:
+def exemptions(request: Request, class_id: str, aid: str, reader: CurrentReader, tri: Word = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
     found = editing.find_assignment(reader.db, place.school_class, aid)
     view = exemption_views.exemptions_page(reader.db, reader.course, place, found, tri)
-    return page(request, "classes/exemptions.html", reader.account, page=view)
+    return render_page(request, "classes/exemptions.html", reader.account, page=view)
 
 
 @router.get(f"{ONE}/amenagements.csv")
-def export(request: Request, class_id: str, aid: str, reader: Reading, tri: Word = "") -> Response:
+def export(request: Request, class_id: str, aid: str, reader: CurrentReader, tri: Word = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
@@ -65,10 +65,10 @@ def grant(
         exemption_service.grant_exemptions(
             db, place.school_class, account.id, found, members, whom, wanted, replacing=values.replace
         )
-    except FieldsRefused as refused:
+    except InvalidFields as refused:
         view = exemption_views.exemptions_page(db, course, place, found, "", values, refused.problems)
-        return page(request, "classes/exemptions.html", account, status=422, page=view)
-    return go(f"{href_of(found)}/amenagements")
+        return render_page(request, "classes/exemptions.html", account, status=422, page=view)
+    return redirect(f"{href_of(found)}/amenagements")
 
 
 @router.post(f"{ONE}/amenagements/{{eid}}/retirer")
@@ -78,11 +78,11 @@ def revoke(class_id: str, aid: str, eid: str, account: SignedIn, db: Db) -> Resp
     exemption_service.revoke_exemption(
         db, place.school_class, account.id, found, exemption_service.find_exemption(db, found, eid)
     )
-    return go(f"{href_of(found)}/amenagements")
+    return redirect(f"{href_of(found)}/amenagements")
 
 
 @router.get(f"{ONE}/pourquoi")
-def why(request: Request, class_id: str, aid: str, reader: Reading, eleve: Word = "") -> Response:
+def why(request: Request, class_id: str, aid: str, reader: CurrentReader, eleve: Word = "") -> Response:
     """Of the first of the class, where its staff name nobody; of oneself, for a student."""
     if reader.account is None:
         return log_in_first(request)
@@ -96,4 +96,4 @@ def why(request: Request, class_id: str, aid: str, reader: Reading, eleve: Word 
     else:
         student = exemption_views.find_student(reader.db, place, eleve)
     view = exemption_views.why_page(reader.db, reader.course, place, found, student)
-    return page(request, "classes/why.html", reader.account, page=view)
+    return render_page(request, "classes/why.html", reader.account, page=view)

@@ -12,7 +12,7 @@ from starlette.datastructures import FormData
 
 from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
-from server.base.errors import FieldsRefused, Invalid
+from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
 from server.desk.assignments.words import number
@@ -45,7 +45,7 @@ class _Reader:
             return instead
 
     def date(self, name: str, field: str, what: str, kept: datetime | None) -> datetime | None:
-        return self._try(field, lambda: school_time.read(self.text(name), what, kept), None)
+        return self._try(field, lambda: school_time.parse_field(self.text(name), what, kept), None)
 
     def number(self, name: str, field: str, what: str) -> float | None:
         return self._try(field, lambda: _number(self.text(name), what), None)
@@ -60,7 +60,7 @@ class _Reader:
     def refuse(self) -> None:
         """Raises FieldsRefused where something is wrong."""
         if self.problems:
-            raise FieldsRefused(self.problems)
+            raise InvalidFields(self.problems)
 
 
 def text_of(fields: FormData, name: str) -> str:
@@ -152,9 +152,9 @@ def values_of(wanted: AssignmentInput) -> AssignmentValues:
     """An assignment as its form shows it."""
     return AssignmentValues(
         title=wanted.title,
-        opens=school_time.field(wanted.opens_at),
-        due=school_time.field(wanted.due_at),
-        closes=school_time.field(wanted.closes_at),
+        opens=school_time.format_field(wanted.opens_at),
+        due=school_time.format_field(wanted.due_at),
+        closes=school_time.format_field(wanted.closes_at),
         late=wanted.late,
         per_day="" if wanted.late_per_day is None else number(wanted.late_per_day),
         weight=number(wanted.weight),

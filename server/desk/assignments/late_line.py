@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from server.assignments.models import LatePolicy
 from server.assignments.rules import DAY, MAX_POINTS, Rules
 from server.web import school_time
-from server.web.words import moment_words, points
+from server.web.words import format_points, long_moment
 
 WIDTH, HEIGHT = 420.0, 196.0
 LEFT, RIGHT, TOP, BOTTOM = 34.0, 410.0, 14.0, 142.0
@@ -107,7 +107,7 @@ def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
         place = x(when)
         anchor = "start" if place < LEFT + 70 else "end" if place > RIGHT - 70 else "middle"
         below = BOTTOM + 18 + 15 * row
-        label = f"{name} {school_time.local(when):%d/%m %H:%M}"
+        label = f"{name} {school_time.to_local(when):%d/%m %H:%M}"
         parts.append(f'<line class="late-date" x1="{place:.1f}" y1="{TOP}" x2="{place:.1f}" y2="{below - 11:.1f}"/>')
         parts.append(f'<text x="{place:.1f}" y="{below:.1f}" text-anchor="{anchor}">{escape(label)}</text>')
     path = ""
@@ -130,16 +130,16 @@ def _dates(rules: Rules) -> Iterator[tuple[datetime, str]]:
 def _sentences(rules: Rules) -> Iterator[str]:
     opens, due, closes = rules.opens_at, rules.due_at, rules.closes_at
     if due is None:
-        until = f"jusqu’au {moment_words(closes)}" if closes else "sans limite"
-        yield f"À partir du {moment_words(opens)}, {until}, rien n’est en retard."
+        until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
+        yield f"À partir du {long_moment(opens)}, {until}, rien n’est en retard."
         if closes:
             yield "Ensuite, plus rien ne compte."
         return
-    yield f"Du {moment_words(opens)} au {moment_words(due)}, tout compte en entier."
+    yield f"Du {long_moment(opens)} au {long_moment(due)}, tout compte en entier."
     if rules.late is LatePolicy.refuse or (closes is not None and closes <= due):
         yield "Ensuite, plus rien ne compte."
         return
-    until = f"jusqu’au {moment_words(closes)}" if closes else "sans limite"
+    until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
     if rules.late is LatePolicy.accept:
         yield f"Ensuite, {until}, un envoi compte en entier et il est marqué en retard."
     else:
@@ -151,7 +151,8 @@ def _sentences(rules: Rules) -> Iterator[str]:
 def _costs(per_day: float) -> str:
     first = max(0.0, MAX_POINTS - per_day)
     days = math.ceil(MAX_POINTS / per_day)
-    worth = f"chaque jour de retard commencé coûte {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 : "
+    unit = "point" if per_day < 2 else "points"
+    worth = f"chaque jour de retard commencé coûte {format_points(per_day)} {unit} sur 20 : "
     if days == 1:
         return worth + "il ne reste rien dès le premier jour."
-    return worth + f"{points(first)} au plus le premier jour, et plus rien à partir du {days}e jour."
+    return worth + f"{format_points(first)} au plus le premier jour, et plus rien à partir du {days}e jour."

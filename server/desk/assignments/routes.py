@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.assignments import editing
 from server.assignments.models import Assignment
 from server.assignments.schemas import AssignmentInput, validate_assignment
-from server.base.errors import FieldsRefused
+from server.base.errors import InvalidFields
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
@@ -21,9 +21,9 @@ from server.desk.assignments.schemas import AssignmentFormPage
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import Reading
-from server.web.forms import FormFields, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import FormFields, redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -31,19 +31,19 @@ LIST, ONE = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
 
 
 @router.get(LIST)
-def all_of_class(request: Request, class_id: str, reader: Reading) -> Response:
+def all_of_class(request: Request, class_id: str, reader: CurrentReader) -> Response:
     """A student has theirs on the class's page."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
     if not place.has(Right.see_students):
-        return go(views.href_of(place.school_class))
+        return redirect(views.href_of(place.school_class))
     view = assignment_views.assignments_page(reader.db, reader.course, place)
-    return page(request, "classes/assignments.html", reader.account, page=view)
+    return render_page(request, "classes/assignments.html", reader.account, page=view)
 
 
 @router.get(f"{LIST}/nouveau")
-def new(request: Request, class_id: str, reader: Reading, sujet: str = "") -> Response:
+def new(request: Request, class_id: str, reader: CurrentReader, sujet: str = "") -> Response:
     """`sujet` names a paper of the course, for which the form is filled."""
     if reader.account is None:
         return log_in_first(request)
@@ -51,7 +51,7 @@ def new(request: Request, class_id: str, reader: Reading, sujet: str = "") -> Re
     require_open(place.school_class)
     values = papers.values(reader.course, place.school_class.module, sujet)
     view = assignment_views.form_page(reader.course, place, values)
-    return page(request, "classes/assignment_form.html", reader.account, page=view)
+    return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
 @router.post(LIST)
@@ -66,34 +66,36 @@ def create(
         wanted = assignment_forms.assignment(fields, None)
         if not fields.get("apercu"):
             made = editing.create_assignment(db, course, place.school_class, account.id, wanted)
-            return go(assignment_views.href_of(made))
+            return redirect(assignment_views.href_of(made))
         drawn = validate_assignment(wanted, editing.assignable_exercises(course, place.school_class))
         problems = {}
-    except FieldsRefused as refused:
+    except InvalidFields as refused:
         problems = refused.problems
     view = assignment_views.form_page(course, place, values, problems=problems, drawn=drawn)
     return _form(request, account, view)
 
 
 def _form(request: Request, account: SignedIn, view: AssignmentFormPage) -> HTMLResponse:
-    return page(request, "classes/assignment_form.html", account, status=422 if view.problems else 200, page=view)
+    return render_page(
+        request, "classes/assignment_form.html", account, status=422 if view.problems else 200, page=view
+    )
 
 
 @router.get(ONE)
-def one(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
+def one(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
     """A student has it on the class's page."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
     found = editing.find_assignment(reader.db, place.school_class, aid)
     if not place.has(Right.see_students):
-        return go(f"{views.href_of(place.school_class)}#devoir-{found.id}")
+        return redirect(f"{views.href_of(place.school_class)}#devoir-{found.id}")
     view = assignment_views.assignment_page(reader.db, reader.course, place, found)
-    return page(request, "classes/assignment.html", reader.account, page=view)
+    return render_page(request, "classes/assignment.html", reader.account, page=view)
 
 
 @router.get(f"{ONE}/modifier")
-def form(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
+def form(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
@@ -102,7 +104,7 @@ def form(request: Request, class_id: str, aid: str, reader: Reading) -> Response
     wanted = editing.load_assignment_input(reader.db, found)
     values = assignment_forms.values_of(wanted)
     view = assignment_views.form_page(reader.course, place, values, one=found, drawn=wanted)
-    return page(request, "classes/assignment_form.html", reader.account, page=view)
+    return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
 @router.post(f"{ONE}/modifier")
@@ -119,11 +121,11 @@ def change(
         wanted = assignment_forms.assignment(fields, before)
         if not fields.get("apercu"):
             editing.update_assignment(db, course, place.school_class, account.id, found, wanted)
-            return go(assignment_views.href_of(found))
+            return redirect(assignment_views.href_of(found))
         known = {each.exercise: each.exercise for each in before.exercises}
         drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(course, place.school_class)))
         problems = {}
-    except FieldsRefused as refused:
+    except InvalidFields as refused:
         problems = refused.problems
     view = assignment_views.form_page(course, place, values, one=found, problems=problems, drawn=drawn)
     return _form(request, account, view)
@@ -134,4 +136,4 @@ def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     found: Assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
     editing.delete_assignment(db, place.school_class, account.id, found)
-    return go(f"{views.href_of(place.school_class)}/devoirs")
+    return redirect(f"{views.href_of(place.school_class)}/devoirs")

@@ -35,15 +35,15 @@ from server.desk.sitting.views import release_view
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import school_time
-from server.web.views import exercise_href, in_order
-from server.web.words import moment, moment_words
+from server.web.views import exercise_href, exercises_in_reading_order
+from server.web.words import iso_moment, long_moment
 
 NOBODY = UUID(int=0)
 TAB = "/devoirs"
 
 
 def when(date: datetime | None) -> When:
-    return When() if date is None else When(moment(date), moment_words(date))
+    return When() if date is None else When(iso_moment(date), long_moment(date))
 
 
 def stage_view(at: AssignmentStage) -> StageView:
@@ -72,7 +72,7 @@ def assignments_page(db: Session, course: Course, place: ClassAccess) -> Assignm
     )
     students = classes.count_students(db, [place.school_class.id])[place.school_class.id][0]
     given = papers.links(course, place.school_class.module, views.href_of(place.school_class))
-    head, zone = views.head(course, place, TAB), school_time.zone_name()
+    head, zone = views.head(course, place, TAB), school_time.time_zone_name()
     return AssignmentsPage(head, shown, students, may_keep(place), zone, given)
 
 
@@ -155,7 +155,7 @@ def form_page(
         choices=tuple(_choices(course, place, values.weights)),
         problems=problems or {},
         line=None if drawn is None else line_of(common_rules(drawn)),
-        zone=school_time.zone_name(),
+        zone=school_time.time_zone_name(),
         counts=tuple((one.value, told) for one, told in words.COUNTS.items()),
         shown=tuple((one.value, told) for one, told in words.SHOWN.items()),
     )
@@ -164,7 +164,7 @@ def form_page(
 def _choices(course: Course, place: ClassAccess, chosen: Mapping[str, str]) -> Sequence[Choice]:
     """In the order in which one meets them; then those that have left the course, and were given."""
     module = course.modules.get(place.school_class.module)
-    exercises = [] if module is None else in_order(module)
+    exercises = [] if module is None else exercises_in_reading_order(module)
     labels = {} if module is None else {lesson.slug: lesson.label for lesson in module.lessons}
     found, last = [], ""
     for each in exercises:

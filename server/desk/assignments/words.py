@@ -9,7 +9,7 @@ from typing import Any
 from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
 from server.assignments.rules import Field, Rules
 from server.assignments.stages import AssignmentStage
-from server.web.words import moment_words, points
+from server.web.words import format_points, long_moment
 
 MODES: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
 STAGES: Mapping[AssignmentStage, tuple[str, str]] = {
@@ -51,7 +51,7 @@ def number(value: float) -> str:
 
 def lateness(late: LatePolicy, per_day: float | None) -> str:
     if late is LatePolicy.penalty and per_day:
-        return f"pénalisé : {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
+        return f"pénalisé : {format_points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
     return LATE[late]
 
 
@@ -72,7 +72,7 @@ def duration(minutes: float) -> str:
 def value(name: str, said: Any) -> str:
     """What was said of a field."""
     if isinstance(said, datetime):
-        return moment_words(said)
+        return long_moment(said)
     if name == "time_factor":
         return "× " + number(round(float(said), 2)) if said != 1 else "temps ordinaire"
     if name == "excused":

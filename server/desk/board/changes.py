@@ -41,12 +41,12 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
 def _changes(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:
     events = []
     for cell in board.changed_since(before):
-        html = root_path.written(render_cell(page.href, board, cell))
+        html = root_path.with_external_paths(render_cell(page.href, board, cell))
         events.append(("cell", json.dumps({"key": cell_key(cell.student, cell.exercise), "html": html})))
     if before.counts != board.counts:
-        events.append(("counts", root_path.written(render_counts(board))))
+        events.append(("counts", root_path.with_external_paths(render_counts(board))))
     if before.misconceptions != board.misconceptions:
         links = BoardLinks(page.course, page.href, board.students)
         rows = render_misconceptions(links, board, everything=page.everything)
-        events.append(("misconceptions", root_path.written(rows)))
+        events.append(("misconceptions", root_path.with_external_paths(rows)))
     return events

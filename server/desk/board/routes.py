@@ -26,8 +26,8 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.submissions.events import STREAM_HEADERS
-from server.web.dependencies import Reading
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -36,24 +36,24 @@ SIGN_OF_LIFE = ":\n\n"
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}")
-def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading) -> Response:
+def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
-    return page(request, "classes/mistake.html", reader.account, page=view)
+    return render_page(request, "classes/mistake.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}/projeter")
 def project(
-    request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading, choix: Text = ""
+    request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader, choix: Text = ""
 ) -> Response:
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
-    return page(request, "classes/projection.html", reader.account, page=view)
+    return render_page(request, "classes/projection.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/evenements")

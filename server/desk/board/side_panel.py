@@ -17,7 +17,7 @@ from server.board.schemas import (
 from server.desk.board.links import BoardLinks
 from server.desk.board.schemas import ActivityBar, ActivityChart, ExerciseRow, SidePanel, UnexplainedRow
 from server.desk.views import regrade_href
-from server.web.words import moment, moment_text, points
+from server.web.words import format_points, iso_moment, short_moment
 
 HEIGHT, BAR, GAP = 60.0, 18.0, 4.0
 NO_BREAK_SPACE = "\u00a0"
@@ -97,13 +97,13 @@ def _success_text(stats: ExerciseStats) -> str:
 
 
 def number_text(value: float | None) -> str:
-    return NO_VALUE if value is None else points(value)
+    return NO_VALUE if value is None else format_points(value)
 
 
 def _discrimination_text(stats: ExerciseStats) -> str:
     if stats.paired < FEWEST_FOR_A_CORRELATION:
         return f"moins de {FEWEST_FOR_A_CORRELATION} élèves"
-    return NO_VALUE if stats.discrimination is None else f"{points(stats.discrimination)} (n = {stats.paired})"
+    return NO_VALUE if stats.discrimination is None else f"{format_points(stats.discrimination)} (n = {stats.paired})"
 
 
 def _chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> ActivityChart:
@@ -115,6 +115,6 @@ def _chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> Activit
 
 def _bar(index: int, slot: ActivitySlot, highest: int, *, times: bool) -> ActivityBar:
     height = round(HEIGHT * slot.attempts / highest, 2) if highest else 0.0
-    begin = moment(slot.begins_at) if times else ""
-    begin_text = moment_text(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")
+    begin = iso_moment(slot.begins_at) if times else ""
+    begin_text = short_moment(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")
     return ActivityBar(index * (BAR + GAP), HEIGHT - height, height, slot.attempts, begin, begin_text)

@@ -29,9 +29,9 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import school_time
 from server.web.fragments import FRAGMENTS
-from server.web.rendering import environment
+from server.web.rendering import jinja_environment
 from server.web.views import Reader
-from server.web.words import mark, moment, moment_text, plural
+from server.web.words import format_mark, iso_moment, plural, short_moment
 
 STUDENTS_PER_PAGE = 60
 FIRST_MISCONCEPTIONS = 12
@@ -85,7 +85,7 @@ def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str)
 
     side_panel_key = (
         *("board side panel", progress.version, unnamed_groups, insights.slot_begin(progress.now)),
-        *(may_regrade, school_time.zone().key),
+        *(may_regrade, school_time.time_zone().key),
     )
     return BoardPage(
         head=head(course, place, ""),
@@ -96,8 +96,8 @@ def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str)
         version=FRAGMENTS.get_or_render(("board version", inputs.version), lambda: inputs.board.version),
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),
-        generated=moment(progress.now),
-        generated_text=moment_text(progress.now),
+        generated=iso_moment(progress.now),
+        generated_text=short_moment(progress.now),
         counts=FRAGMENTS.get_or_render(("board counts", inputs.version), lambda: render_counts(inputs.board)),
         body=FRAGMENTS.get_or_render(
             ("board body", inputs.version, query),
@@ -108,7 +108,7 @@ def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str)
 
 
 def _macros(template: str) -> Any:
-    return environment().get_template(f"classes/{template}.html").module
+    return jinja_environment().get_template(f"classes/{template}.html").module
 
 
 def render_counts(board: Board) -> str:
@@ -222,7 +222,7 @@ def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
         key=cell_key(cell.student, cell.exercise),
         kind=cell.state.value,
         sign=SIGNS[cell.state],
-        text="" if cell.points is None else mark(cell.points),
+        text="" if cell.points is None else format_mark(cell.points),
         label=label,
         href=work_href(class_href, cell.student, cell.exercise) if tried else "",
     )

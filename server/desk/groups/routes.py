@@ -20,9 +20,9 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
 from server.web.views import Reader, find_exercise
 
 router = APIRouter(include_in_schema=False)
@@ -56,7 +56,7 @@ WhichGroup = Annotated[Which, Depends()]
 def show(
     request: Request,
     which: WhichGroup,
-    reader: Reading,
+    reader: CurrentReader,
     essai: Annotated[UUID | None, Query()] = None,
     depuis: Annotated[str, Query(max_length=100)] = "",
 ) -> Response:
@@ -83,7 +83,7 @@ def _show(
     view = group_views.page_of(reader.db, reader.course, place, reader.account, found, earlier, wanted)
     taken = next((one for one in earlier if one.group_id == depuis), None)
     form, status = filled or group_views.form_of(taken or found.name), 422 if filled else 200
-    return page(request, "classes/group.html", reader.account, status=status, page=view, form=form)
+    return render_page(request, "classes/group.html", reader.account, status=status, page=view, form=form)
 
 
 @router.post(ADDRESS)
@@ -91,7 +91,7 @@ def name(
     request: Request,
     which: WhichGroup,
     account: SignedIn,
-    reader: Reading,
+    reader: CurrentReader,
     db: Db,
     title: Field = "",
     explanation: Field = "",
@@ -112,7 +112,7 @@ def name(
                 request, which, reader, place, None, filled=NameForm(title, explanation, question, refused.detail)
             )
         service.set_group_name(db, place.school_class, group, given, account.id)
-    return go(f"{group_views.href_of(place.school_class.id, group.exercise, group.id)}#nommer")
+    return redirect(f"{group_views.href_of(place.school_class.id, group.exercise, group.id)}#nommer")
 
 
 @router.get(ADDRESS + "/erreur.zip")

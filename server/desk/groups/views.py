@@ -24,7 +24,7 @@ from server.rights.service import ClassAccess
 from server.submissions.models import Submission
 from server.web import values
 from server.web.views import exercise_href
-from server.web.words import mark, moment, moment_text
+from server.web.words import format_mark, iso_moment, short_moment
 
 UNKNOWN_STUDENT = "élève"
 
@@ -82,10 +82,10 @@ def _example(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleVi
     parts = next((one.parts for one in exercise.functions if one.name == example["function"]), ()) if exercise else ()
     return ExampleView(
         function=example["function"],
-        inputs=tuple((name, values.view(value)) for name, value in inputs.items()),
-        expected=None if expected is None else values.named(values.view(expected), parts),
-        got=values.named(values.view(got, expected=expected), parts),
-        code=values.as_code(inputs),
+        inputs=tuple((name, values.value_view(value)) for name, value in inputs.items()),
+        expected=None if expected is None else values.name_parts(values.value_view(expected), parts),
+        got=values.name_parts(values.value_view(got, expected=expected), parts),
+        code=values.inputs_as_code(inputs),
     )
 
 
@@ -106,9 +106,9 @@ def _row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submissi
         name=names.get(line.student, UNKNOWN_STUDENT),
         href=f"/soumissions/{line.submission}",
         read_href=f"{href}?essai={line.submission}#programme",
-        sent=moment(line.sent_at),
-        sent_text=moment_text(line.sent_at),
-        points="" if line.score is None else mark(20 * line.score),
+        sent=iso_moment(line.sent_at),
+        sent_text=short_moment(line.sent_at),
+        points="" if line.score is None else format_mark(20 * line.score),
         latest=line.latest,
         shown=line.submission == read.id,
     )

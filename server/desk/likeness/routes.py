@@ -25,7 +25,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.similarity import service
 from server.similarity.service import Comparison, Copy
-from server.web.rendering import page
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -58,7 +58,7 @@ def likeness(
         names = {member.id: member.name for member in classes.load_members(db, place.school_class.id)}
     found = service.compare(course, chosen, sent) if chosen else Comparison(0, False, ())
     view = _view(course, place, assignment, exercises, chosen, found, names)
-    return page(request, "classes/likeness.html", account, page=view)
+    return render_page(request, "classes/likeness.html", account, page=view)
 
 
 def _chosen(exercises: list[Exercise], name: str) -> Exercise | None:

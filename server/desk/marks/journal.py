@@ -29,9 +29,9 @@ from server.marks.cells import Cell, ascii_slug, french_csv
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import Reading
-from server.web.rendering import page
-from server.web.words import moment, moment_text
+from server.web.dependencies import CurrentReader
+from server.web.rendering import render_page
+from server.web.words import iso_moment, short_moment
 
 router = APIRouter(include_in_schema=False)
 
@@ -51,13 +51,13 @@ def _wanted(student: str, kind: str) -> AuditFilter:
 
 @router.get("/classes/{class_id}/journal")
 def log(
-    request: Request, class_id: str, reader: Reading, eleve: Text = "", genre: Text = "", p: PageNumber = 1
+    request: Request, class_id: str, reader: CurrentReader, eleve: Text = "", genre: Text = "", p: PageNumber = 1
 ) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_audit_log, class_id)
     view = _log_page(reader.db, reader.course, place, _wanted(eleve, genre), p)
-    return page(request, "classes/log.html", reader.account, page=view)
+    return render_page(request, "classes/log.html", reader.account, page=view)
 
 
 def _log_page(db: Db, course: Course, place: ClassAccess, wanted: AuditFilter, number: int) -> LogPage:
@@ -87,13 +87,13 @@ def _log_page(db: Db, course: Course, place: ClassAccess, wanted: AuditFilter, n
 
 def _view(one: AuditEntry) -> EventView:
     return EventView(
-        at=moment(one.at),
-        at_text=moment_text(one.at),
+        at=iso_moment(one.at),
+        at_text=short_moment(one.at),
         by=one.by_name,
         words=one.words,
         student=one.student_name,
         about=one.about,
-        changes=describe_changes(one.before, one.after, moment_text),
+        changes=describe_changes(one.before, one.after, short_moment),
         reason=one.reason,
     )
 

@@ -12,7 +12,7 @@ from server.marks.means import format_number, round_points
 from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.words import moment, moment_text, plural
+from server.web.words import iso_moment, plural, short_moment
 
 STATES = {
     MarkState.upcoming: "pas encore ouvert",
@@ -48,7 +48,7 @@ def mark_page(course: Course, place: ClassAccess, book: Gradebook, assignment: s
 def _rules(mark: AssignmentMark) -> tuple[str, ...]:
     """The dates in force for this student."""
     dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
-    told = [f"{word} le {moment_text(at)}" for word, at in dates if at is not None]
+    told = [f"{word} le {short_moment(at)}" for word, at in dates if at is not None]
     return (*told, plural(mark.days_late, "jour de retard", "jours de retard")) if mark.days_late else tuple(told)
 
 
@@ -63,8 +63,8 @@ def _exercise(book: Gradebook, one: ExerciseMark) -> ExerciseView:
         late=0 if counted is None else counted.days_late,
         attempts=one.attempts,
         attempt="" if counted is None else f"/soumissions/{counted.attempt}",
-        sent="" if sent is None else moment(sent),
-        sent_text="" if sent is None else moment_text(sent),
+        sent="" if sent is None else iso_moment(sent),
+        sent_text="" if sent is None else short_moment(sent),
         override=_override(one),
     )
 
@@ -74,4 +74,4 @@ def _override(one: ExerciseMark) -> OverrideView | None:
     if found is None:
         return None
     text = "dispense" if found.points is None else f"{format_number(round_points(found.points))} / 20"
-    return OverrideView(text, found.by, moment(found.at), moment_text(found.at), found.reason, one.stale)
+    return OverrideView(text, found.by, iso_moment(found.at), short_moment(found.at), found.reason, one.stale)

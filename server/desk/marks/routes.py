@@ -6,7 +6,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
 from server.base.errors import Invalid, NotFound, ServiceError
-from server.base.validation import identity_of
+from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -25,10 +25,10 @@ from server.personal.zipping import zipped
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
-from server.web.words import moment_text
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
+from server.web.words import short_moment
 
 router = APIRouter(include_in_schema=False)
 
@@ -39,7 +39,7 @@ EMPTY = MarkForm()
 
 @router.get("/classes/{class_id}/carnet")
 def gradebook(
-    request: Request, class_id: str, reader: Reading, groupe: Group = "", devoir: Name = "", tri: Name = "",
+    request: Request, class_id: str, reader: CurrentReader, groupe: Group = "", devoir: Name = "", tri: Name = "",
     colonne: Name = "", p: PageNumber = 1,
 ) -> Response:  # fmt: skip
     if reader.account is None:
@@ -47,7 +47,7 @@ def gradebook(
     place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     inputs = load_inputs(reader.db, reader.course, place.school_class, utc_now())
     view = gradebook_page(reader.db, place, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
-    return page(request, "classes/gradebook.html", reader.account, page=view)
+    return render_page(request, "classes/gradebook.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/carnet/fichier")
@@ -56,7 +56,7 @@ def file(
     identifiant: MoodleIdentifier = MoodleIdentifier.email,
 ) -> Response:  # fmt: skip
     place = rights.require_right(db, account, Right.read_marks, class_id)
-    made = render_download(load_gradebook(db, course, place.school_class, utc_now()), format, identifiant, moment_text)
+    made = render_download(load_gradebook(db, course, place.school_class, utc_now()), format, identifiant, short_moment)
     return Response(made.content, media_type=made.media_type, headers=made.headers)
 
 
@@ -69,7 +69,7 @@ def archive(
     with database.read() as db:
         place = rights.require_right(db, account, Right.read_marks, class_id)
         made = load_gradebook(db, course, place.school_class, utc_now())
-    found = copies(made, course, names=noms, only=identity_of(devoir, UNKNOWN) if devoir else None, when=moment_text)
+    found = copies(made, course, names=noms, only=parse_uuid(devoir, UNKNOWN) if devoir else None, when=short_moment)
     headers = {
         "Content-Disposition": f'attachment; filename="{file_name(made, "copies", "zip")}"',
         "Content-Encoding": "identity",
@@ -79,7 +79,7 @@ def archive(
 
 
 @router.get("/classes/{class_id}/carnet/{student}/{assignment_id}")
-def one(request: Request, class_id: str, student: str, assignment_id: str, reader: Reading) -> Response:
+def one(request: Request, class_id: str, student: str, assignment_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
@@ -90,9 +90,9 @@ def _one(
     request: Request, account: Account, db: Db, course: CourseOf, place: ClassAccess, student: str, assignment: str,
     form: MarkForm = EMPTY, status: int = 200,
 ) -> HTMLResponse:  # fmt: skip
-    made = load_gradebook(db, course, place.school_class, utc_now(), only=[identity_of(student, UNKNOWN)])
+    made = load_gradebook(db, course, place.school_class, utc_now(), only=[parse_uuid(student, UNKNOWN)])
     view = mark_page(course, place, made, assignment)
-    return page(request, "classes/mark.html", account, status=status, page=view, form=form)
+    return render_page(request, "classes/mark.html", account, status=status, page=view, form=form)
 
 
 @router.post("/classes/{class_id}/carnet/{student}/{assignment_id}")
@@ -109,14 +109,14 @@ def change(
             raise
         form = MarkForm(exercice, points, motif, refused.detail)
         return _one(request, account, db, course, place, student, assignment_id, form, status=422)
-    return go(f"{request.url.path}#{exercice.rpartition('/')[2]}")
+    return redirect(f"{request.url.path}#{exercice.rpartition('/')[2]}")
 
 
 def _change(
     db: Db, course: CourseOf, place: ClassAccess, account: Account, student: str, action: str, form: MarkForm
 ) -> None:
     """Raises NotFound, Conflict or Invalid."""
-    who, school_class = identity_of(student, UNKNOWN), place.school_class
+    who, school_class = parse_uuid(student, UNKNOWN), place.school_class
     if action == "retirer":
         return service.withdraw_override(db, course, school_class, account, who, form.exercise, form.reason)
     points, excused, reason = None, action == "dispenser", form.reason

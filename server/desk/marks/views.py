@@ -49,8 +49,8 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import school_time
 from server.web.fragments import FRAGMENTS
-from server.web.rendering import environment
-from server.web.words import moment, moment_text
+from server.web.rendering import jinja_environment
+from server.web.words import iso_moment, short_moment
 
 NO_POINTS = "—"
 AVERAGE = "moyenne"
@@ -95,17 +95,17 @@ def gradebook_page(db: Session, place: ClassAccess, inputs: GradebookInputs, que
 
     def render() -> str:
         builder = _BodyBuilder(place, build_gradebook(db, inputs), query, titles, group_sizes)
-        macros: Any = environment().get_template("classes/gradebook_body.html").module
+        macros: Any = jinja_environment().get_template("classes/gradebook_body.html").module
         return str(macros.body(builder.body()))
 
-    key = ("gradebook", inputs.version, query, place.has(Right.regrade), school_time.zone().key)
+    key = ("gradebook", inputs.version, query, place.has(Right.regrade), school_time.time_zone().key)
     class_href = href_of(place.school_class)
     chosen = next((one for one in assignments if str(one.id) == query.assignment), None)
     about = None if chosen is None else _assignment_link(chosen, place)
     return GradebookPage(
         head=head(inputs.course, place, "/carnet"),
-        at=moment(inputs.now),
-        at_text=moment_text(inputs.now),
+        at=iso_moment(inputs.now),
+        at_text=short_moment(inputs.now),
         total=total,
         group=group,
         assignment=titles.get(query.assignment, ""),
@@ -294,7 +294,7 @@ def _exercise_score(index: int, exercise_index: int) -> Score:
 def _notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
     notes = [f"coefficient {format_number(assignment.weight)}"]
     if assignment.due_at is not None:
-        notes.append(f"pour le {moment_text(assignment.due_at).partition(' ')[0]}")
+        notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
     if is_withheld(assignment, now):
         notes.append("contrôle, pas encore rendu aux élèves")
     return tuple(notes)

@@ -35,7 +35,7 @@ from server.rights.service import ClassAccess
 from server.text.plain import visible
 from server.web import school_time
 from server.web.views import exercise_href
-from server.web.words import WHOLE, mark, plural
+from server.web.words import WHOLE, format_mark, plural
 
 OPEN = ("open", "late", "done")
 #: Of what is still open, where there is nothing left to do.
@@ -101,7 +101,7 @@ def _page(
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
         next=_next(running),
         average="" if known is None or known.average is None else format_points(known.average),
-        zone=school_time.zone_name(),
+        zone=school_time.time_zone_name(),
         watched=watched.name if watched else "",
         watched_href=f"{views.href_of(place.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
     )
@@ -215,7 +215,7 @@ def _set_by_hand(found: ActiveOverride) -> tuple[str, str, str]:
     if found.points is None:
         return "excused", "–", "dispensé"
     full = found.points >= MAX_POINTS - WHOLE
-    return ("done", "✓", "réussi") if full else ("begun", "½", f"{mark(found.points)} / 20")
+    return ("done", "✓", "réussi") if full else ("begun", "½", f"{format_mark(found.points)} / 20")
 
 
 def held_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
@@ -231,9 +231,9 @@ def standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     if counted is None:  # the best before the due date, where all came after it
         return "begun", "½", "rien avant la date de remise"
     if counted.full_points >= MAX_POINTS - WHOLE:
-        told = "réussi" if counted.points >= MAX_POINTS - WHOLE else f"réussi : {mark(counted.points)} / 20"
+        told = "réussi" if counted.points >= MAX_POINTS - WHOLE else f"réussi : {format_mark(counted.points)} / 20"
         return "done", "✓", told
-    return "begun", "½", f"{mark(counted.points)} / 20"
+    return "begun", "½", f"{format_mark(counted.points)} / 20"
 
 
 def _next(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextThing | None:

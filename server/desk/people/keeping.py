@@ -11,7 +11,7 @@ from server.assignments import editing as assignments
 from server.audit.members import recording_membership_changes
 from server.base.app_services import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
-from server.base.root_path import service_address
+from server.base.root_path import service_url
 from server.classes import copying, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
@@ -27,9 +27,9 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import editions, school_time
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -60,11 +60,11 @@ def settle(
         raise Invalid(NOBODY)
     with recording_membership_changes(db, place.school_class.id, account.id):
         service.change_students(db, place.school_class, eleve, ACTIONS[action], groupe)
-    return go(f"{views.href_of(place.school_class)}/eleves")
+    return redirect(f"{views.href_of(place.school_class)}/eleves")
 
 
 @router.get("/classes/{class_id}/liste")
-def list_form(request: Request, class_id: str, reader: Reading) -> Response:
+def list_form(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.manage_roster, class_id)
@@ -76,7 +76,7 @@ def _list_form(
     request: Request, account: Account, course: CourseOf, place: ClassAccess, text: str = "", problem: str = ""
 ) -> HTMLResponse:
     head, status = views.head(course, place, "/eleves"), 422 if problem else 200
-    return page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
+    return render_page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
 
 
 @router.post("/classes/{class_id}/liste")
@@ -108,12 +108,12 @@ def import_list(
             around = partial(recording_membership_changes, class_id=place.school_class.id, by=account.id)
             _, written = classes.import_list(place.school_class.id, account, content, attendu, around)
             if written:
-                return go(f"{views.href_of(place.school_class)}/eleves")
+                return redirect(f"{views.href_of(place.school_class)}/eleves")
         plan, text = classes.preview_import(place.school_class, account, content)
     except Invalid as refused:
         return _list_form(request, account, course, place, texte, refused.detail)
     view = views.import_page(course, place, plan, text)
-    return page(request, "classes/preview.html", account, page=view, again=bool(attendu))
+    return render_page(request, "classes/preview.html", account, page=view, again=bool(attendu))
 
 
 @router.post("/classes/{class_id}/acces")
@@ -127,12 +127,14 @@ def hand_passwords(
     if choix and not eleve:
         raise Invalid(NOBODY)
     given, refused = service.create_password_slips(db, place.school_class, eleve or None, settings)
-    view = views.slips_page(course, place, given, refused, settings.first_password_days, service_address(request))
-    return page(request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view)
+    view = views.slips_page(course, place, given, refused, settings.first_password_days, service_url(request))
+    return render_page(
+        request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view
+    )
 
 
 @router.get("/classes/{class_id}/reglages")
-def settings_form(request: Request, class_id: str, reader: Reading) -> Response:
+def settings_form(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.configure_class, class_id)
@@ -147,9 +149,11 @@ def _settings(
     place: ClassAccess,
     refused: ServiceError | None = None,
 ) -> HTMLResponse:
-    view = views.settings_page(db, course, place, account, service_address(request))
+    view = views.settings_page(db, course, place, account, service_url(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
-    return page(request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LASTS)
+    return render_page(
+        request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LASTS
+    )
 
 
 @router.post("/classes/{class_id}/reglages")
@@ -164,7 +168,7 @@ def set_up(
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
     place.school_class.approval = bool(approbation)
-    return go(f"{views.href_of(place.school_class)}/reglages")
+    return redirect(f"{views.href_of(place.school_class)}/reglages")
 
 
 @router.post("/classes/{class_id}/code")
@@ -179,7 +183,7 @@ def set_code(
         service.renew_code(db, place.school_class, duree)
     else:
         raise NotFound(UNKNOWN_ACTION)
-    return go(f"{views.href_of(place.school_class)}/reglages#code")
+    return redirect(f"{views.href_of(place.school_class)}/reglages#code")
 
 
 @router.post("/classes/{class_id}/equipe")
@@ -200,7 +204,7 @@ def set_staff(
     except ServiceError as refused:
         return _settings(request, account, db, course, place, refused)
     mine = rights.has_right(db, account, Right.configure_class, place.school_class.id)
-    return go(f"{views.href_of(place.school_class)}/reglages#equipe" if mine else "/classes")
+    return redirect(f"{views.href_of(place.school_class)}/reglages#equipe" if mine else "/classes")
 
 
 @router.post("/classes/{class_id}/copier")
@@ -216,13 +220,16 @@ def copy(
     rights.require_server_right(account, Right.create_class)
     try:
         days = shift.days(db, place.school_class, semaines, rentree)
-        module = editions.chosen(course, place.school_class.module, edition)
+        module = editions.chosen_edition(course, place.school_class.module, edition)
         made = copying.copy_class(db, place.school_class, account, name, module=module, with_students=eleves)
-        moved, there = partial(school_time.moved, days=days), partial(editions.there, course, module=module)
+        moved, there = (
+            partial(school_time.shift_days, days=days),
+            partial(editions.exercise_in_edition, course, module=module),
+        )
         assignments.copy_assignments(db, place.school_class, made, account.id, moved, there)
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
-    return go(views.href_of(made))
+    return redirect(views.href_of(made))
 
 
 @router.post("/classes/{class_id}/archiver")
@@ -233,4 +240,4 @@ def archive(class_id: str, account: SignedIn, db: Db, archiver: Annotated[bool, 
         service.archive(place.school_class)
     else:
         service.reopen(place.school_class)
-    return go(views.href_of(place.school_class))
+    return redirect(views.href_of(place.school_class))

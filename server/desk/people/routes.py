@@ -8,7 +8,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.audit.members import recording_membership_changes
 from server.base.errors import Invalid
 from server.base.http import client_address
-from server.base.root_path import service_address
+from server.base.root_path import service_url
 from server.classes import service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.schemas import validate_guest_name
@@ -22,9 +22,9 @@ from server.desk.schemas import JoinForm, JoinPage
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
 from server.web.views import find_module
 
 router = APIRouter(include_in_schema=False)
@@ -35,7 +35,7 @@ Number = Annotated[int, Query(alias="page", ge=1, le=10**6)]
 
 
 @router.get("/classes")
-def mine(request: Request, reader: Reading) -> HTMLResponse:
+def mine(request: Request, reader: CurrentReader) -> HTMLResponse:
     return _mine(request, reader.db, reader.course, reader.account)
 
 
@@ -44,7 +44,7 @@ def _mine(
 ) -> HTMLResponse:
     view = views.classes_page(db, course, account)
     status = 422 if problem else 200
-    return page(request, "classes/mine.html", account, status=status, page=view, name=name, problem=problem)
+    return render_page(request, "classes/mine.html", account, status=status, page=view, name=name, problem=problem)
 
 
 @router.post("/classes")
@@ -56,13 +56,13 @@ def create(
         made = service.create_class(db, account, name, find_module(course, module).slug)
     except Invalid as refused:
         return _mine(request, db, course, account, name, refused.detail)
-    return go(views.href_of(made))
+    return redirect(views.href_of(made))
 
 
 @router.get("/rejoindre")
 def to_code(code: Code = "") -> Response:
     """From the form where one types a code, to the class that has it."""
-    return go(f"/rejoindre/{''.join(letter for letter in code if letter.isalnum())[:40] or '-'}")
+    return redirect(f"/rejoindre/{''.join(letter for letter in code if letter.isalnum())[:40] or '-'}")
 
 
 @router.get("/rejoindre/{code}")
@@ -82,7 +82,7 @@ def join_form(
 
 def _join_form(request: Request, account: OptionalAccount, view: JoinPage, filled: JoinForm = EMPTY) -> HTMLResponse:
     status = 422 if filled.problem else 200
-    return page(request, "classes/join.html", account, status=status, page=view, form=filled)
+    return render_page(request, "classes/join.html", account, status=status, page=view, form=filled)
 
 
 @router.post("/rejoindre/{code}")
@@ -111,14 +111,14 @@ def join(
     if account is None:
         classes.find_by_code(code, by=None, address=address)
     joined = classes.join_class(code, account_or_guest(request, account, accounts), address=address, named=named)
-    return go(views.href_of(joined.school_class))
+    return redirect(views.href_of(joined.school_class))
 
 
 @router.get("/classes/{class_id}")
 def one(
     request: Request,
     class_id: str,
-    reader: Reading,
+    reader: CurrentReader,
     groupe: Group = "",
     tri: Group = BY_NAME,
     number: Number = 1,
@@ -130,29 +130,29 @@ def one(
     place = rights.require_right(reader.db, reader.account, Right.see_class, class_id)
     if place.has(Right.read_work):
         asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
-        board = board_page(reader, place, asked, service_address(request))
-        return page(request, "classes/board.html", reader.account, page=board)
+        board = board_page(reader, place, asked, service_url(request))
+        return render_page(request, "classes/board.html", reader.account, page=board)
     view = own_views.own_page(reader.db, reader.course, place, reader.account)
-    return page(request, "classes/own.html", reader.account, page=view)
+    return render_page(request, "classes/own.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/eleves")
-def people(request: Request, class_id: str, reader: Reading, groupe: Group = "") -> Response:
+def people(request: Request, class_id: str, reader: CurrentReader, groupe: Group = "") -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    view = views.people_page(reader.db, reader.course, place, reader.account, service_address(request), groupe)
-    return page(request, "classes/people.html", reader.account, page=view)
+    view = views.people_page(reader.db, reader.course, place, reader.account, service_url(request), groupe)
+    return render_page(request, "classes/people.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/code")
-def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Response:
+def code_on_the_wall(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.see_code, class_id)
-    code = views.code_view(place.school_class, service_address(request))
+    code = views.code_view(place.school_class, service_url(request))
     head = views.head(reader.course, place)
-    return page(request, "classes/wall.html", reader.account, head=head, code=code)
+    return render_page(request, "classes/wall.html", reader.account, head=head, code=code)
 
 
 @router.post("/classes/{class_id}/quitter")
@@ -160,4 +160,4 @@ def leave(class_id: str, account: SignedIn, db: Db) -> Response:
     place = rights.require_right(db, account, Right.leave_class, class_id)
     with recording_membership_changes(db, place.school_class.id, account.id):
         service.leave_class(db, place.school_class, account.id)
-    return go("/classes")
+    return redirect("/classes")

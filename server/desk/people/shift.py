@@ -33,7 +33,7 @@ def days(db: Session, original: SchoolClass, weeks: str, first_day: str) -> int:
     rows = repository.load_class_assignments(db, original.id)
     if not rows:
         return 0
-    moved = (wanted - school_time.local(rows[0].opens_at).date()).days
+    moved = (wanted - school_time.to_local(rows[0].opens_at).date()).days
     if abs(moved) > WEEK * MOST_WEEKS:
         raise Invalid(TOO_FAR)
     return moved

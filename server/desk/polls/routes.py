@@ -9,16 +9,16 @@ from server.desk.asking import log_in_first
 from server.desk.polls.views import polls_page
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import Reading
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/previsions")
-def predictions(request: Request, class_id: str, reader: Reading) -> Response:
+def predictions(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = polls_page(reader.db, reader.course, place)
-    return page(request, "classes/polls.html", reader.account, page=view)
+    return render_page(request, "classes/polls.html", reader.account, page=view)

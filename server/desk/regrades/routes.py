@@ -27,9 +27,9 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import EventsOf
 from server.submissions.events import STREAM_HEADERS, as_sse
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -39,14 +39,14 @@ Text = Annotated[str, Query(max_length=200)]
 
 @router.get("/classes/{class_id}/recalculs")
 def regrades(
-    request: Request, class_id: str, reader: Reading, store: RegradeServiceOf, exercice: Text = ""
+    request: Request, class_id: str, reader: CurrentReader, store: RegradeServiceOf, exercice: Text = ""
 ) -> Response:
     """`exercice` is chosen in the form, for who comes from a page about it."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
     view = regrades_page(reader.db, reader.course, place, store)
-    return page(request, "classes/regrades.html", reader.account, page=view, chosen=Chosen(exercice))
+    return render_page(request, "classes/regrades.html", reader.account, page=view, chosen=Chosen(exercice))
 
 
 @router.post("/classes/{class_id}/recalculs")
@@ -66,8 +66,8 @@ def prepare(
     except ServiceError as refused:
         chosen = Chosen(exercice, regle, devoir, eleve, refused.detail)
         view, status = regrades_page(db, course, place, store), int(refused.status)
-        return page(request, "classes/regrades.html", account, status=status, page=view, chosen=chosen)
-    return go(regrade_href(made))
+        return render_page(request, "classes/regrades.html", account, status=status, page=view, chosen=chosen)
+    return redirect(regrade_href(made))
 
 
 def _chosen(name: str) -> UUID | None:
@@ -79,13 +79,13 @@ def _chosen(name: str) -> UUID | None:
 
 
 @router.get("/classes/{class_id}/recalculs/{regrade_id}")
-def one(request: Request, class_id: str, regrade_id: str, reader: Reading) -> Response:
+def one(request: Request, class_id: str, regrade_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
     regrade = service.find_regrade(reader.db, place.school_class.id, regrade_id)
     view = regrade_page(reader.db, reader.course, place, regrade)
-    return page(request, "classes/regrade.html", reader.account, page=view, problem="")
+    return render_page(request, "classes/regrade.html", reader.account, page=view, problem="")
 
 
 @router.post("/classes/{class_id}/recalculs/{regrade_id}")
@@ -104,11 +104,11 @@ def settle(
             raise
         view, status = regrade_page(db, course, place, regrade), int(refused.status)
         return _refused(request, account, view, refused, status)
-    return go(regrade_href(regrade))
+    return redirect(regrade_href(regrade))
 
 
 def _refused(request: Request, account: Account, view: object, refused: ServiceError, status: int) -> HTMLResponse:
-    return page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
+    return render_page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
 
 
 def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:

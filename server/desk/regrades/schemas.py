@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from server.desk.schemas import ClassHead
-from server.web.schemas import Texts
+from server.web.schemas import ExerciseTexts
 
 Tone = Literal["good", "bad", "plain"]
 
@@ -97,7 +97,7 @@ class RegradePage:
     progress: str
     failed: int
     groups: tuple[Group, ...]
-    texts: Texts | None
+    texts: ExerciseTexts | None
 
     @property
     def changes_nothing(self) -> bool:

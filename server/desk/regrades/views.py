@@ -22,7 +22,7 @@ from server.regrades.schemas import MarkChange, MarkOutcome, OutdatedExercise, R
 from server.regrades.service import RegradeService
 from server.rights.service import ClassAccess
 from server.web import regraded
-from server.web.words import moment, moment_text, plural, points
+from server.web.words import format_points, iso_moment, plural, short_moment
 
 PATH = "/recalculs"
 DUST = 1e-6
@@ -112,8 +112,8 @@ class _Names:
             title=exercise.title if exercise else regrade.exercise,
             scope=self._scope(regrade),
             policy=POLICIES[RegradePolicy(regrade.policy)],
-            when=moment(regrade.created_at),
-            when_text=moment_text(regrade.created_at),
+            when=iso_moment(regrade.created_at),
+            when_text=short_moment(regrade.created_at),
             state=words,
             tone=tone,
         )
@@ -162,14 +162,14 @@ def _groups(changes: Sequence[MarkChange], names: _Names, advance: RegradeProgre
 
 def _change(one: MarkChange, names: _Names, kind: Kind) -> ChangeRow:
     shown = one.new_only if one.outcome is MarkOutcome.kept else one.after
-    before, after = regraded.pair(one.before, shown)
+    before, after = regraded.format_points_pair(one.before, shown)
     difference = _signed((shown or 0.0) - (one.before or 0.0))
     return ChangeRow(
         student=names.people.get(one.student, NOBODY),
         before=before,
         after=after,
         difference=difference,
-        why=regraded.sentences(one.differences, kind),
+        why=regraded.reason_sentences(one.differences, kind),
         notes=(*_notes(one), *((BY_HAND,) if one.student in names.overridden else ())),
         attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
     )
@@ -178,7 +178,7 @@ def _change(one: MarkChange, names: _Names, kind: Kind) -> ChangeRow:
 def _signed(difference: float) -> str:
     if abs(difference) < DUST:
         return ""
-    return f"{'+' if difference > 0 else '−'}{points(abs(difference))}"
+    return f"{'+' if difference > 0 else '−'}{format_points(abs(difference))}"
 
 
 def _notes(one: MarkChange) -> Iterator[str]:

@@ -12,9 +12,9 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import CollectingOf
-from server.web.dependencies import Reading
-from server.web.forms import go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -26,7 +26,7 @@ def sit(
     request: Request,
     class_id: str,
     assignment_id: str,
-    reader: Reading,
+    reader: CurrentReader,
     database: DatabaseOf,
     collecting: CollectingOf,
 ) -> Response:
@@ -42,7 +42,7 @@ def sit(
         with database.write() as db:
             collecting.collect_one(db, test, account.id, now)
     view = sitting_page(reader, place, own, account, now)
-    return page(request, "classes/sitting.html", account, page=view)
+    return render_page(request, "classes/sitting.html", account, page=view)
 
 
 @router.post(f"{TEST}/commencer")
@@ -50,7 +50,7 @@ def begin(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Respo
     place = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
     sittings.begin_sitting(db, test, account.id, groups_of(place), utc_now())
-    return go(page_of(test))
+    return redirect(page_of(test))
 
 
 @router.post(f"{TEST}/rendre")
@@ -58,7 +58,7 @@ def hand_in(class_id: str, assignment_id: str, account: SignedIn, db: Db, collec
     place = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
     collecting.hand_in(db, test, account.id, utc_now())
-    return go(page_of(test))
+    return redirect(page_of(test))
 
 
 @router.post(f"{TEST}/publier")
@@ -67,4 +67,4 @@ def release(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Res
     place = rights.require_right(db, account, Right.release_feedback, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
     service.release_feedback(db, test, account.id, utc_now())
-    return go(f"/classes/{place.school_class.id}/devoirs/{test.id}")
+    return redirect(f"/classes/{place.school_class.id}/devoirs/{test.id}")

@@ -17,7 +17,7 @@ from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.service import ClassAccess
 from server.web.views import Reader, exercise_href
-from server.web.words import moment, moment_text, plural
+from server.web.words import iso_moment, plural, short_moment
 
 
 def groups_of(place: ClassAccess) -> Sequence[str]:
@@ -40,7 +40,7 @@ def sitting_page(reader: Reader, place: ClassAccess, own: StudentTest, account: 
         **_both("closes", rules.closes_at),
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,
-        now=moment(now),
+        now=iso_moment(now),
         **_both("ends", ends),
         handed_in=own.sitting is not None and own.sitting.ended_by == EndedBy.student,
         exercises=_exercises(reader, own, account),
@@ -50,8 +50,8 @@ def sitting_page(reader: Reader, place: ClassAccess, own: StudentTest, account: 
 
 def _both(name: str, when: datetime | None) -> dict[str, str]:
     return {
-        name: "" if when is None else moment(when),
-        f"{name}_text": "" if when is None else moment_text(when),
+        name: "" if when is None else iso_moment(when),
+        f"{name}_text": "" if when is None else short_moment(when),
     }
 
 

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.app_services import SettingsOf
-from server.base.errors import Conflict, Invalid, TooMany
+from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes, service
 from server.desk.asking import log_in_first
 from server.desk.talk import work_views
@@ -17,9 +17,9 @@ from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.dependencies import Reading
-from server.web.forms import Field, go
-from server.web.rendering import page
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader
 
@@ -30,12 +30,12 @@ Number = Annotated[int, Query(ge=1, le=MOST)]
 
 
 @router.get("/classes/{class_id}/eleves/{student}")
-def student(request: Request, class_id: str, student: UUID, reader: Reading) -> Response:
+def student(request: Request, class_id: str, student: UUID, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = work_views.student_page(reader, work_views.student_of(reader, place, student))
-    return page(request, "classes/student.html", reader.account, page=view)
+    return render_page(request, "classes/student.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/eleves/{student}/{module}/{slug}")
@@ -45,7 +45,7 @@ def attempts(
     student: UUID,
     module: str,
     slug: str,
-    reader: Reading,
+    reader: CurrentReader,
     essai: Annotated[int | None, Query(ge=1, le=MOST)] = None,
     number: Annotated[int, Query(alias="page", ge=1, le=MOST)] = 1,
 ) -> Response:
@@ -72,7 +72,7 @@ def _work(
     exercise = work_views.exercise_of(reader, place, module, slug)
     of_whom = work_views.student_of(reader, place, student)
     view = work_views.work_page(reader, of_whom, exercise, account, chosen, number, draft)
-    return page(request, "classes/work.html", account, status=status, page=view)
+    return render_page(request, "classes/work.html", account, status=status, page=view)
 
 
 @router.post("/classes/{class_id}/eleves/{student}/{module}/{slug}")
@@ -83,7 +83,7 @@ def comment(
     module: str,
     slug: str,
     account: SignedIn,
-    reader: Reading,
+    reader: CurrentReader,
     settings: SettingsOf,
     texte: Field = "",
     phrase: Field = "",
@@ -96,10 +96,10 @@ def comment(
     try:
         text = notes.prepend_phrase(reader.db, account, notes.parse_phrase_id(phrase), texte)
         thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
-    except (Invalid, Conflict, TooMany) as refused:
+    except (Invalid, Conflict, RateLimited) as refused:
         reader.db.rollback()
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
         return _work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
         notes.keep_phrase(reader.db, account, texte, exercise.id, None)
-    return go(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")
+    return redirect(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")

@@ -14,10 +14,10 @@ from server.desk.talk.work_views import exercise_of
 from server.desk.views import head, href_of
 from server.rights.service import ClassAccess
 from server.web.news import title_of_link
-from server.web.threads import Draft, about, label_of, short
-from server.web.threads import href_of as href_of_thread
-from server.web.views import Reader, exercise_href, in_order, lesson_href, on_the_way
-from server.web.words import moment, moment_text
+from server.web.threads import Draft, shorten, state_label, thread_subject
+from server.web.threads import thread_href as href_of_thread
+from server.web.views import Reader, exercise_href, exercises_in_reading_order, lesson_href, lessons_in_reading_order
+from server.web.words import iso_moment, short_moment
 
 #: In the address of the page; the first is what it shows unasked.
 FILTERS: dict[str, tuple[ThreadState | None, str]] = {
@@ -57,13 +57,13 @@ def _question(course: Course, place: ClassAccess, one: ThreadSummary) -> Questio
         student=one.student,
         student_href=f"{href_of(place.school_class)}/eleves/{thread.account_id}/{thread.exercise}",
         exercise=_title(course, thread.exercise),
-        about=about(thread),
+        about=thread_subject(thread),
         state=thread.state,
-        label=label_of(thread, by_staff_alone=thread.by_staff and one.messages == 1),
-        text=short(one.text),
+        label=state_label(thread, by_staff_alone=thread.by_staff and one.messages == 1),
+        text=shorten(one.text),
         messages=one.messages,
-        when=moment(thread.changed_at),
-        when_text=moment_text(thread.changed_at),
+        when=iso_moment(thread.changed_at),
+        when_text=short_moment(thread.changed_at),
     )
 
 
@@ -84,7 +84,7 @@ def words_page(
     href = f"{href_of(school_class)}/mots?exercice="
     return WordsPage(
         head=head(reader.course, place, "/questions"),
-        exercises=tuple((one.id, one.title) for one in in_order(module)) if module else (),
+        exercises=tuple((one.id, one.title) for one in exercises_in_reading_order(module)) if module else (),
         exercise=chosen.id if chosen else "",
         mistakes=tuple(
             (f"{href}{quote(exercise, safe='')}&erreur={quote(name, safe='')}#ecrire", title, count, name == mistake)
@@ -123,8 +123,8 @@ def _form(
 
 
 def _links(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
-    lessons = tuple((lesson_href(one), one.title) for one in on_the_way(module))
-    exercises = tuple((exercise_href(one), one.title) for one in in_order(module))
+    lessons = tuple((lesson_href(one), one.title) for one in lessons_in_reading_order(module))
+    exercises = tuple((exercise_href(one), one.title) for one in exercises_in_reading_order(module))
     return tuple(group for group in (("Pages du cours", lessons), ("Exercices", exercises)) if group[1])
 
 
@@ -148,6 +148,6 @@ def _told(course: Course, one: SentNote) -> ToldRow:
         link_title=title_of_link(course, note.link),
         readers=one.readers,
         seen=one.seen,
-        when=moment(note.created_at),
-        when_text=moment_text(note.created_at),
+        when=iso_moment(note.created_at),
+        when_text=short_moment(note.created_at),
     )

@@ -21,9 +21,9 @@ from server.gradebook.student_work import AttemptSummary, ExerciseWork
 from server.identity.models import Account
 from server.rights.service import ClassAccess
 from server.web import verdicts
-from server.web.threads import Draft, thread_views, writer
-from server.web.views import Reader, exercise_href, in_order
-from server.web.words import mark, moment, moment_text
+from server.web.threads import Draft, thread_views, writer_view
+from server.web.views import Reader, exercise_href, exercises_in_reading_order
+from server.web.words import format_mark, iso_moment, short_moment
 
 ATTEMPTS_A_PAGE = 50
 NO_SUCH_EXERCISE = "Cet exercice n’est pas de ceux de la classe."
@@ -52,7 +52,7 @@ class Student:
     @property
     def view(self) -> StudentHead:
         why = LEFT if self.member.status is Status.left else ARCHIVED
-        gone = "" if self.until is None else GONE.format(why=why, when=moment_text(self.until))
+        gone = "" if self.until is None else GONE.format(why=why, when=short_moment(self.until))
         return StudentHead(self.member.name, self.href, self.member.groups, gone)
 
 
@@ -72,7 +72,7 @@ def student_page(reader: Reader, student: Student) -> StudentPage:
     module = reader.course.modules.get(school_class.module)
     tried = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
-    exercises = in_order(module) if module else []
+    exercises = exercises_in_reading_order(module) if module else []
     rows = tuple(_standing(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
     return StudentPage(
         head=head(reader.course, student.place, "/eleves"),
@@ -92,10 +92,10 @@ def _standing(student: Student, exercise: Exercise, tried: ExerciseWork | None, 
         tone=tone,
         sign=sign,
         word=word,
-        points="" if tried is None or tried.best is None else mark(20 * tried.best),
+        points="" if tried is None or tried.best is None else format_mark(20 * tried.best),
         attempts=0 if tried is None else tried.attempts,
-        when="" if tried is None else moment(tried.last_at),
-        when_text="" if tried is None else moment_text(tried.last_at),
+        when="" if tried is None else iso_moment(tried.last_at),
+        when_text="" if tried is None else short_moment(tried.last_at),
         mistake="" if tried is None else tried.mistake,
         asking=asking,
     )
@@ -141,7 +141,7 @@ def work_page(
         older=f"{address}{number + 1}" if skipped + ATTEMPTS_A_PAGE < total else "",
         change=_change(reader, student, exercise, shown) if shown else None,
         threads=thread_views(talks, account),
-        writer=writer(reader.db, account, exercise.id, href, staff=True, diagnosis=latest),
+        writer=writer_view(reader.db, account, exercise.id, href, staff=True, diagnosis=latest),
         draft=draft,
         word_href=_word_href(student.place, exercise, latest),
     )
@@ -160,11 +160,11 @@ def _row(exercise: Exercise, tried: AttemptSummary, href: str, shown: int) -> Tr
         if tried.number > 1 and exercise.answers is None
         else "",
         here=tried.number == shown,
-        points="" if tried.score is None else mark(20 * tried.score),
-        outcome=verdicts.title_of(tried.outcome, exercise.kind),
+        points="" if tried.score is None else format_mark(20 * tried.score),
+        outcome=verdicts.outcome_title(tried.outcome, exercise.kind),
         mistake=tried.mistake,
-        when=moment(tried.sent_at),
-        when_text=moment_text(tried.sent_at),
+        when=iso_moment(tried.sent_at),
+        when_text=short_moment(tried.sent_at),
     )
 
 

@@ -20,7 +20,7 @@ from nats.aio.client import Client
 from nats.aio.msg import Msg
 from nats.js import JetStreamContext
 
-from server.base.counters import UNPOSTED
+from server.base.counters import DROPPED_NOTIFICATIONS
 from server.base.settings import Settings
 from server.queue.jetstream.access import Guarded, options, wants_tls
 from server.queue.jetstream.layout import CHANGED, Layout
@@ -183,7 +183,7 @@ class Connection:
         if self.up and len(self._posting) < MOST_POSTED:
             self.on_loop(self._begin_posting, what, posting)
         else:
-            UNPOSTED.add(what)
+            DROPPED_NOTIFICATIONS.add(what)
 
     def _begin_posting(self, what: str, posting: Callable[[], Awaitable[object]]) -> None:
         task = self._loop.create_task(self._posted(what, posting))
@@ -195,7 +195,7 @@ class Connection:
             await posting()
             self._taken.add(what)
         except (*FAILURES, DownError) as error:
-            UNPOSTED.add(what)
+            DROPPED_NOTIFICATIONS.add(what)
             if what in self._taken:  # once, until one is taken again
                 log.warning("NATS does not take a %s: %r; what it does not take is made up for later", what, error)
             self._taken.discard(what)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from sqlalchemy.orm import Session
 
-from server.database import after_commit
+from server.database import run_after_commit
 from server.queue.jetstream.connection import Connection
 from server.queue.port import Call
 
@@ -16,10 +16,10 @@ class NatsSignals:
         self._connection, self._here = connection, here
 
     def queued(self, db: Session, call: Call, /) -> None:
-        after_commit(db, lambda: self._connection.call(call))
+        run_after_commit(db, lambda: self._connection.call(call))
 
     def changed(self, db: Session, news: str) -> None:
-        after_commit(db, lambda: self._connection.tell(news))
+        run_after_commit(db, lambda: self._connection.tell(news))
         if self._here is not None:
             here = self._here
-            after_commit(db, lambda: here(news))
+            run_after_commit(db, lambda: here(news))

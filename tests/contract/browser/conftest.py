@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from server.base.http import COOKIE
+from server.base.http import SESSION_COOKIE
 from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
 from server.identity.secrets import digest, new_token
@@ -138,7 +138,7 @@ def enters(visitor: Visit, database: Database, account: Account) -> Visit:
     with database.write() as db:
         ends = utc_now().replace(year=2100)
         db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
-    visitor.page.context.add_cookies([{"name": COOKIE, "value": cookie, "url": visitor.server.address}])
+    visitor.page.context.add_cookies([{"name": SESSION_COOKIE, "value": cookie, "url": visitor.server.address}])
     return visitor
 
 

@@ -16,7 +16,7 @@ import pytest
 import yaml
 
 from server.base.files import ROOT
-from server.base.settings import ELSEWHERE, Settings, variable
+from server.base.settings import OTHER_VARIABLES, Settings, variable_name
 from server.board.live import MAX_STREAM_SECONDS
 from server.cli import _parser
 from server.sandbox.child import syscalls
@@ -25,7 +25,7 @@ from tests.support.service import Site
 DEPLOY = ROOT / "server" / "deploy"
 FILES = [path for path in sorted(DEPLOY.rglob("*")) if path.is_file() and "secrets" not in path.parts]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-KNOWN = {variable(name) for name in Settings.model_fields} | ELSEWHERE
+KNOWN = {variable_name(name) for name in Settings.model_fields} | OTHER_VARIABLES
 #: Of the whole machine, or of other processes: no wall is made of them.
 DANGEROUS = """
 acct add_key bpf chroot clock_settime delete_module fanotify_init finit_module fsconfig fsmount fsopen init_module

@@ -17,9 +17,9 @@ from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.base.files import ROOT
-from server.base.http import COOKIE
+from server.base.http import SESSION_COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.board.live import LiveBoards
 from server.classes.codes import new_code
@@ -268,7 +268,7 @@ class Stage:
         if who in self.accounts and path.startswith((API, WATCHED)):
             headers["Authorization"] = f"Bearer {self.tokens[who]}"
         elif who in self.accounts:
-            headers["Cookie"] = f"{COOKIE}={self.cookies[who]}"
+            headers["Cookie"] = f"{SESSION_COOKIE}={self.cookies[who]}"
         self.site.client.cookies.clear()
         answer = self.site.client.request(method, address, headers=headers, **options)
         assert answer.status_code < 500, (name, who, answer.text)
@@ -283,8 +283,8 @@ def test_the_table_has_every_route_and_no_other(site: Site) -> None:
 
 def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
-    provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    provided_to(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    get_service(site.app, LiveBoards).stays_open = 0.0
     found, read_only = {}, Stage(site)
     for name in expected():
         stage = read_only if name.startswith("GET ") else Stage(site)
