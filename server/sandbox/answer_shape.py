@@ -1,6 +1,6 @@
-"""Answers alike: most are one number or one array of floats, of the same shape as in the answer before.
+"""Fast path for answers of one shape: most answers are a float or an array of floats, shaped like the answer before.
 
-Of one whose bytes are those of an answer that was decoded, but for the numbers, only these are read.
+Where all bytes but the numbers equal those of a decoded answer, only the numbers are read.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from server.sandbox.child.wire_values import FLOAT
 from server.sandbox.values import split_rows
 
 _FLOATS = np.dtype("<f8")
-#: After the numbers stands that no arguments have come back: null.
+#: Bytes after the numbers: the null that says that no arguments came back.
 _AFTER = 1
 NO_VALUES: Array = np.zeros(0)
 
 
 class AnswerShape:
-    """The form of the last answer of a session that has one; `bytes` and `items` are what it takes of the session's."""
+    """Shape of a session's last fixed-shape answer, which costs `answer_bytes` and `items` of the budgets."""
 
     def __init__(self) -> None:
         self._before, self._after, self.answer_bytes = b"", b"", -1
@@ -30,7 +30,7 @@ class AnswerShape:
         self.items = 0
 
     def learn(self, answer: bytes, decoded: Value, items: int) -> None:
-        """Takes the form of an answer that the decoder has read, where it is one."""
+        """Record the shape of a decoded answer, if it is a float or an array of floats."""
         if type(decoded) is not tuple or len(decoded) != 2 or decoded[1] is not None:
             return
         value = decoded[0]
@@ -47,24 +47,24 @@ class AnswerShape:
         self._shape, self._strides, self.items = shape, strides, items
 
     def read(self, answer: bytes) -> Value:
-        """The value of an answer of this form; None for any other, which the decoder must read."""
+        """Return the value of an answer of this shape; None for another one, which the decoder must read."""
         fits = len(answer) == self.answer_bytes and answer.startswith(self._before) and answer.endswith(self._after)
         return split_rows(self._values(answer, 1, 0, self.answer_bytes))[0] if fits else None
 
-    def values_in(self, held: bytearray, at: int, tokens: Sequence[int], kind: int) -> Array:
-        """The values (n, …) of the frames that stand one after the other from `at` on, as far as they are there, are of
-        this kind and this form, and carry these tokens in this order."""
+    def values_in(self, buffer: bytearray, at: int, tokens: Sequence[int], kind: int) -> Array:
+        """Return the values (n, …) of the complete consecutive frames from `at` on that have this kind and shape, and
+        carry these tokens in this order."""
         stride, begins, came = HEADER.size + self.answer_bytes, at, 0
         if not self._before:
             return NO_VALUES
-        for token in tokens[: (len(held) - at) // stride]:
+        for token in tokens[: (len(buffer) - at) // stride]:
             head = HEADER.pack(self.answer_bytes, token, kind) + self._before
-            if not held.startswith(head, begins) or not held.startswith(self._after, begins + stride - _AFTER):
+            if not buffer.startswith(head, begins) or not buffer.startswith(self._after, begins + stride - _AFTER):
                 break
             begins, came = begins + stride, came + 1
-        return self._values(held, came, at + HEADER.size, stride) if came else NO_VALUES
+        return self._values(buffer, came, at + HEADER.size, stride) if came else NO_VALUES
 
-    def _values(self, held: bytes | bytearray, count: int, at: int, stride: int) -> Array:
-        """Of so many answers that have this form, the first at this place, each a stride after the one before."""
+    def _values(self, buffer: bytes | bytearray, count: int, at: int, stride: int) -> Array:
+        """Return the values of `count` answers of this shape, the first at `at`, `stride` bytes apart."""
         shape, strides = (count, *(self._shape or ())), (stride, *self._strides)
-        return np.ndarray(shape, _FLOATS, held, at + len(self._before), strides).astype(np.float64)
+        return np.ndarray(shape, _FLOATS, buffer, at + len(self._before), strides).astype(np.float64)

@@ -1,4 +1,4 @@
-"""The assaults of the probe: for each wall, at least one program that tries to cross it, and what it is told."""
+"""The assaults of the probe: at least one program for each wall that tries to cross it, with its arguments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from server.sandbox.policy import MIB, Policy
 
 @dataclass(frozen=True)
 class Assault:
-    """A program that tries to cross one wall; `hiders` are the other walls that would stop it too, left down meanwhile.
+    """A program that tries to cross one wall; `masking_walls` would stop it too, and are lifted meanwhile.
 
     `detail` and `mend` (what to do where the wall is missing) are French. It runs in the namespaces where this machine
     offers them; with `namespaces`, only there; with `controller`, only where there are control groups that have it.
@@ -44,11 +44,11 @@ class Assault:
         return SHORT_CPU_POLICY if self.slow else POLICY
 
 
-#: Only a slow assault is about time: another one that ran out of it, on a busy machine, would pass for stopped.
+#: Only a slow assault is about time: on a busy machine, another assault that timed out would count as stopped.
 POLICY = Policy(cpu_seconds=20.0, wall_seconds=60.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
 #: The kernel counts whole seconds of the processor, of which two end the program.
 SHORT_CPU_POLICY = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
-#: What stands between a program and a file, a socket or a process whatever the namespaces are.
+#: Walls between a program and a file, a socket or a process, with or without namespaces.
 _FILTERS = frozenset({"seccomp", "landlock"})
 _ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
 _ALL_BUT_CGROUP = frozenset({"seccomp", "rlimits"})

@@ -1,8 +1,7 @@
-"""Questions sent ahead: calls of one function that go to the program in one frame, and whose answers come one by one.
+"""Pipelined calls: calls of one function travel to the program in one frame; their answers come back one by one.
 
-The program takes a batch in whole before it answers anything, so that the two ends of the wire never wait for each
-other to read; the next one goes only when the last answer of this one is there. Several batches go together in one
-frame, which is taken in whole likewise.
+The program reads a whole batch before it answers anything, so that the two ends of the wire never wait for each other
+to read; the next batch is sent after the last answer of this one. Several batches can share one frame.
 """
 
 from __future__ import annotations
@@ -18,14 +17,14 @@ from server.sandbox.child.codec import Array, Value
 from server.sandbox.child.wire_values import MAX_DIMENSIONS
 from server.sandbox.values import CallBatch
 
-#: A batch is closed by the call that brings it to so many bytes, or calls.
+#: A batch is full once it reaches this many bytes, or calls.
 _MAX_BATCH_BYTES, _MAX_BATCH_CALLS = 1 << 18, 128
-#: Several batches are closed by the one that brings them to so many bytes.
+#: A group of batches is full once it reaches this many bytes.
 _MAX_GROUP_BYTES = 1 << 20
 NO_FAULT_LIMIT = 1 << 31
 _FLOATS = np.dtype(np.float64)
 Row = tuple[Value, ...]
-#: What calls must have in common to go by columns: of each argument, the shape; () is a float.
+#: Shape of each argument, () for a float: calls of equal shapes are sent as columns.
 Shapes = tuple[tuple[int, ...], ...]
 Columns = tuple[Array, ...]
 _dtype_and_shape = attrgetter("dtype", "shape")
@@ -36,9 +35,9 @@ def random_token() -> int:
 
 
 class Batch:
-    """What is asked, and which answers are still to come.
+    """Calls of one function, and which of their answers are pending.
 
-    It is `dropped` when some of its answers were given to nobody.
+    It is `dropped` once an answer was read and discarded.
     """
 
     def __init__(self, function: str, *, return_arguments: bool) -> None:
@@ -56,7 +55,7 @@ class Batch:
         self.dropped = False
 
     def add(self, arguments: Row) -> bool:
-        """Adds a call; True when the batch should hold no more."""
+        """Add a call; return whether the batch is full."""
         shapes = _float_shapes(arguments)
         if not self._lengths:
             self._shapes = shapes
@@ -67,13 +66,15 @@ class Batch:
             self._encode(arguments)
         else:
             if not self._rows:
-                self._row_bytes = sum(one.nbytes if isinstance(one, np.ndarray) else 8 for one in arguments)
+                self._row_bytes = sum(
+                    argument.nbytes if isinstance(argument, np.ndarray) else 8 for argument in arguments
+                )
             self._rows.append(arguments)
             self.bytes += self._row_bytes
         return self.bytes >= _MAX_BATCH_BYTES or len(self._lengths) >= _MAX_BATCH_CALLS
 
     def add_columns(self, calls: Sequence[Row], columns: Columns | None = None) -> bool:
-        """Makes it of all of these, where they go by columns; otherwise adds none."""
+        """Fill the batch with all these calls if they can be sent as columns; return whether they were added."""
         self._columns = columns or _stack_columns(calls)
         if self._columns is None:
             return False
@@ -96,12 +97,15 @@ class Batch:
 
     @property
     def token_bytes(self) -> int:
-        """Bytes that its tokens are made of: its own, then one for each call."""
+        """Number of random bytes that it needs: a token of its own, and one for each call."""
         return frames.TOKEN_BYTES * (1 + self.calls)
 
     def payload(self, wall: float | None, faults: int, random: bytes) -> bytes:
-        """Its frame; the program stops by itself after so many faults. Without `wall`, the time that the
-        question before has left is this one's. What is `random` has served nothing else."""
+        """Return the frame of the batch. The program stops by itself after `faults` faults.
+
+        Without `wall` (seconds), the batch gets the time that the previous question left. `random` holds fresh random
+        bytes for the tokens.
+        """
         self._faults = faults
         self.token, *_ = frames.unpack_tokens(random[: frames.TOKEN_BYTES])
         tokens = random[frames.TOKEN_BYTES :]
@@ -126,45 +130,45 @@ class Batch:
 
     @property
     def has_pending(self) -> bool:
-        """Are there answers to come?"""
+        """Whether answers are pending."""
         return self._answered < len(self._tokens) and self._faults > 0
 
     @property
     def returns_only_values(self) -> bool:
-        """Do answers hold nothing but what is returned, and are some to come?"""
+        """Whether answers hold returned values only, without arguments, and some are pending."""
         return not self.return_arguments and self.has_pending
 
-    def pending_tokens(self, most: int) -> tuple[int, ...]:
-        """The tokens of so many answers to come at most, where these hold nothing but what is returned."""
-        return self._tokens[self._answered : self._answered + most] if self.returns_only_values else ()
+    def pending_tokens(self, limit: int) -> tuple[int, ...]:
+        """Return the tokens of the next `limit` pending answers; none where answers hold arguments too."""
+        return self._tokens[self._answered : self._answered + limit] if self.returns_only_values else ()
 
     def end_frame(self, answers: int) -> bytes:
-        """What must come after so many answers: something if they are all that are to come."""
+        """Return the frame that must follow the next `answers` answers; empty unless they are the last ones."""
         last = self._answered + answers == len(self._tokens)
         return frames.pack_frame(self.token, frames.DONE, b"") if last else b""
 
     def mark_answered(self, answers: int) -> None:
-        """So many have come."""
+        """Count this many answers as received."""
         self._answered += answers
 
     def next_expected(self) -> tuple[int, int | None]:
-        """Token of the next answer, and how many arguments must come back with it (None: they were not asked for)."""
-        place = self._answered
+        """Return the token of the next answer, and the number of arguments that it must hold (None: not requested)."""
+        index = self._answered
         self._answered += 1
-        return self._tokens[place], self._lengths[place] if self.return_arguments else None
+        return self._tokens[index], self._lengths[index] if self.return_arguments else None
 
     def count_fault(self) -> None:
-        """The answer that has come is a fault."""
+        """Count the received answer as a fault."""
         self._faults -= 1
 
 
 def _float_shapes(arguments: Row) -> Shapes | None:
-    """None for arguments that are not all floats and arrays of floats."""
+    """Return the shape of each argument; None unless all are floats or arrays of floats."""
     shapes: list[tuple[int, ...]] = []
-    for one in arguments:
-        if type(one) is np.ndarray and one.dtype == _FLOATS and 0 < one.ndim < MAX_DIMENSIONS:
-            shapes.append(one.shape)
-        elif type(one) is float:
+    for argument in arguments:
+        if type(argument) is np.ndarray and argument.dtype == _FLOATS and 0 < argument.ndim < MAX_DIMENSIONS:
+            shapes.append(argument.shape)
+        elif type(argument) is float:
             shapes.append(())
         else:
             return None
@@ -172,7 +176,7 @@ def _float_shapes(arguments: Row) -> Shapes | None:
 
 
 def _stack_columns(calls: Sequence[Row]) -> Columns | None:
-    """Of each argument, all of its values; None where they are not all floats, or arrays of floats of one shape."""
+    """Stack the values of each argument; None unless they are all floats, or arrays of floats of one shape."""
     if not calls or len(set(map(len, calls))) > 1:
         return None
     columns: list[Array] = []
@@ -191,7 +195,7 @@ def _stack_columns(calls: Sequence[Row]) -> Columns | None:
 
 
 def split_into_batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> Iterator[Batch]:
-    """The calls by batches; they are drawn no further ahead than the batch that is made."""
+    """Split calls into batches lazily: calls are drawn no further ahead than the current batch."""
     batch = Batch(function, return_arguments=return_arguments)
     for arguments in calls:
         if batch.add(arguments):
@@ -202,40 +206,40 @@ def split_into_batches(function: str, calls: Iterable[Row], *, return_arguments:
 
 
 class BatchGroup:
-    """Batches that go to the program in one frame, each with the number of what asks for it."""
+    """Batches that are sent in one frame, each with the index of its request."""
 
-    def __init__(self, asked: Sequence[CallBatch], begin: int) -> None:
-        self._asked, self.end, size = asked, begin, 0
+    def __init__(self, requests: Sequence[CallBatch], begin: int) -> None:
+        self._requests, self.end, size = requests, begin, 0
         self.batches: list[tuple[int, Batch]] = []
-        while self.end < len(asked) and size < _MAX_GROUP_BYTES:
-            batch = _batch_of(asked[self.end])
+        while self.end < len(requests) and size < _MAX_GROUP_BYTES:
+            batch = _batch_of(requests[self.end])
             size += batch.bytes
             if batch.calls:
                 self.batches.append((self.end, batch))
             self.end += 1
 
     def payload(self, wall: float | None) -> bytes:
-        """What stands in one frame with other questions: the first has so much time, the others what is left of it."""
+        """Return the frames of all batches; the first gets `wall` seconds, the others what it leaves."""
         random, begin, pieces = os.urandom(sum(batch.token_bytes for _, batch in self.batches)), 0, []
         for number, batch in self.batches:
-            faults, end = self._asked[number].max_faults, begin + batch.token_bytes
+            faults, end = self._requests[number].max_faults, begin + batch.token_bytes
             pieces.append(batch.payload(wall, NO_FAULT_LIMIT if faults is None else faults, random[begin:end]))
             wall, begin = None, end
         return b"".join(pieces)
 
 
-def group_batches(asked: Sequence[CallBatch]) -> Iterator[BatchGroup]:
-    """One frame for all, or more where there is much to send: each is made when its turn comes."""
+def group_batches(requests: Sequence[CallBatch]) -> Iterator[BatchGroup]:
+    """Group the batches of these requests lazily into as few frames as their size allows."""
     end = 0
-    while end < len(asked):
-        parcel = BatchGroup(asked, end)
+    while end < len(requests):
+        parcel = BatchGroup(requests, end)
         end = parcel.end
         yield parcel
 
 
-def _batch_of(asked: CallBatch) -> Batch:
-    batch = Batch(asked.function, return_arguments=asked.return_arguments)
-    if not batch.add_columns(asked.calls, asked.columns):
-        for arguments in asked.calls:
+def _batch_of(request: CallBatch) -> Batch:
+    batch = Batch(request.function, return_arguments=request.return_arguments)
+    if not batch.add_columns(request.calls, request.columns):
+        for arguments in request.calls:
             batch.add(arguments)
     return batch

@@ -1,8 +1,8 @@
-"""Control groups: a seat for each child, which bounds its resident memory, its processes and its share of processors.
+"""Control groups: one for each child, which bounds its resident memory, its processes and its share of processors.
 
-Version 2 where the machine delegates it, else version 1, else none: the resource limits of the child stand in for them.
-A child joins its seat by itself, through descriptors that it is handed and that are closed before its first line.
-Seats are used again: making one costs more than a fork.
+Version 2 where the machine delegates it, else version 1, else none: the child's resource limits then stand alone.
+A child joins its group by itself, through descriptors that are closed before its first line. Groups are reused:
+creating one costs more than a fork.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from server.sandbox.policy import MIB, Policy
 
 _log = logging.getLogger(__name__)
 _PREFIX = "balise"
-#: What a fork may own beside what its policy grants: copied pages of the template, its page tables, the reserve.
+#: Memory of a fork beyond its policy: copied pages of the template, its page tables, the reserve.
 MEMORY_ALLOWANCE = RESERVE + 48 * MIB
-#: A seat that holds on to more than that is not used again.
+#: A group to which more memory stays charged is not reused.
 _MAX_LEFTOVER_BYTES = 4 * MIB
 _CPU_PERIOD_US = 100_000
-#: More bytes than a file of the kernel's on a seat holds.
+#: Upper bound on the size of a statistics file of a group.
 _STATS_BYTES = 4096
 _WANTED_CONTROLLERS = frozenset({"memory", "pids", "cpu"})
 _CLOSING_SECONDS = 5.0
@@ -36,14 +36,14 @@ _CLOSING_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """A folder of a cgroup file system in which seats can be made, and what they bound there."""
+    """A folder of a cgroup file system in which groups can be created, and the controllers that they have there."""
 
     folder: Path
     version: int
     controllers: frozenset[str]
 
     def limits(self, policy: Policy) -> dict[str, str]:
-        """Name and content of the files that hold the limits of a seat; a name with ``?`` may be absent."""
+        """Return name and content of the files that hold the limits of a group; a name with ``?`` may be absent."""
         memory = str(policy.memory_bytes + policy.folder_bytes + MEMORY_ALLOWANCE)
         quota = str(policy.threads * _CPU_PERIOD_US)
         if self.version == 1:
@@ -62,16 +62,16 @@ class Hierarchy:
 
     @property
     def memory_files(self) -> tuple[str, str]:
-        """The files that tell what is charged to a seat, and how its processes have ended."""
+        """Names of the files with the memory charged to a group, and with its out-of-memory kills."""
         if self.version == 1:
             return "memory.usage_in_bytes", "memory.oom_control"
         return "memory.current", "memory.events"
 
 
 class ControlGroup:
-    """One group in each hierarchy. `descriptors` are where a process writes 0 to join it.
+    """One group in each hierarchy. A process joins by writing 0 to each of `descriptors`.
 
-    What is asked of it after each process is read from files that stay open.
+    The statistics that are read after each process come from files that stay open.
     """
 
     def __init__(self, name: str, hierarchies: Sequence[Hierarchy]) -> None:
@@ -92,7 +92,7 @@ class ControlGroup:
             raise
 
     def apply_limits(self, policy: Policy) -> None:
-        """Gives the seat the limits of a policy. Raises OSError."""
+        """Set the limits of a policy. Raises OSError."""
         if policy == self._policy:
             return
         for hierarchy in self._hierarchies:
@@ -103,7 +103,7 @@ class ControlGroup:
         self._policy = policy
 
     def was_oom_killed(self) -> bool:
-        """Whether the kernel has ended a process here for lack of memory since it was asked, after each SIGKILL."""
+        """Whether the kernel killed a process here for lack of memory since the last call; ask after each SIGKILL."""
         if not self._accounts:
             return False
         lines = os.pread(self._accounts[1], _STATS_BYTES, 0).splitlines()
@@ -112,11 +112,11 @@ class ControlGroup:
         return self._oom_kills > before
 
     def is_reusable(self) -> bool:
-        """Whether nothing of its last process weighs on the next."""
+        """Whether the last process left next to no memory charged to the group."""
         return not self._accounts or int(os.pread(self._accounts[0], _STATS_BYTES, 0)) <= _MAX_LEFTOVER_BYTES
 
     def remove(self) -> None:
-        """Raises OSError while a process is still in it."""
+        """Remove the group. Raises OSError while a process is still in it."""
         while self.descriptors:
             os.close(self.descriptors[0])
             self.descriptors = self.descriptors[1:]
@@ -129,7 +129,7 @@ class ControlGroup:
 
 
 class ControlGroupPool:
-    """The seats of one pool; several threads may take and give back."""
+    """The reusable control groups of one sandbox. Thread-safe."""
 
     def __init__(self, hierarchies: Sequence[Hierarchy]) -> None:
         self._hierarchies = tuple(hierarchies)
@@ -142,51 +142,51 @@ class ControlGroupPool:
             _remove_orphans(hierarchy.folder)
 
     def acquire(self, policy: Policy) -> ControlGroup | None:
-        """A seat with the limits of this policy; None on a machine without control groups."""
+        """Return a group with the limits of this policy; None on a machine without control groups."""
         if not self._hierarchies:
             return None
         with self._lock:
-            seat = self._free.pop() if self._free else None
-            self._made += seat is None
+            group = self._free.pop() if self._free else None
+            self._made += group is None
             name = f"{self._prefix}-{self._made}"
         try:
-            seat = seat or ControlGroup(name, self._hierarchies)
-            seat.apply_limits(policy)
+            group = group or ControlGroup(name, self._hierarchies)
+            group.apply_limits(policy)
         except OSError as error:
             _log.warning("a child goes without a control group: %s", error)
-            if seat:
-                self.retire(seat)
+            if group:
+                self.retire(group)
             return None
-        return seat
+        return group
 
-    def release(self, seat: ControlGroup) -> None:
-        """Its process is gone."""
-        if not seat.is_reusable():
-            self.retire(seat)
+    def release(self, group: ControlGroup) -> None:
+        """Take back a group whose process has ended."""
+        if not group.is_reusable():
+            self.retire(group)
             return
         with self._lock:
-            self._free.append(seat)
+            self._free.append(group)
 
-    def retire(self, seat: ControlGroup) -> None:
-        """Not to be used again; it goes at once, or when the last process in it has ended."""
+    def retire(self, group: ControlGroup) -> None:
+        """Never use the group again; remove it at once, or when its last process has ended."""
         with self._lock:
-            self._leaving.append(seat)
+            self._leaving.append(group)
             self._leaving = [leaving for leaving in self._leaving if not _try_remove(leaving)]
 
     def close(self) -> None:
-        """Removes all seats; waits for processes that are still ending."""
+        """Remove all groups; wait for processes that are still ending."""
         with self._lock:
             left, self._free, self._leaving = self._free + self._leaving, [], []
         deadline = time.monotonic() + _CLOSING_SECONDS
-        while (left := [seat for seat in left if not _try_remove(seat)]) and time.monotonic() < deadline:
+        while (left := [group for group in left if not _try_remove(group)]) and time.monotonic() < deadline:
             time.sleep(0.002)
         if left:
             _log.error("%d control groups could not be removed: %s…", len(left), self._prefix)
 
 
-def _try_remove(seat: ControlGroup) -> bool:
+def _try_remove(group: ControlGroup) -> bool:
     try:
-        seat.remove()
+        group.remove()
     except OSError as error:
         if error.errno != errno.EBUSY:
             raise
@@ -195,7 +195,7 @@ def _try_remove(seat: ControlGroup) -> bool:
 
 
 def _remove_orphans(folder: Path) -> None:
-    """Removes what a pool that was killed has left."""
+    """Remove the groups that a killed sandbox left behind."""
     for path in folder.glob(f"{_PREFIX}-*-*-*"):
         owner = path.name.split("-")[1]
         if owner.isdigit() and not os.path.exists(f"/proc/{owner}"):
@@ -204,7 +204,7 @@ def _remove_orphans(folder: Path) -> None:
 
 
 def usable_hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
-    """Where seats can be made here, learnt by making one; and the first reason, where something is missing."""
+    """Return the hierarchies in which a group could be created, and the first problem where a controller is missing."""
     usable: list[Hierarchy] = []
     problems: list[str] = []
     missing = set(_WANTED_CONTROLLERS)
@@ -222,29 +222,29 @@ def usable_hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
 
 
 def _creation_problem(hierarchy: Hierarchy) -> str:
-    """Why no seat can be made there; "" when one can."""
+    """Try to create a group there; return the problem, "" if it worked."""
     try:
         if hierarchy.version == 2:
             _delegate_controllers(hierarchy)
-        seat = ControlGroup(f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}-0", [hierarchy])
+        group = ControlGroup(f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}-0", [hierarchy])
         try:
-            seat.apply_limits(Policy())
+            group.apply_limits(Policy())
         finally:
-            seat.remove()
+            group.remove()
     except OSError as error:
         return f"{error.strerror}: {hierarchy.folder}"
     return ""
 
 
 def _delegate_controllers(hierarchy: Hierarchy) -> None:
-    """Has the folder hand its controllers to the groups below it. Raises OSError (EBUSY: processes live in it)."""
+    """Delegate the folder's controllers to the groups below it. Raises OSError (EBUSY: processes live in it)."""
     control = hierarchy.folder / "cgroup.subtree_control"
     if not hierarchy.controllers <= set(control.read_text().split()):
         control.write_text(" ".join(f"+{name}" for name in sorted(hierarchy.controllers)))
 
 
 def _candidate_hierarchies(processes: Path = Path("/proc/self")) -> Iterator[Hierarchy]:
-    """Folders of this process's own groups, version 2 first (its own group, then the one above), and what is there."""
+    """Yield the folders of this process's own groups, version 2 first (its own group, then its parent)."""
     mounts = list(_cgroup_mounts(processes / "mountinfo"))
     lines = [line.split(":", 2) for line in (processes / "cgroup").read_text().splitlines()]
     for _, names, path in sorted(lines, key=lambda line: line[1]):
@@ -256,13 +256,13 @@ def _candidate_hierarchies(processes: Path = Path("/proc/self")) -> Iterator[Hie
             if names:
                 yield Hierarchy(folder, 1, frozenset(names.split(",")))
                 continue
-            for place in (folder, folder.parent) if folder != point else (folder,):
+            for candidate in (folder, folder.parent) if folder != point else (folder,):
                 with contextlib.suppress(OSError):
-                    yield Hierarchy(place, 2, frozenset((place / "cgroup.controllers").read_text().split()))
+                    yield Hierarchy(candidate, 2, frozenset((candidate / "cgroup.controllers").read_text().split()))
 
 
 def _cgroup_mounts(mountinfo: Path) -> Iterator[tuple[str, str, Path, frozenset[str]]]:
-    """Kind, root, place and options of each mount of a cgroup file system."""
+    """Yield kind, root, mount point and options of each mount of a cgroup file system."""
     for line in mountinfo.read_text().splitlines():
         before, _, after = line.partition(" - ")
         kind, _, options = after.split(" ", 2)

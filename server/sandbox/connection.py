@@ -1,4 +1,4 @@
-"""One child's answers, as they are heard: in their turn, within the bounds of its policy; or how it has ended."""
+"""Receives one child's answers within the bounds of its policy, or finds out how the child ended."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from server.sandbox.policy import Policy
 from server.sandbox.process import Child, ChildExit
 from server.sandbox.wire import AnswerBudgetExceeded, DeadlineExceeded, ForgedAnswer, WireClosed
 
-#: What the child is left to tell by itself that its time is up, before it is killed.
+#: Seconds that a child gets to report its own timeout before it is killed.
 GRACE_SECONDS = 0.5
 EXIT_SECONDS = 5.0
 _READY_SECONDS = 10.0
 
 
 class ChildConnection:
-    """Counts the time that is waited for a child, and what its answers hold; ends one that goes beyond, or forges."""
+    """Accounts for waiting time and answer sizes of a child; terminates one that exceeds its budgets or forges."""
 
     def __init__(self, child: Child, policy: Policy) -> None:
         self._child, self._policy = child, policy
@@ -43,7 +43,7 @@ class ChildConnection:
             raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
 
     def _expect(self, called: int, kind: int) -> None:
-        """The child says that it has gone a step further, before any line of the student has run."""
+        """Wait for the child to report a stage of its start, before any line of the student runs."""
         expected = frozenset({kind, frames.ANOMALY})
         try:
             came, said = self._child.wire.receive(called, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
@@ -61,7 +61,7 @@ class ChildConnection:
             self._child.wire.send(random_token(), frames.TOGETHER, questions, deadline)
 
     def _receive(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
-        """The next frame. What is here already is not waited for, and takes no time."""
+        """Return kind and payload of the next frame; a frame that is here already costs no waiting time."""
         wire, limit = self._child.wire, self._policy.frame_bytes
         if wire.has_whole_answer:
             try:
@@ -78,7 +78,7 @@ class ChildConnection:
 
     @contextmanager
     def _timed(self) -> Iterator[float]:
-        """Counts the time spent with the wire, and ends a session that has no more of it or that plays with it."""
+        """Account for the time spent on the wire; terminate the child when it runs out of time or forges."""
         start = time.monotonic()
         try:
             yield start + self._seconds_left + GRACE_SECONDS
@@ -108,7 +108,7 @@ class ChildConnection:
         raise program_fault
 
     def _decode_value(self, answer: bytes) -> Value:
-        """Raises Malformed, or the fault of a program that has answered too much in all."""
+        """Decode an answer within the session's budgets. Raises MalformedValue; terminates a child over budget."""
         alike = self._answer_shape.read(answer)
         if alike is not None and self._answer_shape.items <= self._items_left:
             self._items_left -= self._answer_shape.items
@@ -127,7 +127,7 @@ class ChildConnection:
         return value
 
     def _raise_wire_closed(self) -> NoReturn:
-        """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
+        """Handle a closed wire: the process ended by itself, or closed the wire and lives on."""
         try:
             self._child.wait_exit(GRACE_SECONDS)
         except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
@@ -147,7 +147,7 @@ class ChildConnection:
         self._terminate(lambda _: diagnosis.forged_answer_fault())
 
     def _terminate(self, fault: Callable[[ChildExit], ProgramFault]) -> NoReturn:
-        """Ends the process, then raises the fault that its ending tells; later calls raise it again."""
+        """Kill the process, then raise the fault that its exit shows; later calls raise it again."""
         self._child.kill()
         try:
             ending = self._child.wait_exit(EXIT_SECONDS)

@@ -1,4 +1,4 @@
-"""From what a child said, or from how it died, to the fault of a student's program."""
+"""Turns a child's report, or the way it died, into the fault of a student's program."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _KILLED_BY_TIME = (signal.SIGXCPU, signal.SIGALRM, signal.SIGPROF)
 _CHILD_FAULT_KINDS = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
 _MAX_LINE = 10**6
 _LENGTHS = {"exception": MAX_NAME, "text": MAX_TEXT, "detail": MAX_TEXT}
-#: Below this share of its memory limit, a program is not what the kernel kills for lack of memory.
+#: Below this share of its memory limit, a killed program did not run out of memory.
 _OOM_SHARE = 0.25
 _FRAME_LINE = re.compile(rf'^  File "(.+)", line (\d{{1,7}}) in (.{{1,{MAX_NAME}}})$', re.MULTILINE)
 
@@ -30,7 +30,7 @@ def forged_answer_fault() -> ProgramFault:
 
 
 def answers_too_big_fault(what: str, policy: Policy) -> ProgramFault:
-    """The answers of a session are too big together; `what` is bytes or items."""
+    """Return the fault of a session whose answers are too big together; `what` is bytes or items."""
     return _fatal_fault(FaultKind.OUTPUT_LIMIT, messages.answers_too_big(what, policy))
 
 
@@ -49,9 +49,9 @@ def _timeout_fault(what: str, policy: Policy, frames: tuple[Frame, ...]) -> Prog
 
 
 def parse_last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[Frame, ...]:
-    """The levels of the student's file in what the interpreter wrote down (innermost first); none if it did not.
+    """Return the frames of the student's file in a crash traceback (innermost first); none if there is none.
 
-    It is the student's process that wrote it: what is taken from it is numbers of lines, and bounded names.
+    The student's process wrote it: only line numbers and bounded names are taken from it.
     """
     frames = []
     for entry in _FRAME_LINE.finditer(words):
@@ -62,12 +62,12 @@ def parse_last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[
 
 
 def _unescaped(name: str) -> str:
-    """The interpreter writes the letters beyond ASCII of a name as escapes."""
+    """Decode the escapes by which the interpreter writes non-ASCII letters of a name."""
     return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda escape: chr(int(escape[1] or escape[2], 16)), name)
 
 
 def exit_fault(ending: ChildExit, policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
-    """The fault of a program that died without an answer and that we did not kill; `frames`: where it last was.
+    """Return the fault of a program that died without an answer and that we did not kill; `frames`: its last position.
 
     Raises TemplateFault for a program killed from outside: it cannot send itself SIGKILL, and had not taken the
     memory for which the kernel would have sent it.
@@ -90,7 +90,7 @@ def exit_fault(ending: ChildExit, policy: Policy, frames: tuple[Frame, ...] = ()
 
 
 def parse_fault(fault: Any, policy: Policy) -> ProgramFault | None:
-    """The fault that a child reported; None when it is not in the form of one."""
+    """Parse the fault that a child reported; None when it does not have the form of one."""
     if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
         return None
     kind, line, frames = fault["kind"], fault["line"], _parse_frames(fault["frames"])
@@ -112,11 +112,11 @@ def parse_fault(fault: Any, policy: Policy) -> ProgramFault | None:
     )
 
 
-def parse_function_names(given: Any) -> frozenset[str] | None:
-    """The functions that a child says its file defines; None when it is not in the form of that."""
-    if not isinstance(given, tuple) or len(given) > MAX_NAMES:
+def parse_function_names(reported: Any) -> frozenset[str] | None:
+    """Parse the names of the functions that the file defines; None when they do not have that form."""
+    if not isinstance(reported, tuple) or len(reported) > MAX_NAMES:
         return None
-    return frozenset(given) if all(_is_text(name, MAX_NAME_OF_FUNCTION) for name in given) else None
+    return frozenset(reported) if all(_is_text(name, MAX_NAME_OF_FUNCTION) for name in reported) else None
 
 
 def _is_line(line: object) -> bool:
@@ -124,16 +124,16 @@ def _is_line(line: object) -> bool:
 
 
 def _is_text(text: object, longest: int) -> bool:
-    """Whether it is a text as a child makes them: a longer one is forged, and could be long to make a sentence of."""
+    """Whether it is a text of at most `longest` characters: a child of ours sends no longer one."""
     return isinstance(text, str) and len(text) <= longest
 
 
-def _parse_frames(given: object) -> tuple[Frame, ...] | None:
-    """The levels that have a line; None for what is not in the form of levels."""
-    if not isinstance(given, tuple) or len(given) > MAX_FRAMES:
+def _parse_frames(reported: object) -> tuple[Frame, ...] | None:
+    """Parse the frames that have a line; None when they do not have the form of frames."""
+    if not isinstance(reported, tuple) or len(reported) > MAX_FRAMES:
         return None
     frames = []
-    for entry in given:
+    for entry in reported:
         if not isinstance(entry, tuple) or len(entry) != 3:
             return None
         line, function, source = entry
@@ -147,7 +147,7 @@ def _parse_frames(given: object) -> tuple[Frame, ...] | None:
 def _message(
     kind: FaultKind, exception: str, text: str, detail: str, line: int | None, frames: tuple[Frame, ...], policy: Policy
 ) -> str:
-    """The sentence of a fault that a child reported; what `detail` means goes with the kind (see `child.report`)."""
+    """Return the French sentence of a reported fault; `detail` depends on the kind (see `child.report`)."""
     of_result = not exception and detail.count("|") >= 2
     sentences: dict[FaultKind, Callable[[], str]] = {
         FaultKind.SYNTAX_ERROR: lambda: messages.syntax_error(text, detail, line),

@@ -1,4 +1,4 @@
-"""Whose fault it is: `ProgramFault` is the student's, `SandboxFault` is ours."""
+"""Faults by responsibility: `ProgramFault` is the student's, `SandboxFault` is ours."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class Frame:
 
 
 class ProgramFault(Exception):
-    """What the student's program did wrong.
+    """A fault of the student's program.
 
     `message` is French and addressed to the student; `exception` is the name of the Python exception, if there was one;
-    `fatal` tells that the process is gone and that the session can only be closed. A file that does not load leaves no
-    session: what it printed before is in `stdout`.
+    `fatal` means that the process is gone and the session can only be closed. A file that does not load leaves no
+    session: `stdout` holds its output.
     """
 
     stdout = ""

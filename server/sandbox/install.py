@@ -1,4 +1,4 @@
-"""Where this interpreter, numpy, scipy and matplotlib are installed: what a template is allowed to see."""
+"""Locations of this interpreter, numpy, scipy and matplotlib: the files that a template may see."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 
-#: The set of a source that draws; only sessions that allow it come to it.
+#: Import set of sources that draw; only sessions that allow drawing use it.
 DRAWING = "matplotlib"
-#: What each import set needs; of the first two, the first one that a source does not go beyond is used.
+#: Import sets, each named after its largest library; a source gets the smallest set that it needs.
 IMPORT_SETS = ("numpy", "scipy", DRAWING)
-#: What matplotlib needs beside numpy.
+#: Packages that matplotlib needs beside numpy.
 _MATPLOTLIB_PACKAGES = (
     *("contourpy", "kiwisolver", "cycler", "PIL", "pyparsing", "packaging", "dateutil", "six", "fontTools"),
     "mpl_toolkits",
@@ -33,28 +33,28 @@ class Installation:
 
 @cache
 def installation(imports: str = "numpy") -> Installation:
-    """What the template of an import set sees.
+    """Return the paths that the template of an import set sees.
 
     Finds numpy (needed: raises ModuleNotFoundError), scipy and matplotlib (optional) without importing them.
     """
-    sets = {name: place for name in IMPORT_SETS if (place := _package(name))}
+    sets = {name: path for name in IMPORT_SETS if (path := _package(name))}
     if "numpy" not in sets:
         raise ModuleNotFoundError("numpy is not installed", name="numpy")
-    places = {name: place for name, place in sets.items() if name != DRAWING or imports == DRAWING}
-    if DRAWING in places:
-        places |= {name: place for name in _MATPLOTLIB_PACKAGES if (place := _package(name))}
-    sites = tuple(dict.fromkeys(os.path.dirname(place) for place in places.values()))
-    packages = [path for name, place in places.items() for path in _with_libraries(name, place)]
+    paths = {name: path for name, path in sets.items() if name != DRAWING or imports == DRAWING}
+    if DRAWING in paths:
+        paths |= {name: path for name in _MATPLOTLIB_PACKAGES if (path := _package(name))}
+    sites = tuple(dict.fromkeys(os.path.dirname(path) for path in paths.values()))
+    packages = [part for name, path in paths.items() for part in _with_libraries(name, path)]
     return Installation(sys.executable, sites, tuple(packages), tuple(sets))
 
 
-def _with_libraries(name: str, place: str) -> list[str]:
-    libraries = os.path.join(os.path.dirname(place), _LIBRARY_FOLDERS.get(name, f"{name}.libs"))
-    return [place, libraries] if os.path.isdir(libraries) else [place]
+def _with_libraries(name: str, path: str) -> list[str]:
+    libraries = os.path.join(os.path.dirname(path), _LIBRARY_FOLDERS.get(name, f"{name}.libs"))
+    return [path, libraries] if os.path.isdir(libraries) else [path]
 
 
 def _package(name: str) -> str | None:
-    """The folder of a package, or the file of a module."""
+    """Return the folder of a package, or the file of a module."""
     spec = importlib.util.find_spec(name)
     if spec is None:
         return None
@@ -63,7 +63,7 @@ def _package(name: str) -> str | None:
 
 
 def import_set_of(source: bytes, *, drawing: bool = False) -> str:
-    """The import set that a source asks for; matplotlib's only where `drawing` is allowed."""
+    """Return the import set that a source needs; matplotlib's only where `drawing` is allowed."""
     sets = installation().sets
     if drawing and DRAWING in sets and b"matplotlib" in source:
         return DRAWING

@@ -1,4 +1,4 @@
-"""How a template is started: its command, its environment, what it is told first."""
+"""Starts the process of a template: its command, environment and configuration."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ KitFiles = str | Mapping[str, str]
 
 @dataclass(frozen=True)
 class TemplateConfig:
-    """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
+    """Configuration of a template; `lifted` names walls left down, for the probe and the tests of the walls alone."""
 
     kits: Mapping[str, KitFiles]
     imports: str
@@ -39,7 +39,7 @@ class TemplateConfig:
 
 
 def launch(setting: TemplateConfig, control: int, log: int) -> subprocess.Popen[bytes]:
-    """Starts the first process of a template; `control` is its end of the socket, `log` is where it complains."""
+    """Start the first process of a template; `control` is its end of the socket, `log` its standard error."""
     configuration = _write_configuration(setting)
     try:
         return subprocess.Popen(

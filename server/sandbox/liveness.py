@@ -1,4 +1,4 @@
-"""Signs of life of a process of ours, as the kernel tells them: what it is at, and that it has ended."""
+"""Liveness of our own processes, from the kernel: their state, whether they hang, and their end."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import struct
 import termios
 from pathlib import Path
 
-#: Seconds between two looks at a silent process.
+#: Seconds between two checks of a silent process.
 POLL_SECONDS = 0.25
-#: Looks in a row that show a process that does nothing although it should.
+#: Consecutive idle checks after which a process with work to do counts as hung.
 _IDLE_POLLS_TO_HANG = 5
 _STOPPED = frozenset("Tt")
 _IDLE = frozenset("TtS")

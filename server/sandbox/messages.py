@@ -1,4 +1,4 @@
-"""The French sentences of the faults: what happened, at which line, which limit, and what to do about it."""
+"""French messages of the faults: the event, its line, the limit, and advice."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def source_too_big(length: int, policy: Policy) -> str:
     )
 
 
-#: What to say of a system's own error, by the words that it comes with (`OSError` alone says little).
+#: Advice for system errors, by the words of their text (`OSError` alone says little).
 _SYSTEM = {
     "Too many open files": "Trop de fichiers sont ouverts à la fois : fermez-les, ou ouvrez-les par « with ».",
     "No space left on device": "Votre dossier est plein : n’y gardez que le nécessaire, ou calculez sans fichier.",
@@ -138,7 +138,7 @@ _SYSTEM = {
 }
 
 
-#: Texts of Python that tell a beginner nothing, in French.
+#: French for texts of Python that a beginner would not understand.
 _IN_FRENCH = {"EOF when reading a line": "fin de l’entrée"}
 
 

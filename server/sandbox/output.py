@@ -1,6 +1,6 @@
-"""What a student prints: a shared memory file of fixed size, which the child fills and the trusted side reads.
+"""Captured output of a student: a shared memory file of fixed size, which the child fills and the trusted side reads.
 
-Behind it, in the same file, is room for the last words of a child: where it was when its time ran out.
+Behind it, the same file has room for the traceback that a child writes when its time runs out inside C code.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ TRACEBACK_BYTES = 4096
 class CapturedOutput:
     """A memory file that cannot grow. The offset that it shares with the child tells how much of it is filled.
 
-    `words` is a second descriptor on it, with an offset of its own, for the last words.
+    `words` is a second descriptor on it, with an offset of its own, for the traceback.
     """
 
     def __init__(self, bound: int) -> None:
@@ -38,13 +38,13 @@ class CapturedOutput:
         return self.filled_bytes() >= self._limit
 
     def text(self) -> str:
-        """What was printed, decoded whatever it holds; NUL, which databases refuse, is replaced."""
+        """Return the printed text; invalid UTF-8 and NUL, which databases refuse, are replaced."""
         data = os.pread(self.fileno(), self.filled_bytes(), 0)
         text = codecs.getincrementaldecoder("utf-8")("replace").decode(data, final=not self.is_truncated())
         return text.replace("\0", "\ufffd")
 
     def crash_traceback(self) -> str:
-        """What the child wrote there, up to the first NUL; whatever it holds, a text."""
+        """Return the traceback that the child wrote, up to the first NUL, as text whatever its bytes."""
         data = os.pread(self.traceback_descriptor, TRACEBACK_BYTES, self._limit)
         return data.partition(b"\0")[0].decode("ascii", "replace")
 

@@ -1,6 +1,6 @@
-"""What one program may use: one table, enforced by the walls, shown to the student, overridable for an exercise.
+"""Resource limits of one program: one table, enforced by the walls, shown to the student, overridable by an exercise.
 
-A new limit is a new field of `Policy` with its row: the course's files, the pages and the API take all from there.
+A new limit is a new field of `Policy` with its `LimitSpec`: course files, pages and the API read them from there.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Unit = Literal["seconds", "bytes", "count", "levels", "threads"]
 
 @dataclass(frozen=True)
 class LimitSpec:
-    """What is known of a limit: its name on the page, its unit, and between which values an exercise may set it."""
+    """Description of a limit: its French label, its unit, and the range in which an exercise may set it."""
 
     label: str
     unit: Unit
@@ -66,9 +66,9 @@ class Policy:
 
     @property
     def answer_limits(self) -> ValueLimits:
-        """Bounds of one encoded answer: a call's value and its arguments are two levels below the top."""
+        """Bounds of one encoded answer; a call's value and its arguments are two levels below the top."""
         return ValueLimits(self.frame_bytes, self.depth + 2, self.items)
 
 
-#: The row of each field, in the order in which the page shows them.
+#: Specification of each field, in the order of the page.
 LIMIT_SPECS: Mapping[str, LimitSpec] = {each.name: each.metadata["row"] for each in fields(Policy)}

@@ -1,4 +1,4 @@
-"""The pool of warm templates, with spare children standing ready behind their walls."""
+"""The pool of warm templates, with spare children waiting behind their walls."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from server.sandbox.session import Session
 from server.sandbox.values import LIBRARY_MENTION, CallBatch, Kit
 
 _log = logging.getLogger(__name__)
-#: Policies for which a template keeps spare children: the last ones used.
+#: Number of recently used policies for which a template keeps spare children.
 _SPARE_POLICIES = 3
-#: Children that stand ready for one submission, at most.
+#: Maximum number of children prepared for one submission.
 _MAX_PREPARED = 3
 #: Seconds before another try at a worn template's successor, which could not be started.
 _RETRY_SECONDS = 30.0
 #: Seconds between the end of a session and the fork of the next spare.
 _RESTOCK_DELAY_SECONDS = 0.012
-#: Why a template is replaced.
+#: Reasons to replace a template.
 WORN, FAILED = "worn", "failed"
 
 
@@ -46,7 +46,7 @@ class _TemplateSlot:
         self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
 
     def claim_renewal(self) -> bool:
-        """Whether the caller may start a successor: nobody else does, nor has just tried in vain."""
+        """Claim the right to start a successor; False while another thread does, or shortly after a failure."""
         free = not self.renewing and time.monotonic() >= self.retry_at
         self.renewing = self.renewing or free
         return free
@@ -55,10 +55,10 @@ class _TemplateSlot:
 class Sandbox:
     """Runs students' files. Safe to share between threads; close it, or use it as a context manager.
 
-    `kits` maps the name of a kit to its files, path → Python source, or to the source of its only one. `spares`
-    children stand ready for each of the last policies used; a template is replaced after `forks` forks, or once it has
-    taken `growth` bytes of memory of its own. `namespaces` None means: where this machine offers them. `lifted` leaves
-    walls down, and serves only to probe and test the walls themselves.
+    `kits` maps the name of a kit to its files, path → Python source, or to the source of its only file. `spares`
+    children wait for each of the last policies used; a template is replaced after `max_forks` forks, or once its own
+    memory has grown by `max_growth` bytes. `namespaces` None means: where this machine offers them. `lifted` names
+    walls to leave down, to probe and test the walls themselves; `on_template_replaced` receives the reason.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Sandbox:
         self.close()
 
     def warm(self, imports: str = "numpy") -> None:
-        """Starts a template and its spare child now rather than at the first submission. Raises SandboxFault."""
+        """Start a template and its spare child now rather than at the first submission. Raises SandboxFault."""
         slot = self._slots[imports]
         try:
             with slot.lock:
@@ -114,12 +114,12 @@ class Sandbox:
         deferred: bool = False,
         first_calls: Sequence[CallBatch] = (),
     ) -> Session:
-        """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
+        """Return a session with the file loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
 
-        With `drawing`, a source that speaks of matplotlib finds it, and its figures are asked for by `Session.figures`.
-        With `shows_last`, the value of an expression that ends the file is printed, as a notebook does. What is asked
-        `ahead` goes with the file: `Session.ahead` gives its answers, as `Session.together` would.
-        With `waits`, the file is compiled, and `Session.trace` runs it.
+        With `drawing`, a source that mentions matplotlib can import it, and `Session.figures` returns its figures. With
+        `echo_last`, the value of an expression that ends the file is printed, as in a notebook. `first_calls` are sent
+        with the file; `Session.first_answers` yields their answers. With `deferred`, the file is only compiled, and
+        `Session.trace` runs it.
         """
         policy = policy or self.policy
         _check_source(source, policy)
@@ -138,7 +138,7 @@ class Sandbox:
             raise SandboxFault(str(error)) from error
 
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
-        """Has so many children made ready for a file that is about to be opened as often; nothing is waited for."""
+        """Order spare children for a file that is about to be opened `children` times, without waiting for them."""
         policy = policy or self.policy
         slot = self._slots[import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=False)]
         with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
@@ -147,7 +147,7 @@ class Sandbox:
                 waiting.append(slot.template.fork(policy))
 
     def close(self) -> None:
-        """Ends every template and every session; returns when their processes are gone."""
+        """End every template and session; return when their processes are gone."""
         self._closing.set()
         self._refiller.shutdown(cancel_futures=True)
         self._renewer.shutdown(cancel_futures=True)
@@ -188,7 +188,7 @@ class Sandbox:
                 self._retire_current(slot)
                 raise
             renew = self._is_worn(template) and slot.claim_renewal()
-        # What is not needed for this answer waits for its end: the machine has few processors.
+        # Work that this answer does not need waits for its end: the machine has few processors.
         child.on_close = partial(self._schedule_restock, slot, template, policy)
         if renew:
             self._submit(self._renewer, self._start_successor, slot, template, imports)
@@ -199,7 +199,7 @@ class Sandbox:
             executor.submit(_run_logged, action, *arguments)
 
     def _start_successor(self, slot: _TemplateSlot, worn: TemplateProcess, imports: str) -> None:
-        """Starts the successor of a worn template, which goes on serving meanwhile, and for good if there is none."""
+        """Start the successor of a worn template, which serves meanwhile, and goes on if the start fails."""
         try:
             if slot.template is not worn:
                 return
@@ -227,7 +227,7 @@ class Sandbox:
             self._submit(self._refiller, self._restock, slot, template, policy)
 
     def _restock(self, slot: _TemplateSlot, template: TemplateProcess, policy: Policy) -> None:
-        """After a rest: a verdict that has just been reached is on its way, and a fork would compete with it."""
+        """Fork the next spare after a delay, so that it does not compete with the verdict on its way."""
         self._closing.wait(_RESTOCK_DELAY_SECONDS)
         self._restocks_due.discard((template, policy))
         with slot.lock:
@@ -284,7 +284,7 @@ class Sandbox:
                 self._retire_current(slot)
 
     def _retire_current(self, slot: _TemplateSlot) -> None:
-        """Retires the current template: it ends with its last session."""
+        """Retire the current template: it ends with its last session."""
         template, slot.template = slot.template, None
         spares, slot.spares = slot.spares, OrderedDict()
         for child in (child for waiting in spares.values() for child in waiting):
@@ -294,7 +294,7 @@ class Sandbox:
             self._close_idle_retired(template)
 
     def _close_idle_retired(self, template: TemplateProcess) -> None:
-        """Called when a child of a template has ended."""
+        """Close a retired template once its last child has ended."""
         if template in self._retired and template.is_idle():
             with contextlib.suppress(KeyError):
                 self._retired.remove(template)
@@ -302,7 +302,7 @@ class Sandbox:
 
 
 def _pop_living(waiting: deque[Child] | None) -> Child | None:
-    """The first of these children that has not died while it waited."""
+    """Remove and return the first child that is still alive; None if there is none."""
     while waiting:
         child = waiting.popleft()
         if not child.has_exited():
@@ -313,7 +313,7 @@ def _pop_living(waiting: deque[Child] | None) -> Child | None:
 
 
 def _run_logged(action: Callable[..., None], *arguments: object) -> None:
-    """Runs what nobody waits for; its failure costs nothing but the time that it should have saved."""
+    """Run a background action and log its failure."""
     try:
         action(*arguments)
     except Exception:
@@ -321,7 +321,7 @@ def _run_logged(action: Callable[..., None], *arguments: object) -> None:
 
 
 def _importable_sources(source: bytes, kit: Kit | None) -> Iterator[bytes]:
-    """The earlier files that a source may come to run."""
+    """Yield the earlier files that a source may run."""
     if kit is not None and LIBRARY_MENTION in source:
         yield from (shelf.source for shelf in kit.library)
 

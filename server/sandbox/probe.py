@@ -1,6 +1,6 @@
-"""Which walls stand on this machine, each learnt by a real assault in a real child.
+"""Finds out which walls stand on this machine, by a real assault on each in a real child.
 
-Where several walls stop the same thing, the others are left down for the assault, so that the answer is about one wall.
+Where several walls stop the same thing, the others are lifted for the assault, so that the result is about one wall.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class WallReport:
 
 
 def probe(*, slow: bool = True) -> list[WallReport]:
-    """Tries every wall, in a second or two; without `slow`, leaves out the assaults that must wait for a limit.
+    """Probe every wall, in a second or two; without `slow`, skip the assaults that must wait for a limit.
 
     On the template of submissions: the walls do not depend on the import set, and tests try them with each.
     """
@@ -62,7 +62,7 @@ def safe_to_serve(reports: list[WallReport]) -> bool:
 
 
 class _ProbeTemplates:
-    """One template for each set of walls left down."""
+    """One template for each set of lifted walls."""
 
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
@@ -72,7 +72,7 @@ class _ProbeTemplates:
         self._groups, self._no_groups = ControlGroupPool(usable), ControlGroupPool(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
-        """The template, in the namespaces if they can be had or are asked for; or why there is none."""
+        """Return the template, in namespaces where available or required; or the reason why there is none."""
         inside = self._get_or_start(True, lifted)
         return inside if namespaces or isinstance(inside, TemplateProcess) else self._get_or_start(False, lifted)
 
@@ -126,7 +126,7 @@ def _probe_wall(assault: Assault, templates: _ProbeTemplates) -> WallReport:
 
 
 def run_assault(assault: Assault, template: TemplateProcess) -> str:
-    """What the assault managed to do; "" when the wall held, be it by ending the program."""
+    """Run the assault; return what it managed to do (French), "" when the wall held, even by ending the program."""
     with ExitStack() as stack:
         argument = assault.argument(stack)
         if assault.accomplice:

@@ -1,4 +1,4 @@
-"""The trusted side of a template: starts it, orders forks and kills, learns how each child ended."""
+"""The trusted side of a template: starts it, orders forks and kills, receives the exit of each child."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _CREDENTIALS = struct.Struct("3i")
 
 @dataclass(frozen=True)
 class ChildExit:
-    """How a child ended, as `os.wait4` tells it, and whether its control group says that it lacked memory."""
+    """Exit of a child as `os.wait4` reports it, and whether its control group reports an out-of-memory kill."""
 
     status: int
     cpu_seconds: float
@@ -48,14 +48,14 @@ class ChildExit:
 
 
 class Child:
-    """A fork behind its walls: its wire, what it printed, and how it ended once it has."""
+    """A fork behind its walls: its wire, its output, and its exit."""
 
     def __init__(self, template: TemplateProcess, number: int, wire: Wire, output: CapturedOutput) -> None:
         self._template, self._number = template, number
         self.wire, self.output = wire, output
         self._exit: Future[ChildExit] = template.exit_of(number)
         self._killed = False
-        #: Called once it is closed.
+        #: Callback after `close`.
         self.on_close: Callable[[], object] = lambda: None
 
     def kill(self) -> None:
@@ -64,7 +64,7 @@ class Child:
             self._template.kill(self._number)
 
     def wait_exit(self, timeout: float) -> ChildExit:
-        """Raises TemplateFault when the template is gone and nobody can tell, TimeoutError when it still lives."""
+        """Wait for the exit. Raises TemplateFault when the template died first, TimeoutError while the child lives."""
         return self._exit.result(timeout)
 
     def has_exited(self) -> bool:
@@ -81,23 +81,23 @@ class TemplateProcess:
     """One template. `start` must be called from a thread that outlives it: its death kills the template."""
 
     def __init__(
-        self, setting: TemplateConfig, seats: ControlGroupPool, on_idle: Callable[[TemplateProcess], None]
+        self, config: TemplateConfig, groups: ControlGroupPool, on_idle: Callable[[TemplateProcess], None]
     ) -> None:
-        self._config, self._groups, self._on_idle = setting, seats, on_idle
+        self._config, self._groups, self._on_idle = config, groups, on_idle
         self._lock = threading.Lock()
         self._groups_in_use: dict[int, ControlGroup] = {}
         self._sending = threading.Lock()
         self._exits: dict[int, Future[ChildExit]] = {}
         self._dead = False
         self._last_stderr = ""
-        self.namespaces = setting.namespaces
+        self.namespaces = config.namespaces
         self.forks = 0
-        #: Bytes of its own memory that it has taken since it came up.
+        #: Bytes of private memory that it gained since its start.
         self.memory_growth = 0
         self.greeting: dict[str, Any] = {}
 
     def start(self, spawner: ThreadPoolExecutor) -> TemplateProcess:
-        """Raises TemplateFault, with what the process said, when it does not come up."""
+        """Start the process. Raises TemplateFault, with its standard error, when it does not come up."""
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._log = os.memfd_create("log", os.MFD_CLOEXEC)
         try:
@@ -128,7 +128,7 @@ class TemplateProcess:
         self.greeting = hello
 
     def _receive_greeting(self) -> tuple[dict[str, Any], int]:
-        """What the template says first, and its number among the processes of this side, which the kernel tells."""
+        """Return the template's greeting, and its pid in this namespace, which the kernel adds as credentials."""
         deadline, watch = time.monotonic() + START_SECONDS, liveness.HangDetector()
         self._control.settimeout(liveness.POLL_SECONDS)
         while True:
@@ -148,14 +148,14 @@ class TemplateProcess:
         raise ValueError(f"no greeting: {hello!r:.500}")
 
     def _wait_or_kill(self, seconds: float) -> int:
-        """The exit code of the first process, which is left so long to end by itself."""
+        """Wait for the first process, kill it after `seconds`, and return its exit code."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(seconds)
         self._process.kill()
         return self._process.wait()
 
     def stderr_tail(self) -> str:
-        """The end of what the template wrote on its standard error."""
+        """Return the end of the template's standard error."""
         with self._lock:
             return self._last_stderr if self._dead else self._read_stderr_tail()
 
@@ -164,7 +164,7 @@ class TemplateProcess:
         return os.pread(self._log, 8192, max(0, size - 8192)).decode("utf-8", "replace")
 
     def fork(self, policy: Policy) -> Child:
-        """Orders a child; it may still be on its way. Raises TemplateFault when the template is gone."""
+        """Order a child, without waiting for it to start. Raises TemplateFault when the template is gone."""
         output = CapturedOutput(policy.stdout_bytes)
         ours, theirs = socket.socketpair()
         with self._lock:
@@ -172,16 +172,16 @@ class TemplateProcess:
             number = self.forks
             self._exits[number] = Future()
         child = Child(self, number, Wire(ours), output)
-        seat = self._groups.acquire(policy)
-        if seat:
-            self._groups_in_use[number] = seat
+        group = self._groups.acquire(policy)
+        if group:
+            self._groups_in_use[number] = group
         try:
             with theirs:
                 descriptors = [
                     theirs.fileno(),
                     output.fileno(),
                     output.traceback_descriptor,
-                    *(seat.descriptors if seat else ()),
+                    *(group.descriptors if group else ()),
                 ]
                 self._send_order(orders.pack_fork(number, _limits(policy)), descriptors)
         except TemplateFault:
@@ -191,11 +191,11 @@ class TemplateProcess:
         return child
 
     def _forget(self, number: int) -> None:
-        """A child that was not even ordered."""
+        """Undo the registration of a child that could not be ordered."""
         with self._lock:
             self._exits.pop(number, None)
-        if seat := self._groups_in_use.pop(number, None):
-            self._groups.release(seat)
+        if group := self._groups_in_use.pop(number, None):
+            self._groups.release(group)
 
     def exit_of(self, number: int) -> Future[ChildExit]:
         return self._exits[number]
@@ -235,7 +235,7 @@ class TemplateProcess:
             self._end()
 
     def _receive_report(self, watch: liveness.HangDetector) -> bytes:
-        """The next report; empty when the template is gone or hangs."""
+        """Wait for the next report; empty when the template is gone or hangs."""
         coming = select.poll()
         coming.register(self._control, select.POLLIN)
         while not coming.poll(1000.0 * liveness.POLL_SECONDS):
@@ -257,16 +257,16 @@ class TemplateProcess:
         known.set_result(ending)
 
     def _release_group(self, number: int, status: int) -> bool:
-        """Gives back the seat of a child that has ended; returns whether the kernel ended it for lack of memory."""
-        seat = self._groups_in_use.pop(number, None)
-        if seat is None:
+        """Release the control group of an ended child; return whether the kernel killed it for lack of memory."""
+        group = self._groups_in_use.pop(number, None)
+        if group is None:
             return False
-        exhausted = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL and seat.was_oom_killed()
-        self._groups.release(seat)
+        exhausted = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL and group.was_oom_killed()
+        self._groups.release(group)
         return exhausted
 
     def _end(self) -> None:
-        """The template goes first, so that its parent is there to take note of it."""
+        """Kill the template, then its parent, and fail all pending exits."""
         if not self._handle.kill_and_wait(_END_SECONDS):
             _log.error("the template %d cannot be killed", self._handle.pid)
         self._handle.close()
@@ -285,7 +285,7 @@ class TemplateProcess:
         self._on_idle(self)
 
     def close(self) -> None:
-        """Ends the template and all its children; returns when they are gone."""
+        """End the template and all its children; return when they are gone."""
         with self._lock:
             if not self._dead:
                 with contextlib.suppress(OSError):

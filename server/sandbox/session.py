@@ -1,4 +1,4 @@
-"""One execution of a student's file, in one fork: questions, answers, and what went wrong in the student's words."""
+"""One execution of a student's file, in one fork: calls, answers, and faults in the student's words."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from server.sandbox.policy import Policy
 from server.sandbox.process import Child
 from server.sandbox.values import CallBatch, Kit, Replies, Reply, TraceResult, Usage, encode_library_file
 
-#: Answers that come together, one or more, and the number of what has asked for them.
+#: Index of a request, and one or more of its answers that arrived together.
 AnswerBlock = tuple[int, Sequence[Reply | ProgramFault]]
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
 _STEPS = _ANSWERS | {frames.STEP}
-#: Pieces that a tracer tells: each step may come with a call that it enters, and each reason why something is missing.
+#: Maximum number of trace records: each step may enter a call, and each reason for an omission comes once.
 _MAX_TRACE_PIECES = 2 * tracer.STEPS + len(tracer.REASONS)
 
 
 def _require_not_dropped(batch: Batch) -> None:
     if batch.dropped:
-        raise SandboxFault("other questions have been asked since")
+        raise SandboxFault("other questions have been sent since")
 
 
 def _encode_configuration(kit: Kit | None) -> bytes:
@@ -53,7 +53,7 @@ class Session(ChildConnection):
         self._closed = False
         self._final_stdout, self._final_truncated = "", False
         self.functions: frozenset[str] = frozenset()
-        #: The answers to what was asked together with the file.
+        #: Answers to the calls that were sent with the file.
         self.first_answers: Iterator[AnswerBlock] = iter(())
 
     def load(
@@ -66,7 +66,7 @@ class Session(ChildConnection):
         deferred: bool = False,
         first_calls: Sequence[CallBatch] = (),
     ) -> None:
-        """Runs the file's top level; what is asked `ahead` goes with it, and is answered by the iterator of that name.
+        """Run the file's top level; `first_calls` are sent with it, and answered by `first_answers`.
 
         With `waits`, the file is compiled, for `trace` to run. Raises TemplateFault when the child was not
         sound to begin with.
@@ -107,7 +107,7 @@ class Session(ChildConnection):
         self.close()
 
     def close(self) -> None:
-        """Ends the process. What it printed and what it used stay readable."""
+        """End the process. Its output and usage stay readable."""
         if not self._closed:
             self._closed = True
             self._child.kill()
@@ -115,7 +115,7 @@ class Session(ChildConnection):
             self._child.close()
 
     def stdout(self) -> str:
-        """What the program printed, up to the policy's bound."""
+        """Return the program's output, up to the policy's bound."""
         return self._final_stdout if self._closed else self._child.output.text()
 
     @property
@@ -124,7 +124,7 @@ class Session(ChildConnection):
 
     @property
     def usage(self) -> Usage:
-        """What the whole session used; closes it. Raises SandboxFault when nobody can tell."""
+        """Resources used by the whole session, which is closed. Raises SandboxFault when the template died."""
         self.close()
         try:
             ending = self._child.wait_exit(EXIT_SECONDS)
@@ -133,7 +133,7 @@ class Session(ChildConnection):
         return Usage(ending.cpu_seconds, self._waited, ending.max_rss_bytes)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
-        """Calls a function of the student's file. Raises ProgramFault, or SandboxFault when the fault is ours."""
+        """Call a function of the student's file. Raises ProgramFault, or SandboxFault when the fault is ours."""
         answer = next(self.call_many(function, [args], return_arguments=return_arguments))
         if isinstance(answer, ProgramFault):
             raise answer
@@ -147,76 +147,76 @@ class Session(ChildConnection):
         return_arguments: bool = False,
         faults: int | None = None,
     ) -> Iterator[Reply | ProgramFault]:
-        """Calls a function with each tuple of arguments in turn, and gives each answer as it comes.
+        """Call a function with each tuple of arguments in turn, and yield each answer as it comes.
 
-        Questions are sent ahead, in batches. A fault is the answer of its own call. There are fewer answers than calls
+        Calls are pipelined in batches. A fault is the answer of its own call. There are fewer answers than calls
         after one that is fatal, after as many as `faults`, and where the function is missing: the program has then
-        been asked no more, or has stopped by itself. An iterator that is left before its end lets the program finish
+        got no more calls, or has stopped by itself. An iterator that is left before its end lets the program finish
         its batch. Raises SandboxFault when the fault is ours.
         """
         self._require_open()
         if function in self.functions or self._fatal:
-            asked = split_into_batches(function, calls, return_arguments=return_arguments)
-            return self._call_many_answers(asked, NO_FAULT_LIMIT if faults is None else faults)
+            requests = split_into_batches(function, calls, return_arguments=return_arguments)
+            return self._call_many_answers(requests, NO_FAULT_LIMIT if faults is None else faults)
         return iter((self._missing_function_fault(function),))
 
-    def call_batches(self, asked: Sequence[CallBatch]) -> Iterator[AnswerBlock]:
-        """Asks several of these at once; gives the answers as they come, with the number of what has asked for them.
+    def call_batches(self, requests: Sequence[CallBatch]) -> Iterator[AnswerBlock]:
+        """Send several requests at once; yield their answers as they come, with the index of the request.
 
-        Several that are here together are given together. For each, as `call_many`. Nothing comes after a fatal fault.
+        Answers that arrive together are yielded together. Requests behave as in `call_many`; a fatal fault ends them.
         Raises SandboxFault when the fault is ours.
         """
         self._require_open()
-        return self._batch_answers(None, group_batches(asked))
+        return self._batch_answers(None, group_batches(requests))
 
     def _missing_function_fault(self, function: str) -> ProgramFault:
         message = messages.missing_function(function, self.functions)
         return ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
 
     def figures(self) -> tuple[bytes, ...]:
-        """What the program gives as the PNG files of its open figures: bytes of its own making, to be read with care.
+        """Return the PNG files of the program's open figures: untrusted bytes.
 
-        None where it does not draw. Raises as `call` does.
+        Empty where it does not draw. Raises as `call` does.
         """
         if drawing.FIGURES not in self.functions:
             return ()
-        given = self.call(drawing.FIGURES).value
-        if not isinstance(given, tuple) or len(given) > drawing.MAX_FIGURES:
+        arrays = self.call(drawing.FIGURES).value
+        if not isinstance(arrays, tuple) or len(arrays) > drawing.MAX_FIGURES:
             raise diagnosis.forged_answer_fault()
         pictures = tuple(
-            array.tobytes() for array in given if isinstance(array, np.ndarray) and array.dtype == np.uint8
+            array.tobytes() for array in arrays if isinstance(array, np.ndarray) and array.dtype == np.uint8
         )
-        if len(pictures) != len(given) or any(len(picture) > drawing.MAX_BYTES for picture in pictures):
+        if len(pictures) != len(arrays) or any(len(picture) > drawing.MAX_BYTES for picture in pictures):
             raise diagnosis.forged_answer_fault()
         return pictures
 
     def trace(self, function: str | None, *args: Value, named: Mapping[str, Value] | None = None) -> TraceResult:
-        """Calls a function of the file, or runs the top level of one that waits (None), and follows it line by line.
+        """Call a function of the file, or run the deferred top level (None), and trace it line by line.
 
-        What the program does wrong is told beside the steps that lead to it. Raises SandboxFault when we failed.
+        A fault of the program is returned with the steps that lead to it. Raises SandboxFault when we failed.
         """
         self._require_open()
         if function is not None and function not in self.functions:
             return TraceResult((), fault=self._missing_function_fault(function))
         question: dict[str, Value] = {"function": function, "arguments": args, "named": dict(named or {})}
-        called, told = random_token(), list[Value]()
+        called, records = random_token(), list[Value]()
         try:
             self._drop_pending_answers()
             question["wall"] = self._seconds_left
             self._send_frames(frames.pack_frame(called, frames.TRACE, codec.encode(question, frames.QUESTION_LIMITS)))
             while (came := self._receive(called, _STEPS))[0] == frames.STEP:
-                told.append(self._decode_outcome(frames.VALUE, came[1]))
-                if len(told) > _MAX_TRACE_PIECES:
+                records.append(self._decode_outcome(frames.VALUE, came[1]))
+                if len(records) > _MAX_TRACE_PIECES:
                     self._raise_forged()
-            return TraceResult(tuple(told), self._decode_outcome(*came))
+            return TraceResult(tuple(records), self._decode_outcome(*came))
         except ProgramFault as fault:
-            return TraceResult(tuple(told), fault=fault)
+            return TraceResult(tuple(records), fault=fault)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
-    def _call_many_answers(self, asked: Iterable[Batch], faults: int) -> Iterator[Reply | ProgramFault]:
+    def _call_many_answers(self, requests: Iterable[Batch], faults: int) -> Iterator[Reply | ProgramFault]:
         try:
-            for batch in asked:
+            for batch in requests:
                 self._send_batch(batch, faults)
                 while batch.has_pending:
                     if len(here := self._buffered_values(batch)):
@@ -234,14 +234,14 @@ class Session(ChildConnection):
             raise SandboxFault(str(error)) from error
 
     def _batch_answers(self, sent: BatchGroup | None, more: Iterator[BatchGroup]) -> Iterator[AnswerBlock]:
-        """The answers to a parcel that has been sent, then to those that are still to be."""
+        """Yield the answers to a group that was sent, then send the others and yield theirs."""
         number = 0
         try:
-            for parcel in chain((sent,) if sent else (), more):
-                if parcel is not sent:
-                    number = next(iter(parcel.batches), (number,))[0]
-                    self._send_group(parcel)
-                for number, batch in parcel.batches:
+            for group in chain((sent,) if sent else (), more):
+                if group is not sent:
+                    number = next(iter(group.batches), (number,))[0]
+                    self._send_group(group)
+                for number, batch in group.batches:
                     if batch.function not in self.functions:
                         yield number, (self._missing_function_fault(batch.function),)
                         continue
@@ -261,17 +261,17 @@ class Session(ChildConnection):
         self._send_frames(batch.payload(self._seconds_left, faults, os.urandom(batch.token_bytes)))
         self._open_batches.append(batch)
 
-    def _send_group(self, parcel: BatchGroup) -> None:
+    def _send_group(self, group: BatchGroup) -> None:
         self._drop_pending_answers()
-        if any(batch.function in self.functions for _, batch in parcel.batches):
-            self._send_frames(parcel.payload(self._seconds_left))
-        self._register_group(parcel)
+        if any(batch.function in self.functions for _, batch in group.batches):
+            self._send_frames(group.payload(self._seconds_left))
+        self._register_group(group)
 
-    def _register_group(self, parcel: BatchGroup) -> None:
-        self._open_batches.extend(batch for _, batch in parcel.batches if batch.function in self.functions)
+    def _register_group(self, group: BatchGroup) -> None:
+        self._open_batches.extend(batch for _, batch in group.batches if batch.function in self.functions)
 
     def _drop_pending_answers(self) -> None:
-        """What is left of questions whose iterators were abandoned is read before another goes, and dropped."""
+        """Read and discard the pending answers of abandoned iterators before another question is sent."""
         if self._fatal:
             raise self._fatal
         for batch in self._open_batches:
@@ -281,7 +281,7 @@ class Session(ChildConnection):
         self._open_batches.clear()
 
     def _next_answer(self, batch: Batch) -> Reply | ProgramFault:
-        """The next answer of a batch; raises a fault that is fatal. With the last one comes the end of the batch."""
+        """Return the next answer of a batch; raise a fatal fault. After the last answer, read the end of the batch."""
         self._require_open()
         if self._fatal:
             raise self._fatal
@@ -299,21 +299,21 @@ class Session(ChildConnection):
         return answer
 
     def _buffered_values(self, batch: Batch) -> Array:
-        """What the next answers return (n, …), as far as they are here and of the form of the last one.
+        """Return the values (n, …) of the answers that are here already and have the shape of the last one.
 
-        Where none is here, the next one is waited for: there may be several then.
+        Where none is here, wait for the next one: several may come at once.
         """
         self._require_open()
         form, wire = self._answer_shape, self._child.wire
         if self._fatal or form.answer_bytes < 0 or not batch.returns_only_values:
             return NO_VALUES
-        most = min(self._items_left // form.items, self._bytes_left // form.answer_bytes)
-        if not most:
+        limit = min(self._items_left // form.items, self._bytes_left // form.answer_bytes)
+        if not limit:
             return NO_VALUES
         if not wire.has_whole_answer:
             with self._timed() as deadline:
                 wire.wait_for_answer(form, deadline)
-        if not (tokens := batch.pending_tokens(min(most, wire.capacity(form)))):
+        if not (tokens := batch.pending_tokens(min(limit, wire.capacity(form)))):
             return NO_VALUES
         values = wire.receive_same_shape(tokens, frames.VALUE, form, batch.end_frame(len(tokens)))
         batch.mark_answered(len(values))

@@ -1,4 +1,4 @@
-"""What goes in and out of a session."""
+"""Values that go in and out of a session."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from server.sandbox.child import library
 from server.sandbox.child.codec import Array, Value
 from server.sandbox.faults import ProgramFault
 
-#: What a file that imports earlier functions speaks of.
+#: Bytes that a file which imports earlier functions contains.
 LIBRARY_MENTION = library.NAME.encode()
 
 
 @dataclass(frozen=True)
 class LibraryFile:
-    """An earlier file of which a program may import `functions`; `label` is short, and unique among its neighbours.
+    """An earlier file from which a program may import `functions`; `label` is short, and unique in the library.
 
-    One that is not for the program's author to read is sent `compiled`, without its text: it must be ours.
+    A file that the program's author may not read is sent `compiled`, without its text: it must be ours.
     """
 
     label: str
@@ -33,19 +33,19 @@ class LibraryFile:
 
 @lru_cache(maxsize=64)
 def _compile_library(source: bytes) -> bytes:
-    """A file of ours, compiled, without its comments and its texts of documentation."""
+    """Compile a file of ours, without its comments and docstrings."""
     return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
 
 
 def encode_library_file(shelf: LibraryFile) -> Value:
-    """As the question that loads a program tells it."""
+    """Encode the file for the question that loads a program."""
     file = _compile_library(shelf.source) if shelf.compiled else shelf.source
     return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
 
 
 @dataclass(frozen=True)
 class Kit:
-    """The kit of an execution: the name of its module, what its ``configurer`` is called with, names to leave out.
+    """The kit of an execution: the name of its module, the arguments of its ``configurer``, names to remove.
 
     `library` holds what the program may import from `mes_fonctions`.
     """
@@ -58,8 +58,8 @@ class Kit:
 
 @dataclass(frozen=True, eq=False)
 class CallBatch:
-    """Calls of one function that are asked together with others: at most so many `faults` of theirs are waited for
-    (None: all). `columns`, where the arguments are floats and arrays of floats of one shape each, holds all of each.
+    """Calls of one function, sent together with others; after `max_faults` faults (None: no limit) it ends. `columns`,
+    where the arguments are floats and arrays of floats of one shape each, stacks the values of each argument.
     """
 
     function: str
@@ -70,14 +70,14 @@ class CallBatch:
 
 
 class Reply(NamedTuple):
-    """What a call returned; `arguments` are the arguments as they are after the call, when they were asked for."""
+    """Result of a call; `arguments` holds the arguments as they are after the call, when they were requested."""
 
     value: Value
     arguments: tuple[Value, ...] | None
 
 
 class Replies(Sequence[Reply]):
-    """Answers that have come together, all a float or an array of floats of one shape: `values` (n, …)."""
+    """Answers that arrived together, all floats or arrays of floats of one shape: `values` (n, …)."""
 
     def __init__(self, values: Array) -> None:
         self.values = values
@@ -90,24 +90,24 @@ class Replies(Sequence[Reply]):
         return len(self.values)
 
     @overload
-    def __getitem__(self, place: int) -> Reply: ...
+    def __getitem__(self, index: int) -> Reply: ...
     @overload
-    def __getitem__(self, place: slice) -> Sequence[Reply]: ...
-    def __getitem__(self, place: int | slice) -> Reply | Sequence[Reply]:
-        return self._replies[place]
+    def __getitem__(self, index: slice) -> Sequence[Reply]: ...
+    def __getitem__(self, index: int | slice) -> Reply | Sequence[Reply]:
+        return self._replies[index]
 
     def __iter__(self) -> Iterator[Reply]:
         return iter(self._replies)
 
 
 def split_rows(values: Array) -> list[Value]:
-    """Floats, or arrays of floats, each of which stood in a row (n, …)."""
+    """Split values (n, …) into n floats or arrays of floats."""
     return values.tolist() if values.ndim == 1 else list(values)
 
 
 @dataclass(frozen=True)
 class TraceResult:
-    """A call that was followed line by line: what was told of its steps as far as it went, then how it ended.
+    """The trace of a call: its steps as far as it went, then its end.
 
     `value` is what came back as it is described and, in a tuple, itself where it could be sent. It and `steps` are in
     the form of `child.tracer.Tracer` and `child.shown.Described.value`, or of whatever a hostile program made of it:
@@ -121,7 +121,7 @@ class TraceResult:
 
 @dataclass(frozen=True)
 class Usage:
-    """What a session used: time of the processor, time spent waiting for its answers, greatest resident memory."""
+    """Resources of a session: processor time, time spent waiting for its answers, peak resident memory."""
 
     cpu_seconds: float
     wall_seconds: float

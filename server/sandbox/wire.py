@@ -1,4 +1,4 @@
-"""The trusted end of a child's wire: frames read and written with a deadline, nothing allocated on the child's word."""
+"""The trusted end of a child's wire: frames with deadlines; no allocation trusts a length that the child announces."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CHUNK_BYTES = 1 << 16
 
 
 class DeadlineExceeded(Exception):
-    """The deadline came first."""
+    """The deadline passed first."""
 
 
 class WireClosed(Exception):
@@ -23,11 +23,11 @@ class WireClosed(Exception):
 
 
 class ForgedAnswer(Exception):
-    """What came is no answer to the question asked."""
+    """The received frame does not answer the question."""
 
 
 class AnswerBudgetExceeded(Exception):
-    """More bytes are announced than are still to be read."""
+    """The announced length exceeds the session's remaining bytes."""
 
 
 class Wire:
@@ -46,7 +46,7 @@ class Wire:
         self._end.close()
 
     def send(self, token: int, kind: int, payload: bytes, deadline: float) -> None:
-        """Sends a question. Raises Forged when something has come that nobody asked for."""
+        """Send a question. Raises ForgedAnswer when unsolicited bytes are there."""
         if self._offset < len(self._buffer):
             raise ForgedAnswer
         if self._poll.poll(0):
@@ -63,13 +63,13 @@ class Wire:
     def receive(
         self, token: int, kinds: frozenset[int], limit: int, deadline: float, left: int | None = None
     ) -> tuple[int, bytes]:
-        """Kind and payload of the next frame, which must carry the token and be one of the kinds.
+        """Return kind and payload of the next frame, which must carry the token and be of one of the kinds.
 
-        `limit` is that of any frame, `left` what is left of a session's; an announced length is refused unread.
+        `limit` bounds any frame, `left` is the session's remaining budget; a longer announced length is refused unread.
         """
         self._buffer_bytes(HEADER.size, deadline)
-        length, given, kind = HEADER.unpack_from(self._buffer, self._offset)
-        if given != token or kind not in kinds or length > limit:
+        length, received_token, kind = HEADER.unpack_from(self._buffer, self._offset)
+        if received_token != token or kind not in kinds or length > limit:
             raise ForgedAnswer
         if left is not None and length > left:
             raise AnswerBudgetExceeded
@@ -79,34 +79,34 @@ class Wire:
         self._offset += end
         return kind, payload
 
-    def capacity(self, form: AnswerShape) -> int:
-        """How many answers of this form may be here already."""
-        return (len(self._buffer) - self._offset) // (HEADER.size + form.answer_bytes) if form.answer_bytes > 0 else 0
+    def capacity(self, shape: AnswerShape) -> int:
+        """Return how many answers of this shape the buffer may hold."""
+        return (len(self._buffer) - self._offset) // (HEADER.size + shape.answer_bytes) if shape.answer_bytes > 0 else 0
 
-    def receive_same_shape(self, tokens: Sequence[int], kind: int, form: AnswerShape, end: bytes) -> Array:
-        """The values (n, …) of the answers that are here already, as long as they have this form and these tokens.
+    def receive_same_shape(self, tokens: Sequence[int], kind: int, shape: AnswerShape, end: bytes) -> Array:
+        """Return the values (n, …) of the buffered answers that have this shape and these tokens.
 
-        With the last of them comes the `end`, if any: it is not among them where that is not here, or is another.
+        The last answer counts only if the frame `end`, where received_token, follows it.
         """
-        values = form.values_in(self._buffer, self._offset, tokens, kind)
-        after = self._offset + len(values) * (HEADER.size + form.answer_bytes)
+        values = shape.values_in(self._buffer, self._offset, tokens, kind)
+        after = self._offset + len(values) * (HEADER.size + shape.answer_bytes)
         if end and len(values) == len(tokens):
             if self._buffer.startswith(end, after):
                 after += len(end)
             else:
-                values, after = values[:-1], after - HEADER.size - form.answer_bytes
+                values, after = values[:-1], after - HEADER.size - shape.answer_bytes
         self._offset = after
         return values
 
-    def wait_for_answer(self, form: AnswerShape, deadline: float) -> None:
-        """Waits for the next answer, up to its length where it is that of this form: another one is not read yet."""
+    def wait_for_answer(self, shape: AnswerShape, deadline: float) -> None:
+        """Wait for the next header, and for the whole answer if it has the length of this shape."""
         self._buffer_bytes(HEADER.size, deadline)
-        if HEADER.unpack_from(self._buffer, self._offset)[0] == form.answer_bytes:
-            self._buffer_bytes(HEADER.size + form.answer_bytes, deadline)
+        if HEADER.unpack_from(self._buffer, self._offset)[0] == shape.answer_bytes:
+            self._buffer_bytes(HEADER.size + shape.answer_bytes, deadline)
 
     @property
     def has_whole_answer(self) -> bool:
-        """Is a whole answer here already, as far as it tells itself?"""
+        """Whether the buffer holds a whole answer, by its announced length."""
         here = len(self._buffer) - self._offset
         return here >= HEADER.size and here >= HEADER.size + HEADER.unpack_from(self._buffer, self._offset)[0]
 
@@ -119,7 +119,7 @@ class Wire:
             return False
 
     def _buffer_bytes(self, length: int, deadline: float) -> None:
-        """Holds so many bytes that are not given yet: never more than the answer that is read, and a piece."""
+        """Buffer at least `length` unread bytes: never more than the current answer and one chunk."""
         if len(self._buffer) - self._offset >= length:
             return
         del self._buffer[: self._offset]

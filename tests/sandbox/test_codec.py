@@ -164,7 +164,7 @@ def test_the_rest_is_refused_with_its_type_and_place(given: object, reason: str)
     with pytest.raises(UnsendableValue) as caught:
         encode([0, given], LIMITS)
     assert caught.value.reason == reason
-    assert caught.value.place == "[1]"
+    assert caught.value.path == "[1]"
 
 
 @pytest.mark.parametrize(

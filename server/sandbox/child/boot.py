@@ -33,14 +33,14 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
 
 
 def move_to_lowest_descriptor(descriptor: int) -> int:
-    """The same file at the lowest number: of a service with hundreds open, ours would be a place that forks use."""
+    """Move a file to the lowest free descriptor: with hundreds open, its number could be one that forks use."""
     lowest = os.dup(descriptor)
     os.close(descriptor)
     return lowest
 
 
 def forget_inherited_signals() -> None:
-    """The timers of a program need those that our own starter (`nohup`, a profiler) may have held back or ignored."""
+    """Reset signals that our starter (`nohup`, a profiler) may have blocked: a program's timers need them."""
     signal.pthread_sigmask(signal.SIG_SETMASK, ())
     expected = {signal.SIGPIPE, signal.SIGXFSZ}  # Python ignores these itself
     for number in signal.valid_signals() - expected:

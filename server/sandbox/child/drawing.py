@@ -1,7 +1,6 @@
-"""What a template that draws has more: matplotlib without a window, and the figures of a program as PNG files.
+"""Drawing in a template: matplotlib without a window, and the figures of a program as PNG files.
 
-What `figures` gives is bounded for honest programs only: a hostile one answers whatever it wants, and the trusted side
-rebuilds it.
+`figures` bounds honest programs only: a hostile one answers whatever it wants, and the trusted side re-encodes it.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ import numpy as np
 
 from .wire_values import Array
 
-#: The name under which a program that draws is asked for its figures: no name that Python code can define.
+#: Name of the function that returns a program's figures; Python code cannot define such a name.
 FIGURES = "<figures>"
 MAX_FIGURES, MAX_BYTES, MAX_PIXELS = 4, 1 << 20, 2_000_000
 #: Points an inch of a figure that is shown: one and a half times matplotlib's own, for fine screens.

@@ -3,7 +3,7 @@
 A question carries a fresh random token and its answer must carry it back, so that an answer written before its
 question, or twice, cannot pass for one. The payload is a value of `codec`, but for two kinds that hold frames:
 
-CALLS is a batch: what is SHARED by all its calls, their TOKENS, then either their arguments in COLUMNS,
+CALLS is a batch: the part SHARED by all its calls, their TOKENS, then either their arguments in COLUMNS,
 one array for each argument, or a frame of ARGUMENTS for each call. Its answers come in that order, each as
 soon as it is known, then DONE with the token of the batch.
 
@@ -23,7 +23,7 @@ from .wire_values import ValueLimits
 
 HEADER = struct.Struct("<IQB")
 TOKEN_BYTES = 8
-#: Whether arguments come back, the faults that end a batch, the seconds that it has; then the name of the function.
+#: Header of SHARED: whether arguments come back, maximum number of faults, seconds; the name of the function follows.
 _SHARED = struct.Struct("<?Id")
 
 #: From the trusted side. SHARED, TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
@@ -31,10 +31,10 @@ CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED = 1,
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
 
-#: Questions are ours: these bounds are for our own mistakes.
+#: Questions come from the trusted side: these bounds catch our own mistakes.
 QUESTION_LIMITS = ValueLimits(size=1 << 28, depth=64, items=10_000_000)
 FAULT_LIMITS = ValueLimits(size=1 << 16, depth=8, items=1000)
-#: Of one step: all the variables of a call, each within the bounds of `shown`, which count a tuple for nothing.
+#: Bounds of one step: all variables of a call, each within the bounds of `value_descriptions`.
 STEP_LIMITS = ValueLimits(size=1 << 20, depth=24, items=150_000)
 
 
@@ -43,23 +43,23 @@ def pack_frame(token: int, kind: int, payload: bytes) -> bytes:
 
 
 def unpack_tokens(part: bytes) -> tuple[int, ...]:
-    """Those of TOKENS."""
+    """Unpack the tokens of a TOKENS frame."""
     return struct.unpack(f"<{len(part) // TOKEN_BYTES}Q", part)
 
 
 def pack_shared(function: str, wall: float | None, faults: int, *, return_arguments: bool) -> bytes:
-    """What holds of all calls of a batch; without `wall`, they have what the question before leaves."""
+    """Pack what all calls of a batch share; without `wall` (seconds), they get the previous question's rest."""
     return _SHARED.pack(return_arguments, faults, math.nan if wall is None else wall) + function.encode()
 
 
 def unpack_shared(part: bytes) -> tuple[str, float | None, int, bool]:
-    """Of what is SHARED: function, wall, faults, keeping."""
-    keeping, faults, wall = _SHARED.unpack_from(part)
-    return part[_SHARED.size :].decode(), None if math.isnan(wall) else wall, faults, keeping
+    """Unpack a SHARED frame: function, wall, faults, return_arguments."""
+    return_arguments, faults, wall = _SHARED.unpack_from(part)
+    return part[_SHARED.size :].decode(), None if math.isnan(wall) else wall, faults, return_arguments
 
 
 def unpack_frames(frames: bytes) -> Iterator[tuple[int, int, bytes]]:
-    """Token, kind and payload of each of these frames, which the trusted side has made."""
+    """Yield token, kind and payload of each of these trusted frames."""
     at = 0
     while at < len(frames):
         length, token, kind = HEADER.unpack_from(frames, at)

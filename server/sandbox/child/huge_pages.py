@@ -1,5 +1,5 @@
-"""Huge pages for the memory of a template: at a fork, and at its end, the kernel then goes through what lies in one of
-them at once, rather than page by page."""
+"""Huge pages for a template's memory: at a fork and at its exit, the kernel handles each of them at once rather than
+page by page."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from . import libc
 
 SIZE = 2 << 20
 _MADVISE, _COLLAPSE = {0: 28, 1: 233}, 25
-#: In /proc/self/maps: private memory that may be written, and that no file stands behind.
+#: In /proc/self/maps: rights and device of private, writable, anonymous memory.
 _PRIVATE_WRITABLE, _NO_DEVICE = "rw-p", "00:00"
 
 
 def huge_page_addresses() -> list[int]:
-    """Where huge pages would lie in the memory that this process holds of its own. Needs /proc."""
+    """Return the addresses where huge pages fit into this process's anonymous memory. Needs /proc."""
     with open("/proc/self/maps", encoding="utf-8") as maps:
-        return [place for line in maps for place in _aligned_addresses(line.split())]
+        return [address for line in maps for address in _aligned_addresses(line.split())]
 
 
 def _aligned_addresses(fields: list[str]) -> Iterator[int]:
@@ -27,8 +27,8 @@ def _aligned_addresses(fields: list[str]) -> Iterator[int]:
         yield from range(-(-first // SIZE) * SIZE, end - SIZE + 1, SIZE)
 
 
-def collapse_into_huge_pages(found: Iterable[int]) -> None:
-    """Makes a huge page of each place where there is something."""
-    for place in found:
+def collapse_into_huge_pages(addresses: Iterable[int]) -> None:
+    """Collapse the memory at each address into a huge page, where the kernel can."""
+    for address in addresses:
         with suppress(OSError):  # nothing there, an older kernel, memory in small pieces: forks are slower, that is all
-            libc.syscall("madvise", _MADVISE[libc.architecture_column()], place, SIZE, _COLLAPSE)
+            libc.syscall("madvise", _MADVISE[libc.architecture_column()], address, SIZE, _COLLAPSE)

@@ -1,4 +1,4 @@
-"""What a template imports beforehand, so that a submission's own imports cost nothing."""
+"""Modules that a template imports, so that a submission's own imports cost nothing."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _SETS = {
 
 
 def modules_to_import(imports: str) -> list[str]:
-    """Names of the modules of an import set."""
+    """Return the names of the modules of an import set."""
     return _SETS[imports].split()
 
 
 class ForkHookRecorder:
-    """Notes whether anything that is imported from now on, but the standard library, asks to be told of forks."""
+    """Records whether a module outside the standard library registers a fork hook."""
 
     def __init__(self) -> None:
         self._register, self._has_foreign_hook = os.register_at_fork, False
@@ -47,6 +47,6 @@ class ForkHookRecorder:
         self._register(**hooks)
 
     def stop(self) -> bool:
-        """It is noted no longer."""
+        """Stop recording; return whether such a hook was registered."""
         os.register_at_fork = self._register
         return self._has_foreign_hook

@@ -1,4 +1,4 @@
-"""The walls that each fork raises around itself, before any line of the student runs."""
+"""Walls that each fork raises around itself before any line of the student runs."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .orders import ChildLimits
 PreparedCalls = tuple[libc.PreparedCall, ...]
 
 _NULL, WIRE, TRACEBACK, RULES = 0, 230, 229, 228
-#: A fork is handed a wire, an output and last words; and of how many control groups a seat may be made.
+#: Number of descriptors of a fork (wire, output, traceback); maximum number of cgroup hierarchies.
 FORK_DESCRIPTORS, MAX_CONTROL_GROUPS = 3, 3
-#: Address space that only the report of a lack of memory may use.
+#: Bytes of address space reserved for reporting a lack of memory.
 RESERVE = 16 << 20
 STACK = 64 << 20
-#: What a template bounds for its forks, whatever their policy; the rest is theirs.
+#: Resource limits that hold for all forks, whatever their policy.
 _TEMPLATE_LIMITS = (
     (resource.RLIMIT_CORE, 0),
     (resource.RLIMIT_STACK, STACK),
@@ -31,24 +31,24 @@ _TEMPLATE_LIMITS = (
 
 
 class ForkDescriptors:
-    """The descriptors that a fork is handed, in the places from which its calls take them."""
+    """Descriptors of the next fork, in C integers that the prepared calls read."""
 
     def __init__(self) -> None:
         self.wire, self.output, self.traceback = (libc.late_bound_descriptor() for _ in range(3))
         self.control_groups = tuple(libc.late_bound_descriptor() for _ in range(MAX_CONTROL_GROUPS))
 
-    def assign(self, wire: int, output: int, words: int, *seats: int) -> None:
-        """`seats` are the lists of processes of control groups, which the next fork joins."""
-        self.wire.value, self.output.value, self.traceback.value = wire, output, words
-        for place, seat in zip(self.control_groups, seats, strict=False):
-            place.value = seat
+    def assign(self, wire: int, output: int, traceback: int, *groups: int) -> None:
+        """`groups` are descriptors on the process lists of the control groups that the next fork joins."""
+        self.wire.value, self.output.value, self.traceback.value = wire, output, traceback
+        for slot, group in zip(self.control_groups, groups, strict=False):
+            slot.value = group
 
 
 @dataclass(frozen=True)
 class ForkWalls:
-    """What a fork under one policy does before any line of the student runs: calls that the template has made ready.
+    """Calls prepared by the template, which a fork under one policy makes before any line of the student runs.
 
-    It joins its seats between the first and the last, then asks for the memory that it will need, which they bound.
+    Between `first` and `last` it joins its control groups, then prefaults the memory that it will need.
     """
 
     first: PreparedCalls
@@ -59,10 +59,10 @@ class ForkWalls:
     parent: int
 
     def raise_walls(self, seats: int) -> None:
-        """Leaves fds 0 (null), 1 and 2 (output), WIRE and WORDS, and all walls up. Raises OSError.
+        """Leave descriptors 0 (null), 1 and 2 (output), WIRE and TRACEBACK, with all walls up. Raises OSError.
 
-        It dies with the template; a template that died in between is noticed by the changed parent. (In a process
-        namespace of its own, a fork does not see its parent: the end of the template's ends it.)
+        The fork dies with the template; a template that died in between shows by the changed parent. (In a process
+        namespace of its own, a fork does not see its parent: the end of the template's namespace ends it.)
         """
         libc.run_calls(self.first)
         if os.getppid() not in (self.parent, 0):
@@ -75,13 +75,13 @@ class ForkWalls:
 
 
 def prepare_descriptors(ends: ForkDescriptors) -> PreparedCalls:
-    """First of all: whatever fails afterwards can be told."""
-    places = (ends.wire, WIRE), (ends.traceback, TRACEBACK), (ends.output, 1), (ends.output, 2)
-    return (*(libc.prepare_dup2(*each) for each in places), libc.prepare_prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
+    """Prepare the first calls, which connect the wire: later failures can then be reported."""
+    moves = (ends.wire, WIRE), (ends.traceback, TRACEBACK), (ends.output, 1), (ends.output, 2)
+    return (*(libc.prepare_dup2(*move) for move in moves), libc.prepare_prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
 
 
 class WallBuilder:
-    """Makes the walls of each policy ready, in the template.
+    """Prepares the walls of each policy, in the template.
 
     `base_memory` is the template's own address space in bytes, once the reserve is there.
     """
@@ -89,13 +89,13 @@ class WallBuilder:
     def __init__(
         self, nest: ForkNamespaces | None, filters: dict[bool, PreparedCalls], lifted: Collection[str], *, rules: bool
     ) -> None:
-        """`rules` tells that those of Landlock are at the descriptor RULES, `filters` what ends with seccomp's wall, by
-        whether threads are allowed."""
+        """`rules`: whether Landlock's rules are at the descriptor RULES; `filters`: the seccomp calls, by whether
+        threads are allowed."""
         self._nest, self._filters, self._lifted, self._rules = nest, filters, lifted, rules
         self.descriptors = ForkDescriptors()
         self.reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
         self.base_memory = 0
-        #: What asks for the pages that a fork needs (`pages`), once that is known.
+        #: Calls that prefault the pages that a fork needs (`page_prefault`), once they are known.
         self.prefault: PreparedCalls = ()
 
     def build(self, limits: ChildLimits) -> ForkWalls:
@@ -147,44 +147,44 @@ class WallBuilder:
 
 
 def reserve_descriptors() -> None:
-    """No descriptor that a template is handed, however many, comes to lie where the ends of a fork are put."""
-    for place in (WIRE, TRACEBACK):
-        os.dup2(_NULL, place, inheritable=False)
+    """Occupy the descriptors that forks use, so that none of the template's own gets their numbers."""
+    for descriptor in (WIRE, TRACEBACK):
+        os.dup2(_NULL, descriptor, inheritable=False)
 
 
 def limit_template() -> None:
-    """The limits that hold for all forks."""
-    for kind, most in _TEMPLATE_LIMITS:
-        least = min(most, _hard_limit(kind))
-        resource.setrlimit(kind, (least, least))
+    """Set the resource limits that hold for all forks."""
+    for kind, maximum in _TEMPLATE_LIMITS:
+        limit = min(maximum, _hard_limit(kind))
+        resource.setrlimit(kind, (limit, limit))
 
 
 def _hard_limit(kind: int) -> int:
-    """The hard limit of this process; where there is none, more than any other."""
+    """Return the hard limit of this process; 2**62 where there is none."""
     _, hard = resource.getrlimit(kind)
     return 2**62 if hard == resource.RLIM_INFINITY else hard
 
 
 def open_memory_statistics() -> int:
-    """Descriptor on the account of this process's memory; needs /proc, so before the view is changed."""
+    """Open this process's memory statistics; needs /proc, so call it before the root is replaced."""
     return os.open("/proc/self/statm", os.O_RDONLY | os.O_CLOEXEC)
 
 
 def address_space(account: int) -> int:
-    """Bytes of address space that this process has mapped."""
+    """Return the bytes of address space that this process has mapped."""
     return int(os.pread(account, 256, 0).split()[0]) * mmap.PAGESIZE
 
 
 def own_memory(account: int) -> int:
-    """Bytes of memory that this process holds and that no file stands behind."""
+    """Return the bytes of resident anonymous memory of this process."""
     _, resident, shared, *_ = os.pread(account, 256, 0).split()
     return (int(resident) - int(shared)) * mmap.PAGESIZE
 
 
 def prepare_seccomp(lifted: Collection[str], *, folder: bool) -> tuple[PreparedCalls, dict[bool, PreparedCalls]]:
-    """What puts up seccomp's wall: in the template, then in each fork by whether threads are allowed.
+    """Prepare the seccomp calls: those of the template, then those of a fork by whether threads are allowed.
 
-    `folder` tells that there is a place to write in.
+    `folder`: whether a fork has a private folder.
     """
     if "seccomp" in lifted:
         return (), {False: (), True: ()}

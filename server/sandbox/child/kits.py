@@ -1,4 +1,5 @@
-"""Kits: what programs find. They are imported once, in the template; a program sees the modules of its own alone."""
+"""Kits: modules that programs find without writing them. The template imports all of them once; a program sees its own
+kit only."""
 
 from __future__ import annotations
 
@@ -9,14 +10,14 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
 
-#: Its modules by name; the main one bears the kit's.
+#: Modules of a kit by name; the main module has the kit's name.
 KitModules = Mapping[str, ModuleType]
 
 
 class _KitFinder:
-    """Finds the modules of one kit in its files, and runs them.
+    """Import hook: finds the modules of one kit in its files, and runs them.
 
-    Of no class of `importlib.abc`, which imports thirty modules that nothing here needs.
+    It derives from no class of `importlib.abc`, which would import thirty modules that nothing here needs.
     """
 
     def __init__(self, files: Mapping[str, str]) -> None:
@@ -24,26 +25,26 @@ class _KitFinder:
         self._files = files
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        place = self.names.get(fullname)
-        if place is None:
+        file = self.names.get(fullname)
+        if file is None:
             return None
         loader: Any = self
-        return ModuleSpec(fullname, loader, origin=place, is_package=place.endswith("__init__.py"))
+        return ModuleSpec(fullname, loader, origin=file, is_package=file.endswith("__init__.py"))
 
     def create_module(self, spec: ModuleSpec) -> None:
-        """Python makes it."""
+        """Use Python's default module."""
 
     def exec_module(self, module: ModuleType) -> None:
-        place = self.names[module.__name__]
-        exec(compile(self._files[place], place, "exec", dont_inherit=True), module.__dict__)
+        path = self.names[module.__name__]
+        exec(compile(self._files[path], path, "exec", dont_inherit=True), module.__dict__)
 
     def drop_sources(self) -> None:
-        """Lets go of the sources: a program has no use for them."""
+        """Release the sources: a program has no use for them."""
         self._files = {}
 
 
 def import_kit(files: Mapping[str, str]) -> KitModules:
-    """Runs the files of a kit, by their paths in it; none of its modules is seen afterwards."""
+    """Run the files of a kit, by path; its modules are hidden afterwards."""
     finder = _KitFinder(files)
     sys.meta_path.insert(0, finder)
     try:
@@ -55,11 +56,11 @@ def import_kit(files: Mapping[str, str]) -> KitModules:
             sys.modules.pop(name, None)
 
 
-def expose_kit(kits: Mapping[str, KitModules], asked: str | None) -> None:
-    """Makes the modules of one kit, and of no other, importable."""
+def expose_kit(kits: Mapping[str, KitModules], kit_name: str | None) -> None:
+    """Make the modules of one kit, and of no other, importable."""
     for main, kit in kits.items():
         if main in sys.modules:  # or none of its modules is: their names lie on as many pages, which a fork would copy
             for name in kit:
                 sys.modules.pop(name, None)
-    if asked is not None:
-        sys.modules.update(kits[asked])
+    if kit_name is not None:
+        sys.modules.update(kits[kit_name])

@@ -41,15 +41,15 @@ def create_ruleset(readable: Iterable[str], devices: Iterable[str] = (), writabl
 
     A rule holds below its folder in mounts that come later too, unless it is on the very folder that they cover.
     """
-    known = min(version(), max(_FS_RIGHTS))
-    if not known:
+    supported = min(version(), max(_FS_RIGHTS))
+    if not supported:
         raise libc.Unsupported(38, "Landlock est absent de ce noyau")
-    attributes = _Attributes((1 << _FS_RIGHTS[known]) - 1, 0, 0)
-    if known >= 4:
+    attributes = _Attributes((1 << _FS_RIGHTS[supported]) - 1, 0, 0)
+    if supported >= 4:
         attributes.net = _NET_BIND_AND_CONNECT
-    if known >= _SCOPES:
+    if supported >= _SCOPES:
         attributes.scoped = _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL
-    size = 8 if known < 4 else 16 if known < _SCOPES else 24
+    size = 8 if supported < 4 else 16 if supported < _SCOPES else 24
     rules = libc.syscall("landlock_create_ruleset", _CREATE, attributes, size, 0)
     for path in readable:
         _add_path_rule(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))

@@ -21,12 +21,12 @@ PIVOT_ROOT = {0: 155, 1: 41}
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_SECCOMP, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 4, 22, 24, 38
 PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
-#: The call, the calling process instead of a descriptor, and how many ranges it takes.
+#: Number of the call, the descriptor that means this process, and the maximum number of ranges.
 _PROCESS_MADVISE, _THIS_PROCESS, MAX_RANGES = 440, -10_000, 1024
 
 
 class Unsupported(OSError):
-    """This machine lacks what was asked for."""
+    """This machine does not support the request."""
 
 
 def _checked(result: int, what: str) -> int:
@@ -48,31 +48,31 @@ def syscall(
     return _checked(_libc.syscall(ctypes.c_long(number), *map(_argument, arguments)), what)
 
 
-#: A function of the C library, its arguments as it takes them, and its name: all is ready but the call.
+#: A function of the C library, its C arguments, and its name, ready to be called.
 PreparedCall = tuple[Any, tuple[object, ...], str]
 
 
 def run_calls(calls: Iterable[PreparedCall]) -> None:
-    """Makes these calls in order, without letting go of the interpreter's lock. Raises OSError when one fails."""
+    """Make these calls in order while holding the GIL. Raises OSError when a call fails."""
     for function, arguments, what in calls:
         if function(*arguments) < 0:
             _checked(-1, what)
 
 
 def run_calls_ignoring_errors(calls: Iterable[PreparedCall]) -> None:
-    """Makes calls that only save time: what the kernel does not do for them is done when it is needed."""
+    """Make calls that only save time; a failed call costs nothing else."""
     for function, arguments, _ in calls:
         function(*arguments)
 
 
 def run_call(call: PreparedCall) -> int:
-    """Makes one call; returns what it does. Raises OSError."""
+    """Make one call; return its result. Raises OSError."""
     function, arguments, what = call
     return _checked(function(*arguments), what)
 
 
 def late_bound_descriptor() -> ctypes.c_int:
-    """A place for a descriptor that is known when the call is made."""
+    """Return a C integer for a descriptor that is known only when the call is made."""
     return ctypes.c_int(-1)
 
 
@@ -85,12 +85,12 @@ def prepare_write(descriptor: ctypes.c_int, data: bytes) -> PreparedCall:
 
 
 def prepare_close_range(first: int, last: int) -> PreparedCall:
-    """All descriptors from the first to the last."""
+    """Close all descriptors from the first to the last."""
     return prepare_system_call("close_range", 436, first, last, 0)
 
 
 def prepare_open(path: str, flags: int) -> PreparedCall:
-    """At the lowest number that is free."""
+    """Open a file at the lowest free descriptor."""
     return _libc_with_gil.open, (path.encode(), ctypes.c_int(flags)), f"open({path})"
 
 
@@ -99,7 +99,7 @@ def prepare_chdir(folder: str) -> PreparedCall:
 
 
 def prepare_setrlimit(kind: int, soft: int, hard: int) -> PreparedCall:
-    """A limit on a resource."""
+    """Set a resource limit."""
     return _libc_with_gil.setrlimit, (ctypes.c_int(kind), (ctypes.c_ulong * 2)(soft, hard)), f"setrlimit({kind})"
 
 
@@ -108,7 +108,7 @@ def prepare_system_call(what: str, number: int, *arguments: int | bytes | ctypes
 
 
 def prepare_prctl(option: int, *arguments: int | ctypes.Structure) -> PreparedCall:
-    """A `prctl`."""
+    """Prepare a `prctl`."""
     filled = (*arguments, 0, 0, 0, 0)[:4]
     return _libc_with_gil.prctl, (ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})"
 
@@ -128,7 +128,7 @@ MemoryRanges = MemoryRange * MAX_RANGES
 
 
 def prepare_process_madvise(advice: int, ranges: ctypes.Array[MemoryRange], count: ctypes.c_long) -> PreparedCall:
-    """A `process_madvise` on the first of these ranges of this process's own memory, as many as `count` then says."""
+    """Advise the kernel on the first `count` of these ranges of this process's memory; `count` is read at the call."""
     numbers = map(ctypes.c_long, (_PROCESS_MADVISE, _THIS_PROCESS))
     return _libc_with_gil.syscall, (*numbers, ranges, count, ctypes.c_long(advice), ctypes.c_long(0)), "process_madvise"
 
@@ -177,7 +177,7 @@ class _CapabilityData(ctypes.Structure):
 
 
 def drop_bounding_capabilities() -> None:
-    """No later program may gain a capability. Needs CAP_SETPCAP: without it there is nothing to drop."""
+    """Prevent later programs from gaining a capability. Needs CAP_SETPCAP: without it there is nothing to drop."""
     for capability in range(64):
         try:
             prctl(PR_CAPBSET_DROP, capability)
@@ -188,7 +188,7 @@ def drop_bounding_capabilities() -> None:
 
 
 def prepare_capability_drop() -> tuple[PreparedCall, PreparedCall]:
-    """Empties the ambient, effective, permitted and inheritable sets."""
+    """Empty the ambient, effective, permitted and inheritable sets."""
     header, data = _CapabilityHeader(0x20080522, 0), _CapabilityData()
     ambient = prepare_prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
     return ambient, (_libc_with_gil.capset, (ctypes.byref(header), ctypes.byref(data)), "capset")

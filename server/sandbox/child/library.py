@@ -1,4 +1,4 @@
-"""Earlier programs of which a file may import functions: `from mes_fonctions import composer`."""
+"""Earlier files from which a program may import functions: `from mes_fonctions import composer`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAME = "mes_fonctions"
 
 @dataclass(frozen=True)
 class EarlierFile:
-    """One earlier file: what it is called, the functions that it gives, and its text or its code."""
+    """An earlier file: its label, the functions that it provides, and its text or compiled code."""
 
     label: str
     functions: tuple[str, ...]
@@ -25,48 +25,52 @@ class EarlierFile:
 
     def code(self) -> CodeType:
         if self.compiled:
-            found: CodeType = marshal.loads(self.file)
-            return found
+            code: CodeType = marshal.loads(self.file)
+            return code
         return compile(self.file, f"{NAME}/{self.label}.py", "exec", dont_inherit=True)
 
 
-def decode_library(told: Sequence[tuple[str, tuple[str, ...], np.ndarray[Any, Any], bool]]) -> tuple[EarlierFile, ...]:
-    """As the question that loads a program tells them."""
-    return tuple(EarlierFile(label, functions, file.tobytes(), compiled) for label, functions, file, compiled in told)
+def decode_library(
+    library: Sequence[tuple[str, tuple[str, ...], np.ndarray[Any, Any], bool]],
+) -> tuple[EarlierFile, ...]:
+    """Decode the library of the question that loads a program."""
+    return tuple(
+        EarlierFile(label, functions, file.tobytes(), compiled) for label, functions, file, compiled in library
+    )
 
 
 class EarlierFunctions(ModuleType):
-    """The module of these functions. A file is run at the first need of one of them, with the names of the kit."""
+    """The module of these functions. A file runs when one of its functions is first imported, with the kit's names."""
 
-    def __init__(self, shelved: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
+    def __init__(self, files: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
         super().__init__(NAME, "Les fonctions que vous avez déjà écrites.")
-        self.__all__ = [function for shelf in shelved for function in shelf.functions]
-        homes = {function: shelf for shelf in shelved for function in shelf.functions}
+        self.__all__ = [function for earlier_file in files for function in earlier_file.functions]
+        homes = {function: earlier_file for earlier_file in files for function in earlier_file.functions}
         begun: set[str] = set()
 
         def find(name: str) -> object:
-            shelf = homes.get(name)
-            if shelf is None or shelf.label in begun:
+            earlier_file = homes.get(name)
+            if earlier_file is None or earlier_file.label in begun:
                 raise AttributeError(f"module '{NAME}' has no attribute '{name}'")
-            begun.add(shelf.label)
-            vars(self).update(_run(shelf, injected))
+            begun.add(earlier_file.label)
+            vars(self).update(_run(earlier_file, injected))
             return vars(self)[name]
 
         vars(self)["__getattr__"] = find
 
 
-def _run(shelf: EarlierFile, injected: Mapping[str, object]) -> dict[str, object]:
-    home = ModuleType(f"{NAME}.{shelf.label}")
+def _run(earlier_file: EarlierFile, injected: Mapping[str, object]) -> dict[str, object]:
+    home = ModuleType(f"{NAME}.{earlier_file.label}")
     vars(home).update(injected)
     sys.modules[home.__name__] = home
-    exec(shelf.code(), vars(home))
-    missing = [function for function in shelf.functions if function not in vars(home)]
+    exec(earlier_file.code(), vars(home))
+    missing = [function for function in earlier_file.functions if function not in vars(home)]
     if missing:
         raise ImportError(f"cannot import name '{missing[0]}' from '{NAME}'")
-    return {function: vars(home)[function] for function in shelf.functions}
+    return {function: vars(home)[function] for function in earlier_file.functions}
 
 
-def install_library(shelved: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
-    """The module can be imported from now on, where there is something in it."""
-    if shelved:
-        sys.modules[NAME] = EarlierFunctions(shelved, injected)
+def install_library(files: Sequence[EarlierFile], injected: Mapping[str, object]) -> None:
+    """Make the module importable, if it holds a function."""
+    if files:
+        sys.modules[NAME] = EarlierFunctions(files, injected)

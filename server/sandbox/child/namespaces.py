@@ -17,9 +17,9 @@ from . import landlock, libc
 NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET = (
     0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
 )  # fmt: skip
-#: Nobody's own identity: no file and no service of a machine belongs to it.
+#: Nobody's own files: no file and no service of a machine belongs to it.
 UNPRIVILEGED = 61_185
-#: What `uname` says to a student's program.
+#: Host name that a student's program sees.
 HOST = b"bac-a-sable"
 #: The private folder of a fork, and the folder above it, on which Landlock's rule stands.
 HOME, FOLDER, MAX_FILES = "/home", "/home/eleve", 200
@@ -29,22 +29,22 @@ _BY_WALL = {"view": NEWNS, "uts": NEWUTS, "ipc": NEWIPC, "pid": NEWPID, "network
 
 
 def wall_flags(lifted: Collection[str]) -> int:
-    """The namespaces of all walls but those left down, the user's apart."""
+    """Return the flags of the namespaces of all walls that are not lifted, without the user namespace."""
     return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
 
 
 def fork_flags(lifted: Collection[str]) -> int:
-    """Those that a fork gets of its own.
+    """Return the flags of the namespaces that each fork gets.
 
-    It shares the network of its template, where there is nothing, as long as it can neither make a socket (a filter of
-    the template's, and its own) nor reach another's (Landlock): making a network costs as much as all other walls.
+    It shares the empty network of its template as long as it can neither create a socket (seccomp) nor reach another's
+    (Landlock): a network namespace costs as much as all other walls.
     """
     shares = landlock.scopes_sockets() and not {"seccomp", "landlock"} & set(lifted)
     return NEWUSER | wall_flags({*lifted, "network"} if shares else lifted)
 
 
 def can_become_unprivileged() -> bool:
-    """Whether this process is root and knows the unprivileged identity (root of a user namespace may know one only)."""
+    """Whether this process is root and knows the unprivileged files (root of a user namespace may know one only)."""
     if os.geteuid() != 0:
         return False
     with open("/proc/self/setgroups", encoding="ascii") as file:
@@ -59,7 +59,7 @@ def _maps_unprivileged(path: str) -> bool:
 
 
 def enter_namespaces(lifted: Collection[str]) -> None:
-    """Puts the calling process in new namespaces; with a user's own unless it is root enough. Raises OSError."""
+    """Put the calling process in new namespaces, with a user namespace unless root can do without. Raises OSError."""
     user, group = os.geteuid(), os.getegid()
     if not (can_become_unprivileged() and _allowed(wall_flags(lifted))):
         libc.unshare(NEWUSER | wall_flags(lifted))
@@ -77,14 +77,14 @@ def _allowed(flags: int) -> bool:
 
 
 def _identity_files(folder: str, user: int, group: int) -> tuple[tuple[str, bytes], ...]:
-    """What the first process of a user namespace writes, and where, to be nobody there."""
+    """Return path and content of the files by which the first process of a user namespace becomes nobody."""
     maps = {"setgroups": "deny", "uid_map": f"{UNPRIVILEGED} {user} 1", "gid_map": f"{UNPRIVILEGED} {group} 1"}
     return tuple((f"{folder}/{name}", text.encode("ascii")) for name, text in maps.items())
 
 
-def write_files(identity: tuple[tuple[str, bytes], ...], base: int | None = None) -> None:
-    """Writes it; `base` is the folder of paths that are not absolute."""
-    for path, text in identity:
+def write_files(files: tuple[tuple[str, bytes], ...], base: int | None = None) -> None:
+    """Write these files; `base` is a descriptor on the folder of relative paths."""
+    for path, text in files:
         descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC, dir_fd=base)
         os.write(descriptor, text)
         os.close(descriptor)
@@ -97,15 +97,15 @@ class _CloneArguments(ctypes.Structure):
     )
 
 
-#: What every fork is in its own namespace of users.
+#: Identity files of every fork in its own user namespace.
 _NOBODY_FILES = _identity_files("self", UNPRIVILEGED, UNPRIVILEGED)
 
 
 @dataclass(frozen=True)
 class ForkNamespaces:
-    """How a template forks children into namespaces of their own.
+    """Forks children into namespaces of their own.
 
-    `processes` is a descriptor on /proc, opened before the view is changed: a child writes its map of identities there.
+    `processes` is a descriptor on /proc, opened before the root is replaced: a child writes its files map there.
     """
 
     processes: int
@@ -114,10 +114,10 @@ class ForkNamespaces:
     has_fork_hooks: bool
 
     def fork(self) -> int:
-        """As `os.fork`, into the namespaces. Raises OSError where the machine refuses them.
+        """Fork into the namespaces, like `os.fork`. Raises OSError where the machine refuses them.
 
-        Python is told only where a library of the template `tells` it what to do then, since that takes as long as the
-        fork: with one thread, there is nothing else to mend but the generators of random numbers, which a child seeds.
+        Python's fork hooks run only where a library registered one (`has_fork_hooks`), since they take as long as the
+        fork: with one thread, only the random generators would need them, and a child seeds these.
         """
         if not self.has_fork_hooks:
             return libc.run_call(self.clone)
@@ -133,18 +133,18 @@ class ForkNamespaces:
         return pid
 
     def write_identity(self) -> None:
-        """In the child: its identity. Raises OSError."""
+        """Set the files of the child, in the child. Raises OSError."""
         write_files(_NOBODY_FILES, self.processes)
 
     def prepare_folder(self, folder_bytes: int) -> tuple[libc.PreparedCall, ...]:
-        """Once it has settled: its private folder, where it then is."""
+        """Prepare the calls that mount the private folder of the child and change to it."""
         if not self.folder:
             return ()
         options = f"size={folder_bytes},nr_inodes={MAX_FILES},mode=700,uid={UNPRIVILEGED},gid={UNPRIVILEGED}"
         return libc.prepare_mount(FOLDER, "tmpfs", _FOLDER_FLAGS, options), libc.prepare_chdir(FOLDER)
 
     def refusal_reason(self) -> str:
-        """Why no child can be forked so on this machine; "" when one can: it has been tried."""
+        """Fork a trial child; return the reason if this machine refuses, "" otherwise."""
         try:
             pid = self.fork()
         except OSError as error:
@@ -168,7 +168,7 @@ class ForkNamespaces:
 
 
 def prepare_clone(flags: int) -> libc.PreparedCall:
-    """The C library keeps the thread's number in its own memory: the kernel must write the child's there."""
+    """Prepare `clone3`. The C library caches the thread id: the kernel must write the child's id there."""
     address = ctypes.c_uint64()
     libc.prctl(_GET_TID_ADDRESS, ctypes.cast(ctypes.byref(address), ctypes.c_void_p).value or 0)
     arguments = _CloneArguments(flags | _CHILD_SETTID, 0, address.value, 0, signal.SIGCHLD, 0, 0, 0)

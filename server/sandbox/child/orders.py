@@ -1,5 +1,5 @@
-"""What passes between the trusted side and a template, as fixed records: an order or a report costs it no more than its
-unpacking, since whatever a template touches after a fork is a page of memory to be copied."""
+"""Messages between the trusted side and a template, as fixed records: they cost a template next to nothing, since each
+page that it touches after a fork must be copied."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class ChildLimits(NamedTuple):
-    """The part of a policy that is known inside: what the kernel enforces, then what bounds answers and prints."""
+    """The part of a policy that children know: limits that the kernel enforces, then bounds of answers and output."""
 
     cpu_seconds: float
     memory_bytes: int
@@ -23,7 +23,7 @@ class ChildLimits(NamedTuple):
 
 
 class ExitReport(NamedTuple):
-    """How a child ended, as `os.wait4` tells it; `memory` is what the template holds of its own."""
+    """Exit of a child as `os.wait4` reports it; `template_memory` is the template's private memory in bytes."""
 
     child_number: int
     status: int
@@ -44,7 +44,7 @@ def pack_kill(number: int) -> bytes:
 
 
 def unpack_order(order: bytes) -> tuple[int, bytes]:
-    """The number of a child, and the packed limits of one that is to be forked: none of one that is to be killed."""
+    """Return the number of a child and its packed limits; no limits mean that it must be killed."""
     return _NUMBER.unpack_from(order)[0], order[_NUMBER.size :]
 
 
@@ -57,5 +57,5 @@ def pack_report(report: ExitReport) -> bytes:
 
 
 def unpack_report(data: bytes) -> ExitReport:
-    """Raises struct.error for what is no report."""
+    """Unpack a report. Raises struct.error for other bytes."""
     return ExitReport(*_REPORT.unpack(data))

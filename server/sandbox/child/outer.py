@@ -23,14 +23,14 @@ _PACKAGES = ("site-packages", "dist-packages")
 
 
 def tie_to_parent(parent: int) -> None:
-    """This process dies with the thread that started it (or at once, if that is already gone)."""
+    """Die with the thread that started this process (at once, if it is already gone)."""
     libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(70)
 
 
 def run_in_namespaces(inside: Callable[[], None], control: int, lifted: Collection[str]) -> int:
-    """Enters new namespaces and runs `inside` in their first process; returns its exit code, REFUSED without them."""
+    """Enter new namespaces and run `inside` in their first process; return its exit code, REFUSED without them."""
     try:
         enter_namespaces(lifted)
     except OSError:
@@ -57,7 +57,7 @@ def _first_process(inside: Callable[[], None]) -> None:
 
 
 def drop_privileges(lifted: Collection[str], *, identity: bool) -> None:
-    """No capability, no way to gain one; and the unprivileged `identity`, for a process that has another to leave."""
+    """Drop all capabilities and the ways to gain one; with `identity`, become the unprivileged user."""
     if "capabilities" not in lifted:
         libc.drop_bounding_capabilities()
     if identity and "identity" not in lifted:
@@ -69,26 +69,26 @@ def drop_privileges(lifted: Collection[str], *, identity: bool) -> None:
 
 
 def mapped_files() -> list[str]:
-    """The files that this process has mapped: the interpreter and the libraries that it needs."""
+    """Return the files that this process has mapped: the interpreter and its libraries."""
     with open("/proc/self/maps", encoding="utf-8") as maps:
         names = {line.rstrip("\n").split(maxsplit=5)[5] for line in maps if "/" in line}
     return sorted(name for name in names if name.startswith("/") and os.path.isfile(name))
 
 
 def drop_nested(paths: Iterable[str]) -> list[str]:
-    """The existing paths that lie below no other one of them."""
+    """Return the existing paths that lie below no other path of the list."""
     there = {os.path.abspath(path) for path in paths if os.path.exists(path)}
     return sorted(path for path in there if there.isdisjoint(_parents(path)))
 
 
 def _parents(path: str) -> Iterator[str]:
-    """The folders that an absolute path lies below, but for the root."""
+    """Yield the parents of an absolute path, without the root."""
     while path := path.rpartition("/")[0]:
         yield path
 
 
 def replace_root(libraries: Iterable[str], packages: Iterable[str]) -> None:
-    """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
+    """Replace the root by a read-only one that holds these paths and four devices, and detach the old one.
 
     `libraries` are directories or files taken whole, without the folder of installed packages that they may hold;
     `packages` are directories (or single modules) put back into it. Ends the process with REFUSED where that may not be
@@ -145,7 +145,7 @@ def _attach(tree: tuple[int, bool], root: str, path: str) -> None:
 
 
 def _hide_packages(tree: str) -> list[str]:
-    """Covers the folders of installed packages of a standard library: the project itself may lie there."""
+    """Cover the folders of installed packages of a standard library: the project itself may be there."""
     hidden = [os.path.join(tree, name) for name in _PACKAGES if os.path.isdir(os.path.join(tree, name))]
     for path in hidden:
         libc.mount("none", path, "tmpfs", _MS_NOSUID_NODEV, "size=1m,nr_inodes=1024,mode=755")

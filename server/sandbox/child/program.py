@@ -22,7 +22,7 @@ from .kits import KitModules, expose_kit
 from .tracer import Tracer
 
 MODULE = "solution"
-#: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
+#: Among a kit's names: functions that call some functions of the file, by the names of these.
 DRIVERS = "__drivers__"
 MAX_NAMES, MAX_NAME = 1000, 120
 #: Python frames that the stack of a child can always hold.
@@ -32,7 +32,7 @@ Fault = dict[str, Value]
 
 
 class ProgramFailure(Exception):
-    """What the student's program did wrong, as the fields of a fault."""
+    """A fault of the student's program, as the fields of a report."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__()
@@ -43,7 +43,7 @@ class Program:
     """`configure` and `load` once, then `call`; the last two return encoded values or raise Failure."""
 
     def __init__(self, kits: Mapping[str, KitModules], free_reserve: Callable[[], None]) -> None:
-        """`free_reserve` gives memory back, to report a lack of it."""
+        """`free_reserve` releases the reserved memory, so that a lack of memory can be reported."""
         self._kits, self._free_reserve = kits, free_reserve
         self._limits = FAULT_LIMITS
         self._lines: list[str] = []
@@ -55,7 +55,7 @@ class Program:
         self._deferred_code: list[CodeType] = []
 
     def set_answer_limits(self, limits: ValueLimits) -> None:
-        """Sets what answers are bounded by."""
+        """Set the bounds of answers."""
         self._limits = limits
 
     def load(
@@ -67,9 +67,9 @@ class Program:
         deferred: bool = False,
         library_files: Sequence[library.EarlierFile] = (),
     ) -> bytes:
-        """Runs the file's top level; returns the names of the callables that it defines, encoded.
+        """Run the file's top level; return the encoded names of the callables that it defines.
 
-        With `shows_last`, the value of a last expression is printed. With `waits`, `trace` alone runs it.
+        With `echo_last`, the value of a last expression is printed. With `deferred`, only `trace` runs it.
         """
         codes = self._compile(source, filename, last_expression.split_last_expression if echo_last else _compile_whole)
         if echo_last:
@@ -89,11 +89,11 @@ class Program:
         return encode(names, self._limits)
 
     def defines(self, function: str) -> bool:
-        """Whether this is among the names that `load` has returned."""
+        """Whether `load` returned this name."""
         return function in self._functions
 
     def _run_deferred(self) -> None:
-        """What waits of the file's top level."""
+        """Run the deferred code of the file's top level."""
         codes, self._deferred_code = self._deferred_code, []
         for code in codes:
             exec(code, self._globals)
@@ -105,9 +105,10 @@ class Program:
         named: Mapping[str, Value],
         tell: Callable[[Value], None],
     ) -> bytes:
-        """Calls a name of the file, or runs the top level that waits, line by line (see `Tracer`).
+        """Call a function of the file, or run the deferred top level, line by line (see `Tracer`).
 
-        Returns what came back, encoded: as `Described.value` tells it, and itself where it can be sent, in a tuple.
+        Return the encoded description of the returned value (`ValueDescriber.describe`) and, in a tuple, the value
+        itself where it can be sent.
         """
         tracer = Tracer(self._filename, self._globals, tell)
         action = (
@@ -121,16 +122,16 @@ class Program:
             return encode((described, ()), self._limits)
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
-        """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
+        """Call a function of the file; return the encoded (value, arguments after the call or null)."""
         value = self._run_student_code(self._call_with_driver, function, arguments)
         return self._encode_result(value, arguments if return_arguments else None, function)
 
     def _call_with_driver(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
-        asked, driver = self._globals[function], self._drivers.get(function)
-        return asked(*arguments, **named) if driver is None else driver(asked, *arguments, **named)
+        target, driver = self._globals[function], self._drivers.get(function)
+        return target(*arguments, **named) if driver is None else driver(target, *arguments, **named)
 
     def unload(self) -> None:
-        """Lets go of the file and of its kit: their names, which hold each other, its module and its lines."""
+        """Release the file and its kit: their names, which refer to each other, its module and its lines."""
         self._globals.clear()
         self._globals, self._injected, self._drivers, self._functions = {}, {}, {}, frozenset()
         self._lines, self._filename = [], ""
@@ -138,9 +139,9 @@ class Program:
         sys.modules.pop(MODULE, None)
 
     def configure(self, kit: str | None, parameters: Mapping[str, Value], without: tuple[str, ...] = ()) -> None:
-        """Seeds the generators, shows the kit, and asks it for its names: what that raises is not the student's.
+        """Seed the generators, expose the kit, and get its names; an exception here is not the student's.
 
-        Where the exercise asks for some of them (`without`), nothing is left of the kits but the other names.
+        Where the exercise asks students to write some of them (`without`), only the other names stay in the kits.
         """
         seed = parameters.get("seed")
         if not isinstance(seed, int):
@@ -158,14 +159,14 @@ class Program:
             module.__dict__.update(self._injected)
 
     def _remove_kit_names(self, without: tuple[str, ...]) -> None:
-        """Empties the kits, which hold what makes these names."""
+        """Remove these names, and whatever the kits' modules hold besides their public names."""
         for name in without:
             del self._injected[name]
         for module in (module for kit in self._kits.values() for module in kit.values()):
-            shown = [name for name in vars(module).get("__all__", ()) if name not in without]
-            kept = {"__name__": module.__name__, "__doc__": module.__doc__, "__all__": shown}
+            public = [name for name in vars(module).get("__all__", ()) if name not in without]
+            remaining = {"__name__": module.__name__, "__doc__": module.__doc__, "__all__": public}
             vars(module).clear()
-            vars(module).update(kept)
+            vars(module).update(remaining)
 
     def _compile(self, source: bytes, filename: str, parts: Callable[[bytes, str], list[CodeType]]) -> list[CodeType]:
         text = source.decode("utf-8-sig", "replace")
@@ -176,9 +177,9 @@ class Program:
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
             raise ProgramFailure(report.describe_syntax(error, self._lines)) from None
 
-    def _run_student_code(self, action: Callable[..., Any], *given: Any) -> Any:
+    def _run_student_code(self, action: Callable[..., Any], *arguments: Any) -> Any:
         try:
-            return action(*given)
+            return action(*arguments)
         except BaseException as error:  # SystemExit and KeyboardInterrupt too are the student's
             if isinstance(error, MemoryError):
                 self._free_reserve()
@@ -194,7 +195,7 @@ class Program:
             raise ProgramFailure(_result_fault(kind, error.what, "", function, "")) from None
         except UnsendableValue as error:
             raise ProgramFailure(
-                _result_fault("invalid_output", error.reason, error.culprit, function, error.place)
+                _result_fault("invalid_output", error.reason, error.culprit, function, error.path)
             ) from None
         except BaseException as error:  # __array__ and the like are the student's code
             fault = report.describe(error, self._filename, self._lines)
@@ -212,7 +213,7 @@ class Program:
         return tuple(name[:MAX_NAME] for name in names[:MAX_NAMES])
 
     def timeout_fault(self, frame: Any) -> Fault:
-        """The fault of a program caught computing at `frame` when its time was up."""
+        """Return the fault of a program whose time ran out at `frame`."""
         frames: list[tuple[int, str, str]] = []
         while frame is not None:
             if frame.f_code.co_filename == self._filename and len(frames) < report.MAX_FRAMES:
@@ -230,24 +231,24 @@ def _compile_whole(source: bytes, filename: str) -> list[CodeType]:
     return [compile(source, filename, "exec", dont_inherit=True)]
 
 
-def _result_fault(kind: str, reason: str, culprit: str, function: str, place: str) -> Fault:
+def _result_fault(kind: str, reason: str, culprit: str, function: str, path: str) -> Fault:
     return {
         "kind": kind,
         "exception": "",
         "text": culprit[: report.MAX_NAME],
         "line": None,
         "frames": (),
-        "detail": f"{reason}|{place[:200]}|{function[:MAX_NAME]}",
+        "detail": f"{reason}|{path[:200]}|{function[:MAX_NAME]}",
     }
 
 
 def redirect_output(stream: Any) -> None:
-    """Whatever the program prints goes to this stream."""
+    """Send everything that the program prints to this stream."""
     sys.stdout = sys.stderr = sys.__stdout__ = sys.__stderr__ = stream  # type: ignore[misc]
 
 
 def prepare_interpreter(modules_of_ours: str) -> None:
-    """Makes the interpreter what a student expects: `exit`, a bounded recursion, none of our names."""
+    """Prepare the interpreter for students: `exit`, a bounded recursion, no module of ours."""
     sys.argv[:] = ["solution.py"]
     sys.dont_write_bytecode = True
     vars(builtins).update(exit=sys.exit, quit=sys.exit)

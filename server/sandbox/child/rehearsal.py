@@ -1,4 +1,4 @@
-"""What a template goes through before it serves, so that its forks find done what can be done once.
+"""Rehearsal of a template before it serves, so that its forks find one-time work done.
 
 A fork that runs a line for the first time writes what the interpreter makes of it (specialised code, the places of
 attributes, numbers of references) on pages that it shares with the template until then: each is copied, which takes
@@ -24,10 +24,10 @@ from .namespaces import ForkNamespaces, write_files
 from .program import Program
 from .serve import ForkServer, sample_arguments, sample_calls, sample_configure, sample_load
 
-#: The interpreter has then made of the code of a fork what it will stay.
+#: Enough repetitions for the interpreter to specialise the code of a fork.
 _REPETITIONS = 16
 REHEARSAL_LIMITS = orders.ChildLimits(1000.0, 0, 0, 0, 0, 1, 1 << 16, 1 << 16, 8, 1000)
-#: What is rehearsed is no exercise's: a child knows nothing of a course, and every program can read this.
+#: A sample of no exercise: a child knows nothing of a course, and every program can read this.
 _SAMPLE = b"""
 from __future__ import annotations
 import numpy as np
@@ -41,7 +41,7 @@ def panne(u):
 
 
 def warm_up(kits: Mapping[str, KitModules]) -> None:
-    """Leaves nothing behind but what is warm: no name, no number drawn, no timer, no descriptor."""
+    """Warm up, and leave nothing else behind: no name, no random number drawn, no timer, no descriptor."""
     with _restoring_state():
         for kit in kits:
             with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
@@ -67,7 +67,7 @@ def _restoring_state() -> Iterator[None]:
 
 
 def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
-    """The life of a fork, without its walls."""
+    """Go through the life of a fork, without its walls."""
     ours, theirs = socket.socketpair()
     with ours, theirs:
         ours.sendall(_sample_questions())
@@ -88,11 +88,11 @@ def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
 
 
 def _nothing() -> None:
-    """There is no reserve to free."""
+    """Do nothing: there is no reserve to free."""
 
 
 class _NoNamespaces(ForkNamespaces):
-    """Where a template stands already."""
+    """Stands for the namespaces of a fork: a rehearsal stays where the template is."""
 
     def __init__(self) -> None:
         super().__init__(0, libc.prepare_chdir("/"), folder=False, has_fork_hooks=False)
@@ -102,14 +102,18 @@ class _NoNamespaces(ForkNamespaces):
 
 
 def _sample_questions() -> bytes:
-    one, two = np.array([1.0, 2.0, 0.5]), np.array([3.0, 0.5, 1.0])
-    columns = pack_frame(0, frames.COLUMNS, codec.encode((np.stack([one, two]), np.stack([two, one])), QUESTION_LIMITS))
-    asked = (
-        sample_calls("essai", 2, sample_arguments(one, two), sample_arguments(one, [1.0, 2.0, 3.0]), keeping=True),
-        sample_calls("essai", 2, columns),
-        sample_calls("panne", 2, sample_arguments(one), sample_arguments(0.0)),
+    first, second = np.array([1.0, 2.0, 0.5]), np.array([3.0, 0.5, 1.0])
+    columns = pack_frame(
+        0, frames.COLUMNS, codec.encode((np.stack([first, second]), np.stack([second, first])), QUESTION_LIMITS)
     )
-    return pack_frame(1, frames.TOGETHER, b"".join((sample_configure(), sample_load(_SAMPLE), *asked)))
+    batches = (
+        sample_calls(
+            "essai", 2, sample_arguments(first, second), sample_arguments(first, [1.0, 2.0, 3.0]), return_arguments=True
+        ),
+        sample_calls("essai", 2, columns),
+        sample_calls("panne", 2, sample_arguments(first), sample_arguments(0.0)),
+    )
+    return pack_frame(1, frames.TOGETHER, b"".join((sample_configure(), sample_load(_SAMPLE), *batches)))
 
 
 def _warm_linear_algebra() -> None:

@@ -1,4 +1,4 @@
-"""What the child says of an exception: bounded plain values, which the trusted side turns into French."""
+"""Reports an exception of the child as bounded plain values, which the trusted side turns into French."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import CodeType, TracebackType
 from .codec import Value
 
 MAX_TEXT, MAX_NAME, MAX_FRAMES, MAX_SOURCE = 600, 80, 8, 200
-#: Limits of the system that a program meets without trying to get out: descriptors, a full folder, a file too big.
+#: System limits that a program can meet without trying to escape: descriptors, a full folder, a file too big.
 _LIMITS = (errno.EMFILE, errno.ENFILE, errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 #: Libraries whose own system errors mean that a wall refused something.
 _REACHING_OUT = ("socket", "subprocess", "multiprocessing", "urllib", "ssl", "asyncio", "http", "ctypes")
@@ -31,14 +31,14 @@ def describe(error: BaseException, filename: str, lines: list[str]) -> dict[str,
 def describe_syntax(error: BaseException, lines: list[str]) -> dict[str, Value]:
     """Fields of a fault of the file itself; `detail` is the offending text."""
     line = error.lineno if isinstance(error, SyntaxError) else None
-    known = isinstance(line, int) and 0 < line <= len(lines)
-    source = lines[line - 1].strip()[:MAX_TEXT] if known and line else ""
+    has_line = isinstance(line, int) and 0 < line <= len(lines)
+    source = lines[line - 1].strip()[:MAX_TEXT] if has_line and line else ""
     message = error.msg if isinstance(error, SyntaxError) else _text(error)
     return {
         "kind": "memory_limit" if isinstance(error, MemoryError) else "syntax_error",
         "exception": type(error).__name__[:MAX_NAME],
         "text": str(message)[:MAX_TEXT],
-        "line": line if known else None,
+        "line": line if has_line else None,
         "frames": (),
         "detail": source,
     }

@@ -77,7 +77,7 @@ def _futex_block(threads: bool) -> Block:
 
 
 def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
-    """What each known call of an architecture comes to in the end, as instructions that always return."""
+    """Return the block of instructions that decides each known call of an architecture."""
     blocks: dict[int, Block] = {number: (_return(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
     tables = (
         (syscalls.ALLOWED, ALLOW),
@@ -104,7 +104,7 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
 
 
 def _ranges(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
-    """First number of each run of calls that come to the same, in order; the last run, `beyond`, has no end."""
+    """Group the calls into runs of equal blocks: first number and block of each; the last run is `beyond`."""
     runs: list[tuple[int, Block]] = []
     for number in sorted(blocks):
         if not runs or runs[-1][1] != blocks[number]:
@@ -113,7 +113,7 @@ def _ranges(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
 
 
 def _binary_search(runs: list[tuple[int, Block]]) -> list[Instruction]:
-    """Goes to the run that holds the number, by halves."""
+    """Find the run that holds the number by binary search."""
     if len(runs) == 1:
         return list(runs[0][1])
     middle = len(runs) // 2
@@ -125,7 +125,7 @@ def _binary_search(runs: list[tuple[int, Block]]) -> list[Instruction]:
 
 
 def template_filter(*, folder: bool) -> bytes:
-    """The part of a template, as an array of ``struct sock_filter``. Raises Unsupported on an unknown architecture.
+    """Return the template's filter, an array of ``struct sock_filter``. Raises Unsupported on an unknown architecture.
 
     `folder` allows the calls that change folders and files, where there is a private place for them.
     """
@@ -135,7 +135,7 @@ def template_filter(*, folder: bool) -> bytes:
 
 
 def fork_filter(*, threads: bool) -> bytes:
-    """The part of a fork."""
+    """Return the fork's part of the filter."""
     column = libc.architecture_column()
     whole, refused = _blocks(column, threads, folder=False), syscalls.numbers(syscalls.SETTING_UP, column)
     allowed: Block = (_return(ALLOW),)
@@ -163,5 +163,5 @@ class _Program(ctypes.Structure):
 
 
 def prepare_install(program: bytes) -> libc.PreparedCall:
-    """Puts the filter on the calling thread, for ever. Needs no_new_privs."""
+    """Install the filter on the calling thread, for ever. Needs no_new_privs."""
     return libc.prepare_prctl(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))

@@ -1,4 +1,4 @@
-"""A fork's life: raises its walls, says that it is ready, then answers questions until the wire is closed."""
+"""Serves a fork: raises its walls, reports that it is ready, then answers questions until the wire is closed."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from .program import Fault, Program, ProgramFailure, redirect_output
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
 
-#: A timer of no seconds would never ring.
+#: Minimum of a timer: zero seconds would disable it.
 _MIN_TIMER_SECONDS = 0.001
 _RETRY_TIMER_SECONDS = 0.01
 
 
 def run_fork(walls: inner.ForkWalls, seats: int, child: ForkServer) -> NoReturn:
-    """Runs in a fresh fork, and ends the process."""
+    """Serve in a fresh fork, then end the process."""
     ready = False
     try:
         walls.raise_walls(seats)
@@ -46,23 +46,23 @@ def run_fork(walls: inner.ForkWalls, seats: int, child: ForkServer) -> NoReturn:
 
 
 def rehearse_fork(walls: inner.ForkWalls, child: ForkServer) -> None:
-    """The same, in a fork that is not told anything, up to what a submission begins with."""
+    """Go through the start of a fork, without questions, as a sample for prefaulting."""
     walls.raise_walls(0)
     child.rehearse()
     child.send(0, frames.READY, b"")
 
 
 class ForkServer:
-    """What answers in a fork; made in the template, which finds it ready, and begun in the fork.
+    """Answers questions in a fork; created in the template, so that a fork finds it ready.
 
-    Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them.
+    Both timers call `_on_timer`, which reports the program's position; the kernel's limits are a second line.
 
-    A program stuck in one call of C does not come to `_late`. The kernel's first warning then has the interpreter write
-    down where it is, from the signal handler itself: its last words.
+    A program stuck inside C code never reaches `_on_timer`. SIGXCPU then makes the interpreter write a traceback from
+    the signal handler itself (faulthandler).
     """
 
     def __init__(self, kits: Mapping[str, KitModules], free_reserve: Callable[[], None]) -> None:
-        """What is printed goes to it from now on."""
+        """Redirect all output to the bounded stream."""
         self._program, self._stream = Program(kits, free_reserve), BoundedText(BoundedBytes(1))
         redirect_output(self._stream)
         self._cpu_seconds = 0.0
@@ -76,20 +76,19 @@ class ForkServer:
         faulthandler.register(signal.SIGXCPU, inner.TRACEBACK, all_threads=False)
 
     def set_limits(self, limits: orders.ChildLimits) -> None:
-        """What the program may use."""
+        """Set the limits of the program."""
         self._cpu_seconds = limits.cpu_seconds
         self._program.set_answer_limits(codec.ValueLimits(limits.frame_bytes, limits.depth, limits.items))
         self._stream.set_limit(limits.stdout_bytes)
 
     def rehearse(self) -> None:
-        """Goes once through the least that a submission uses, and tells nobody.
+        """Go once through the minimum of a submission, without sending answers.
 
-        The pages of memory that a submission writes are then its own already. The fork from which a template learns
-        what they are does it (`pages`), and where that cannot be learnt, every fork before it says that it is ready:
-        copying them takes longer than most submissions. What was rehearsed is let go.
+        The pages that a submission writes are then copied already. The sample fork of `page_prefault` does so, and
+        every fork where prefaulting is not available: copying takes longer than most submissions.
         """
         granted = self._cpu_seconds
-        self._wire, self._cpu_seconds = _NULL, 0.0  # of which no timer rings
+        self._wire, self._cpu_seconds = _NULL, 0.0  # zero seconds start no timer
         self._program.configure(None, {"seed": 0})
         np.random.Generator(np.random.PCG64(0))  # as many kits make one
         for self._token, kind, question in frames.unpack_frames(_REHEARSAL_QUESTIONS):
@@ -98,7 +97,7 @@ class ForkServer:
         self._program.unload()
 
     def unload(self) -> None:
-        """Lets go of the program."""
+        """Release the program."""
         self._program.unload()
 
     def serve(self) -> None:
@@ -111,7 +110,7 @@ class ForkServer:
                     break
 
     def _answer_question(self, kind: int, payload: bytes) -> bool:
-        """Answers a question; False when those that came together with it are to be dropped."""
+        """Answer a question; return False when the questions that came with it must be dropped."""
         if kind == frames.CALLS:
             self._answer_batch(payload)
         elif kind == frames.TRACE:
@@ -146,13 +145,13 @@ class ForkServer:
         return outcome == frames.VALUE
 
     def _trace(self, question: Any) -> None:
-        """Answers a call, each of its steps on its way before the line that it tells of begins."""
-        told = (question["function"], question["arguments"], question["named"], self._send_step)
-        outcome, answer, self._wall = self._timed(question["wall"], lambda: self._program.trace(*told))
+        """Answer a traced call; each step is sent before its line runs."""
+        call = (question["function"], question["arguments"], question["named"], self._send_step)
+        outcome, answer, self._wall = self._timed(question["wall"], lambda: self._program.trace(*call))
         self.send(self._token, outcome, answer)
 
-    def _send_step(self, told: Value) -> None:
-        payload = codec.encode(told, STEP_LIMITS)
+    def _send_step(self, record: Value) -> None:
+        payload = codec.encode(record, STEP_LIMITS)
         self._sending = True
         try:
             self.send(self._token, frames.STEP, payload)
@@ -160,10 +159,10 @@ class ForkServer:
             self._sending = False
 
     def _answer_batch(self, batch: bytes) -> None:
-        """Answers the calls of a batch in order, each answer on its way before the next call begins."""
+        """Answer the calls of a batch in order; each answer is sent before the next call begins."""
         end = self._token
         parts = frames.unpack_frames(batch)
-        function, wall, faults, keeping = frames.unpack_shared(next(parts)[2])
+        function, wall, faults, return_arguments = frames.unpack_shared(next(parts)[2])
         if not self._program.defines(function):
             return
         tokens = frames.unpack_tokens(next(parts)[2])
@@ -173,7 +172,7 @@ class ForkServer:
         signal.setitimer(signal.ITIMER_REAL, max(self._wall if wall is None else wall, _MIN_TIMER_SECONDS))
         for number, self._token in enumerate(tokens):
             self._sending = False
-            outcome, answer = self._outcome(partial(self._call, function, arguments, number, keeping))
+            outcome, answer = self._outcome(partial(self._call, function, arguments, number, return_arguments))
             self._sending = True
             faults -= outcome == frames.FAULT
             over = number == last or not faults
@@ -186,11 +185,11 @@ class ForkServer:
         self._running_student_code = self._sending = False
         self._wall, _ = signal.setitimer(signal.ITIMER_REAL, 0)
 
-    def _call(self, function: str, arguments: _BatchArguments, number: int, keeping: bool) -> bytes:
-        return self._program.call(function, arguments.of_call(number), return_arguments=keeping)
+    def _call(self, function: str, arguments: _BatchArguments, number: int, return_arguments: bool) -> bytes:
+        return self._program.call(function, arguments.of_call(number), return_arguments=return_arguments)
 
     def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
-        """What an action comes to, and the seconds left of `wall`: those between two actions do not count."""
+        """Run an action under a wall timer; return its outcome, payload and the seconds left of `wall`."""
         self._running_student_code = True
         signal.setitimer(signal.ITIMER_REAL, max(wall, _MIN_TIMER_SECONDS))
         outcome, payload = self._outcome(action)
@@ -242,7 +241,7 @@ class ForkServer:
 
 
 class _BatchArguments:
-    """The arguments of each call of a batch, made when its turn comes: what is then lacking is told of that call."""
+    """The arguments of each call of a batch, decoded when its turn comes, so that a failure belongs to that call."""
 
     def __init__(self, parts: Iterator[tuple[int, int, bytes]]) -> None:
         self._parts = [(kind, part) for _, kind, part in parts]
@@ -256,7 +255,7 @@ class _BatchArguments:
             columns: Any = codec.decode(self._parts[0][1], QUESTION_LIMITS)
             self._columns = [column.tolist() if column.ndim == 1 else column for column in columns]
         row = [column[number] for column in self._columns]
-        return tuple([one.copy() if type(one) is np.ndarray else one for one in row])
+        return tuple([value.copy() if type(value) is np.ndarray else value for value in row])
 
 
 def _fault(kind: str, text: str = "") -> Fault:
@@ -270,7 +269,7 @@ def _write(descriptor: int, data: bytes) -> None:
 
 
 def sample_configure() -> bytes:
-    """A question, as the trusted side asks it."""
+    """Return a CONFIGURE question as the trusted side sends it."""
     return _framed(2, frames.CONFIGURE, _encoded({"kit": None, "parameters": {"seed": 0}, "without": ()}))
 
 
@@ -280,9 +279,11 @@ def sample_load(source: bytes) -> bytes:
     return _framed(3, frames.LOAD, _encoded(load))
 
 
-def sample_calls(function: str, count: int, *arguments: bytes, keeping: bool = False) -> bytes:
-    """So many of them; `arguments` are the frames that hold theirs."""
-    shared = _framed(4, frames.SHARED, frames.pack_shared(function, 1000.0, count + 1, return_arguments=keeping))
+def sample_calls(function: str, count: int, *arguments: bytes, return_arguments: bool = False) -> bytes:
+    """Return a CALLS question of `count` calls; `arguments` are their argument frames."""
+    shared = _framed(
+        4, frames.SHARED, frames.pack_shared(function, 1000.0, count + 1, return_arguments=return_arguments)
+    )
     return _framed(4, frames.CALLS, b"".join((shared, _framed(0, frames.TOKENS, bytes(8 * count)), *arguments)))
 
 
@@ -294,9 +295,9 @@ def _encoded(value: Value) -> bytes:
     return codec.encode(value, QUESTION_LIMITS)
 
 
-#: No descriptor of a program: its standard input.
+#: Standard input, /dev/null: rehearsed answers go there.
 _NULL = 0
-#: No exercise's: a child knows nothing of a course, and every program can read this.
+#: A sample of no exercise: a child knows nothing of a course, and every program can read this.
 _REHEARSAL_QUESTIONS = sample_load(
     b"import numpy as np\ndef essai(u):\n    return np.array([u[0], 1.0])\n"
 ) + sample_calls("essai", 1, sample_arguments(np.zeros(3)))

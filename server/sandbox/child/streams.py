@@ -7,7 +7,7 @@ import os
 
 
 class BoundedBytes(io.RawIOBase):
-    """Writes to a descriptor until so many bytes of it are full, then drops the rest without an error."""
+    """Writes to a descriptor up to a limit in bytes, then drops the rest without an error."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor, self._bound, self._full = descriptor, 0, False

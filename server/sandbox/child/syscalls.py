@@ -1,7 +1,7 @@
 """The system calls that the filter knows, as ``name:x86-64 number/aarch64 number``.
 
-Whatever is not listed here but exists kills the process: ptrace, process_vm_readv, io_uring_*, bpf, userfaultfd,
-keyctl, mount, setns, unshare, open_by_handle_at, perf_event_open, kexec_load… are what only an attacker tries.
+Any other existing call kills the process: ptrace, process_vm_readv, io_uring_*, bpf, userfaultfd, keyctl, mount, setns,
+unshare, open_by_handle_at, perf_event_open, kexec_load… are calls of attackers only.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ setdomainname:171/162 vhangup:153/58 syslog:103/116 ustat:136/ sysfs:139/ epoll_
 io_submit:209/2 io_destroy:207/1 io_getevents:208/4 io_cancel:210/3 flock:73/32 mincore:27/232 fadvise64:221/223
 """
 
-#: What changes folders and files: refused likewise where the program has no private folder to do so.
+#: Calls that change folders and files: refused likewise where the program has no private folder.
 FOLDER = """
 unlink:87/ unlinkat:263/35 rename:82/ renameat:264/38 renameat2:316/276 mkdir:83/ mkdirat:258/34 rmdir:84/ chmod:90/
 fchmod:91/52 fchmodat:268/53 truncate:76/45 ftruncate:77/46 fallocate:285/47 creat:85/ utime:132/ utimes:235/
@@ -73,7 +73,7 @@ clone3:435/435 openat2:437/437 futex_waitv:449/449 process_mrelease:448/448 memf
 _sysctl:156/ nfsservctl:180/42 set_mempolicy_home_node:450/450
 """
 
-#: What a template does to serve, and a fork to put up its walls: refused by the last of these only.
+#: Calls by which a template serves and a fork raises its walls: only the fork's last filter refuses them.
 SETTING_UP = """
 recvmsg:47/212 sendto:44/206 wait4:61/260 kill:62/129 pidfd_open:434/434 fork:57/ clone:56/220 clone3:435/435
 futex:202/98 mount:165/40 prctl:157/167 capset:126/91 landlock_restrict_self:446/446 setrlimit:160/164

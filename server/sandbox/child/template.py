@@ -39,9 +39,9 @@ from .program import prepare_interpreter
 CONTROL_LIMITS = ValueLimits(size=1 << 26, depth=6, items=10_000)
 _MESSAGE = 256
 _DESCRIPTORS = socket.CMSG_SPACE((inner.FORK_DESCRIPTORS + inner.MAX_CONTROL_GROUPS) * 4)
-#: Policies whose walls are kept ready.
+#: Maximum number of policies whose prepared walls are cached.
 _POLICIES = 16
-#: Walls behind which a fork could not tell what it has needed.
+#: Walls behind which a sample fork could not report the pages that it needs.
 _WALLS_OFF_WHILE_LEARNING = frozenset({"descriptors", "dumpable", "rlimits", "seccomp", "landlock"})
 
 
@@ -58,7 +58,7 @@ class Template:
         self._current_limits = b""
 
     def prepare(self) -> None:
-        """Imports, then changes the view, then drops all privileges, then warms up and takes the measure of it all."""
+        """Import, replace the root, drop all privileges, warm up, and measure the result."""
         self._lifted = frozenset(self._configuration["lifted"])
         self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
         if self._configuration["imports"] == "matplotlib":
@@ -87,7 +87,7 @@ class Template:
         libc.run_calls(stage)
 
     def _leave_host(self) -> bool:
-        """Leaves the host behind; returns whether there are Landlock rules for the forks, at their descriptor."""
+        """Replace the root and drop privileges; return whether Landlock rules for the forks are at their descriptor."""
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
         packages = self._configuration["packages"]
         identity = namespaces.can_become_unprivileged()
@@ -96,9 +96,9 @@ class Template:
         rules = landlock.version() > 0
         if rules:
             readable = outer.drop_nested([*_without_packages(libraries), *packages])
-            made = landlock.create_ruleset(readable, outer.DEVICES, [namespaces.HOME] if self._own_view else [])
-            os.dup2(made, inner.RULES, inheritable=False)
-            os.close(made)
+            ruleset = landlock.create_ruleset(readable, outer.DEVICES, [namespaces.HOME] if self._own_view else [])
+            os.dup2(ruleset, inner.RULES, inheritable=False)
+            os.close(ruleset)
         outer.drop_privileges(self._lifted, identity=identity)
         if "rlimits" not in self._lifted:
             inner.limit_template()
@@ -107,7 +107,7 @@ class Template:
         return rules
 
     def _try_namespaces(self, processes: int) -> tuple[namespaces.ForkNamespaces | None, str]:
-        """How to fork into namespaces of each child's own; None and the reason where there can be none."""
+        """Return how to fork into namespaces of each child's own; None and the reason where that is impossible."""
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
         if not self._configuration["namespaces"] or "user" in self._lifted:
             return None, "the template has no namespaces either"
@@ -120,8 +120,8 @@ class Template:
         return nest, ""
 
     def _learn_prefault(self, processes: int) -> inner.PreparedCalls:
-        """What asks for the pages that a fork needs: a first one goes through its life, without the walls that would
-        keep it from telling."""
+        """Return the calls that prefault a fork's pages, learnt from a sample fork without the walls that would keep it
+        from reporting."""
         mason = inner.WallBuilder(self._nest, {False: ()}, self._lifted | _WALLS_OFF_WHILE_LEARNING, rules=False)
         mason.descriptors.assign(0, 2, 0)
         self._child.set_limits(rehearsal.REHEARSAL_LIMITS)
@@ -135,7 +135,7 @@ class Template:
         return self._nest.fork() if self._nest else os.fork()
 
     def serve(self) -> None:
-        """Until the other end of the control socket is closed."""
+        """Obey orders until the other end of the control socket is closed."""
         gc.freeze()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._wall_builder.base_memory}
         hello["memory"] = inner.own_memory(self._memory_statistics)
@@ -194,7 +194,7 @@ class Template:
 
 
 def _without_packages(libraries: list[str]) -> list[str]:
-    """Directories of a standard library are replaced by their entries, without the folder of installed packages."""
+    """Replace directories of a standard library by their entries, without the folder of installed packages."""
     paths: list[str] = []
     for path in libraries:
         if os.path.isdir(path):

@@ -1,7 +1,7 @@
-"""A call of a student's program followed line by line, under `sys.settrace`: what each line changed, told as it goes.
+"""Traces a call of a student's program line by line, with `sys.settrace`: a record of what each line changed.
 
-Only the student's own file is followed, in one thread. Every bound ends the following and not the program, which goes
-on as if nobody looked: its end is told all the same.
+Only the student's own file is traced, in one thread. A bound ends the tracing and not the program, which runs on; its
+end is still reported.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from .wire_values import Value
 
 globals()["__builtins__"] = dict(vars(builtins))
 
-#: Steps, nested calls, variables of one of them, items and numbers in all, seconds that following may take.
+#: Bounds of a trace: steps, nested calls, variables of a call, nodes in all, seconds spent tracing.
 STEPS, DEPTH, VARIABLES, NODES, SECONDS = 2000, 60, 60, 100_000, 1.0
-#: Characters of the name of a variable that is looked at.
+#: Maximum length of a traced variable's name, and of a function's.
 LONGEST_NAME, LONGEST_FUNCTION = 120, 80
-#: Frames that following takes above the program's own.
+#: Frames that tracing needs above the program's own.
 HEADROOM = 50
-#: Frames between a call and the one of the student's from which it comes, through libraries.
+#: Maximum number of library frames between a call and its traced caller.
 BETWEEN = 40
-#: Why something is missing of what follows.
+#: Reasons for an omission.
 REASONS = STEPS_OVER, DEPTH_OVER, NODES_OVER, TIME_OVER, VARIABLES_OVER, NOT_OURS, LOST = (
     *("steps", "depth", "nodes", "time", "variables", "library", "lost"),
 )
@@ -39,17 +39,17 @@ _NEVER = object()
 
 
 class _FollowedCall:
-    """A call that is followed: its number, its code, what its variables were at the last step."""
+    """A traced call: its number, its code, and its variables at the last step."""
 
-    def __init__(self, number: int, code: CodeType, depth: int, begun: int) -> None:
-        self.number, self.code, self.depth, self.begun = number, code, depth, begun
+    def __init__(self, number: int, code: CodeType, depth: int, start: int) -> None:
+        self.number, self.code, self.depth, self.start = number, code, depth, start
         self.seen: dict[str, Any] = {}
         self.line = code.co_firstlineno
         self.raised = False
 
 
 class Tracer:
-    """Follows what runs of `filename`, whose globals are these; `tell` is told each piece:
+    """Traces the code of `filename`, whose globals are `names`; `tell` receives each record:
 
     ("frame", function, line, number of the caller's or None), ("step", event, frame, line, changes, names that are
     gone, a tuple of the value that comes back, name and text of an exception), ("left", reason).
@@ -68,7 +68,7 @@ class Tracer:
         self._hook, self._line_hook = self._trace_call, self._trace_frame
 
     def run(self, action: Callable[[], Any]) -> Any:
-        """What the action returns, or raises."""
+        """Run the action under the tracer; return or raise as it does."""
         limit, hook = getrecursionlimit(), self._hook
         setrecursionlimit(limit + HEADROOM)
         settrace(hook)
@@ -81,7 +81,7 @@ class Tracer:
         return result
 
     def _finish(self, hook: Any, limit: int, *, whole: bool) -> None:
-        """What is left to do; `whole` tells that the program came to its end. It may have broken all that is ours."""
+        """Stop tracing and emit the last records; `whole` means that the program came to its end."""
         ours = gettrace() is hook
         settrace(None)
         try:
@@ -99,15 +99,15 @@ class Tracer:
         return self._described.describe(value)
 
     def _trace_call(self, frame: FrameType, event: str, arg: Any) -> Any:
-        """For `sys.settrace`: told of every call."""
+        """Global trace function, called at every call."""
         return self._guarded(self._on_call, frame, event, arg)
 
     def _trace_frame(self, frame: FrameType, event: str, arg: Any) -> Any:
-        """For the frames that are followed."""
+        """Local trace function of traced frames."""
         return self._guarded(self._on_event, frame, event, arg)
 
     def _guarded(self, look: Callable[[FrameType, str, Any], Any], frame: FrameType, event: str, arg: Any) -> Any:
-        """Whatever happens to us is not the program's business: it is followed no further."""
+        """Stop tracing on any failure of ours: it must not disturb the program."""
         try:
             start = clock()
             hook = look(frame, event, arg)
@@ -125,7 +125,7 @@ class Tracer:
         self._report_omission(reason)
 
     def _report_omission(self, reason: str) -> None:
-        """Said at once; at the end, where the program has broken what says it."""
+        """Report an omission at once; again at the end if the program broke the first report."""
         if reason in self._omissions:
             return
         self._omissions.add(reason)
@@ -146,8 +146,13 @@ class Tracer:
             return self._on_module(frame)
         if _exact_text(code.co_name) in _INLINE:
             return None
-        known = self._entries.get(id(frame))
-        if known is not None and known.code is code and code.co_flags & _GENERATES and frame.f_lasti > known.begun:
+        followed = self._entries.get(id(frame))
+        if (
+            followed is not None
+            and followed.code is code
+            and code.co_flags & _GENERATES
+            and frame.f_lasti > followed.start
+        ):
             return self._line_hook  # a generator that goes on
         parent, depth = self._followed_caller(frame)
         if depth >= DEPTH:
@@ -158,7 +163,7 @@ class Tracer:
         return self._line_hook
 
     def _on_module(self, frame: FrameType) -> Any:
-        """The top level of the file, which may come in two parts; the body of a class is not followed."""
+        """Trace the top level of the file, which may come in two parts; the body of a class is not traced."""
         if frame.f_globals is not self._names or frame.f_locals is not self._names:
             return None
         if self._module is None:
@@ -175,7 +180,7 @@ class Tracer:
         return entry
 
     def _followed_caller(self, frame: FrameType) -> tuple[_FollowedCall | None, int]:
-        """The nearest call that is followed among those that wait for this one, and how deep this one is."""
+        """Return the nearest traced caller of this frame, and the depth of the frame."""
         back = frame.f_back
         for _ in range(BETWEEN):
             if back is None:
@@ -236,7 +241,7 @@ class Tracer:
         return None
 
     def _changes(self, entry: _FollowedCall, names: Any) -> tuple[Value, Value]:
-        """Name and value of each variable that is new or has another value; names of those that are no more."""
+        """Return name and value of each new or changed variable, and the names of deleted ones."""
         changes: list[Value] = []
         there: set[str] = set()
         for name, value in list(names.items()):
@@ -265,10 +270,10 @@ class Tracer:
         return described
 
     def _is_foreign_name(self, name: str, value: object) -> bool:
-        """A name that the file has not given itself: the kit's, the interpreter's."""
+        """Whether the name comes from the kit or the interpreter, not from the file."""
         return name.startswith("__") or self._before.get(name, _NEVER) is value
 
 
 def _exact_text(text: str) -> str:
-    """What the interpreter says of code; code can be made by hand, of texts that are not only texts."""
+    """Return an exact `str`, else "": code built by hand may hold instances of subclasses."""
     return text if type(text) is str else ""

@@ -1,7 +1,7 @@
-"""What a tracer tells of a value: tagged tuples of base types, made by exact types alone.
+"""Describes values for the tracer, as tagged tuples of base types, by exact types alone.
 
-Nothing of the student's runs here: no `repr`, no method and no attribute of an object of theirs, no comparison with
-one, not even the hash of a type, which a metaclass may define; nor what they may have put among the builtins.
+No code of the student runs here: no `repr`, no method and no attribute of their objects, no comparison, not even the
+hash of a type, which a metaclass may define; nor builtins that they replaced.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from .wire_values import Value
 
 globals()["__builtins__"] = dict(vars(builtins))
 
-#: Of one value: items and numbers in all, levels, characters of a text and of a name; numbers of an array.
+#: Bounds of one description: nodes in all, levels, characters of a text and of a name, numbers of an array.
 NODES, LEVELS, TEXT, NAME, NUMBERS = 250, 5, 200, 80, 400
-#: An integer of more bits is told by its size.
+#: An integer of more bits is described by its size.
 BITS = 1000
-#: Bytes of an array that are looked at to see whether it has changed; of a larger one, items spread over it.
+#: Arrays up to this many bytes are compared whole; larger ones by SAMPLED items spread over them.
 COMPARED = 1 << 22
 SAMPLED = 1 << 12
 
@@ -41,13 +41,13 @@ _NUMPY = frozenset(
     )
 )
 _SEQUENCES = {id(kind): kind.__name__ for kind in (list, tuple, set, frozenset, deque, range)}
-#: Those that never change are nobody's to share.
+#: Sequence types whose objects can be shared and changed.
 _MUTABLE = frozenset(map(id, (list, set, deque)))
 _NAMED = frozenset(map(id, (FunctionType, BuiltinFunctionType)))
 
 
 class ValueDescriber:
-    """Describes values. The same object has the same number (`alias`) each time, as long as it lives."""
+    """Describes values. The same object gets the same number (`alias`) each time, as long as it lives."""
 
     def __init__(self) -> None:
         self._numbers: dict[int, int] = {}
@@ -78,21 +78,21 @@ class ValueDescriber:
         return "other", type_name(type(value)), _object_name(value, kind)
 
     def _sequence(self, value: Any, kind: int, level: int, room: list[int]) -> Value:
-        items = [self._describe(one, level + 1, room) for one in _take_items(value, level, room) if room[0] > 0]
+        items = [self._describe(item, level + 1, room) for item in _take_items(value, level, room) if room[0] > 0]
         alias = self.alias(value) if kind in _MUTABLE else None
         return "sequence", _SEQUENCES[kind], alias, _length(value), tuple(items)
 
     def _mapping(self, value: dict[Any, Any], level: int, room: list[int]) -> Value:
         pairs = [
-            (self._describe(key, level + 1, room), self._describe(one, level + 1, room))
-            for key, one in _take_items(value.items(), level, room)
+            (self._describe(key, level + 1, room), self._describe(item, level + 1, room))
+            for key, item in _take_items(value.items(), level, room)
             if room[0] > 0
         ]
         return "mapping", self.alias(value), len(value), tuple(pairs)
 
     def _array(self, array: Any, room: list[int]) -> Value:
-        most = NUMBERS if room[0] == NODES - 1 else max(0, min(NUMBERS, room[0]))
-        numbers = _first_numbers(array, most)
+        limit = NUMBERS if room[0] == NODES - 1 else max(0, min(NUMBERS, room[0]))
+        numbers = _first_numbers(array, limit)
         room[0] -= len(numbers)
         return "array", array.dtype.str, self.alias(array), array.shape, tuple(numbers)
 
@@ -101,8 +101,8 @@ class ValueDescriber:
 
 
 def _take_items(items: Any, level: int, room: list[int]) -> list[Any]:
-    """As many as there is room for. They are taken out first: describing them may let a collection of garbage run
-    what the student wrote for the end of an object."""
+    """Return as many items as the budget allows, before describing them: a description may trigger a garbage collection
+    that runs the student's finalisers."""
     return list(islice(items, max(0, room[0]))) if level <= LEVELS else []
 
 
@@ -125,27 +125,27 @@ def _scalar(value: Any) -> Value:
 
 
 def _number(value: Any) -> Any:
-    """The number itself; one nan for all of them, which are then the same."""
+    """Return the number; a single nan object stands for all nans."""
     if value == value:  # noqa: PLR0124
         return value
     return _COMPLEX_NAN if type(value) is complex else _NAN
 
 
-def _first_numbers(array: Any, most: int) -> list[Any]:
-    """The first items of an array, row by row: numbers, or texts where they are none."""
+def _first_numbers(array: Any, limit: int) -> list[Any]:
+    """Return the first items of an array, row by row: numbers, or texts for other items."""
     kind = array.dtype.kind
     if kind not in "biufcUO":
         return []
-    items = array.flat[:most]
+    items = array.flat[:limit]
     if kind in "fc" and array.dtype.itemsize > (8 if kind == "f" else 16):
-        return [_number((float if kind == "f" else complex)(one)) for one in items]
+        return [_number((float if kind == "f" else complex)(item)) for item in items]
     if kind in "fc":
-        return [_number(one) for one in items.tolist()]
-    return [_item(one) for one in items.tolist()] if kind in "UO" else list(items.tolist())
+        return [_number(item) for item in items.tolist()]
+    return [_item(item) for item in items.tolist()] if kind in "UO" else list(items.tolist())
 
 
 def _item(value: Any) -> Any:
-    """An item of an array of objects or of texts."""
+    """Describe an item of an array of objects or texts."""
     if id(type(value)) not in _SCALARS:
         return type_name(type(value))
     if type(value) is str:
@@ -156,7 +156,7 @@ def _item(value: Any) -> Any:
 
 
 def type_name(kind: type) -> str:
-    """The name of a type, as the interpreter keeps it."""
+    """Return the name of a type as the interpreter stores it, whatever its metaclass."""
     name = _TYPE_NAME(kind)
     return name[:NAME] if type(name) is str else ""
 
@@ -167,7 +167,7 @@ def _object_name(value: Any, kind: int) -> str:
     if kind in _NAMED:
         name = value.__name__
     elif kind == _MODULE:
-        name = next((one for key, one in list(vars(value).items()) if type(key) is str and key == "__name__"), "")
+        name = next((text for key, text in list(vars(value).items()) if type(key) is str and key == "__name__"), "")
     elif kind == _TYPE:
         name = _TYPE_NAME(value)
     else:
@@ -176,7 +176,7 @@ def _object_name(value: Any, kind: int) -> str:
 
 
 def describe_exception(kind: type, value: Any) -> tuple[str, str]:
-    """The name of an exception and what it says, where that is a text or a number that it was made with."""
+    """Return the name of an exception and its message, where its argument is a text or a number."""
     said = value
     if any(base is BaseException for base in _MRO(type(value))):
         arguments = _ARGS(value)
@@ -188,7 +188,7 @@ def describe_exception(kind: type, value: Any) -> tuple[str, str]:
 
 
 def fingerprint(value: Any, described: ValueDescriber) -> Any:
-    """What tells whether a variable has another value than before, for `same`; it is ours, or cannot change."""
+    """Return a fingerprint by which `is_same` tells whether a variable has changed."""
     kind = id(type(value))
     if kind in _SCALARS or kind in _NUMPY:
         return value
@@ -200,7 +200,7 @@ def fingerprint(value: Any, described: ValueDescriber) -> Any:
 
 
 class Fingerprint:
-    """The fingerprint of what may change."""
+    """Fingerprint of a mutable value."""
 
     __slots__ = ("content", "number")
 

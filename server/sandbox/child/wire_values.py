@@ -1,4 +1,4 @@
-"""What the encoder and the decoder of the wire share: the values, their bounds, and what may be wrong with them."""
+"""Shared by the encoder and the decoder of the wire: values, their bounds, and errors."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class TooManyItems(MalformedValue):
 
 
 class UnsendableValue(TypeError):
-    """A Python object that is no value: `culprit` is its type, `place` where it was found."""
+    """A Python object that is no value: `culprit` is its type, `path` its position (``[0]['a']``)."""
 
-    def __init__(self, reason: str, culprit: str, place: str) -> None:
-        super().__init__(reason, culprit, place)
-        self.reason, self.culprit, self.place = reason, culprit, place
+    def __init__(self, reason: str, culprit: str, path: str) -> None:
+        super().__init__(reason, culprit, path)
+        self.reason, self.culprit, self.path = reason, culprit, path
 
 
 class ValueTooBig(ValueError):
