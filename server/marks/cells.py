@@ -1,5 +1,4 @@
-"""Tables as files that programs for tables open: text that no program takes for a formula, numbers as its readers write
-them."""
+"""Tables as CSV and XLSX files, in which no text is taken for a formula."""
 
 from __future__ import annotations
 
@@ -15,13 +14,13 @@ from server.marks.means import format_number
 Cell = str | float | None
 FORMULA = re.compile(r"\s*[=+\-@\t\r＝＋－＠]|[\t\r\n]")
 BOM = "\ufeff"
-NAME_LENGTH = 60
-WIDEST = 60
+MAX_SLUG_LENGTH = 60
+MAX_WIDTH = 60
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table with its header. `frozen` columns stay in sight; None is an empty cell."""
+    """A table with its header. The first `frozen` columns stay visible; None is an empty cell."""
 
     title: str
     header: tuple[str, ...]
@@ -30,38 +29,38 @@ class Sheet:
 
 
 def escape_formula(text: str) -> str:
-    """Behind an apostrophe where a program would take it for a formula: the text stays to be read."""
+    """Prefix with an apostrophe what a spreadsheet would take for a formula."""
     return f"'{text}" if FORMULA.match(text) else text
 
 
 def french_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
-    """For a French Excel: UTF-8 with its mark, « ; », decimal comma, CRLF, every cell quoted. In pieces."""
+    """Yield the lines of a CSV file for a French Excel: UTF-8 with BOM, « ; », decimal comma, CRLF, all quoted."""
     yield (BOM + _line(header, ";", ",")).encode()
     for row in rows:
         yield _line(row, ";", ",").encode()
 
 
 def plain_csv(header: Sequence[Cell], rows: Iterable[Sequence[Cell]]) -> Iterator[bytes]:
-    """UTF-8 without a mark, commas, decimal point: for programs."""
+    """Yield the lines of a CSV file for programs: UTF-8 without BOM, commas, decimal point."""
     for row in (header, *rows):
         yield _line(row, ",", ".").encode()
 
 
-def _line(row: Sequence[Cell], separator: str, sign: str) -> str:
+def _line(row: Sequence[Cell], separator: str, decimal_sign: str) -> str:
     text = io.StringIO()
     writer = csv.writer(text, delimiter=separator, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
-    writer.writerow([_text(cell, sign) for cell in row])
+    writer.writerow([_text(cell, decimal_sign) for cell in row])
     return text.getvalue()
 
 
-def _text(cell: Cell, sign: str) -> str:
+def _text(cell: Cell, decimal_sign: str) -> str:
     if cell is None:
         return ""
-    return escape_formula(cell) if isinstance(cell, str) else format_number(cell, sign)
+    return escape_formula(cell) if isinstance(cell, str) else format_number(cell, decimal_sign)
 
 
 def xlsx(sheets: Iterable[Sheet]) -> bytes:
-    """Numbers as numbers, text as text that is never a formula, the header and the names always in sight."""
+    """Return a workbook: numbers as numbers, text never as formulas, header and names always visible."""
     import xlsxwriter
 
     content = io.BytesIO()
@@ -70,34 +69,34 @@ def xlsx(sheets: Iterable[Sheet]) -> bytes:
             "head": book.add_format({"bold": True, "text_wrap": True, "valign": "top", "bottom": 1}),
             "mark": book.add_format({"num_format": "0.##"}),
             "text": book.add_format({}),
-            "kept": book.add_format({"quote_prefix": True}),
+            "quoted": book.add_format({"quote_prefix": True}),
             "note": book.add_format({"text_wrap": True, "valign": "top"}),
         }
-        for one in sheets:
-            _write(book.add_worksheet(one.title), one, styles)
+        for sheet in sheets:
+            _write(book.add_worksheet(sheet.title), sheet, styles)
     return content.getvalue()
 
 
-def _write(page, one: Sheet, styles) -> None:  # type: ignore[no-untyped-def]
-    for column, title in enumerate(one.header):
+def _write(page, sheet: Sheet, styles) -> None:  # type: ignore[no-untyped-def]
+    for column, title in enumerate(sheet.header):
         page.write_string(0, column, title, styles["head"])
-    for line, row in enumerate(one.rows, 1):
+    for line, row in enumerate(sheet.rows, 1):
         for column, cell in enumerate(row):
             if isinstance(cell, str):
-                page.write_string(line, column, cell, styles["kept" if FORMULA.match(cell) else "text"])
+                page.write_string(line, column, cell, styles["quoted" if FORMULA.match(cell) else "text"])
             elif cell is not None:
                 page.write_number(line, column, cell, styles["mark"])
-    page.freeze_panes(1, one.frozen)
-    for column, width in enumerate(_widths(one)):
+    page.freeze_panes(1, sheet.frozen)
+    for column, width in enumerate(_column_widths(sheet)):
         page.set_column(column, column, width)
 
 
-def _widths(one: Sheet) -> list[int]:
-    columns = zip(*(one.header, *one.rows), strict=True)
-    return [min(WIDEST, max(8, *(len(cell) + 2 for cell in column if isinstance(cell, str)))) for column in columns]
+def _column_widths(sheet: Sheet) -> list[int]:
+    columns = zip(*(sheet.header, *sheet.rows), strict=True)
+    return [min(MAX_WIDTH, max(8, *(len(cell) + 2 for cell in column if isinstance(cell, str)))) for column in columns]
 
 
-def ascii_slug(text: str, otherwise: str) -> str:
-    """A piece of a file's name that every system takes: « MPSI 2 » gives « mpsi-2 »."""
+def ascii_slug(text: str, default: str) -> str:
+    """Return a part of a file name that every system accepts: « MPSI 2 » gives « mpsi-2 »."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
-    return "-".join(re.findall(r"[a-z0-9]+", plain))[:NAME_LENGTH].strip("-") or otherwise
+    return "-".join(re.findall(r"[a-z0-9]+", plain))[:MAX_SLUG_LENGTH].strip("-") or default

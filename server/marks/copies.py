@@ -1,4 +1,4 @@
-"""The files that made the marks of a class, with an index: read one at a time, so that nothing of them is kept."""
+"""The attempts that made the marks of a class, as an archive of files with an index."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from server.marks.files import FormatTime, unique_titles
 from server.marks.means import round_points
 from server.marks.schemas import ExerciseMark, Gradebook, StudentMarks
 
-File = tuple[str, bytes]
+ArchiveFile = tuple[str, bytes]
 INDEX = "index.csv"
 NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
 HEADER = ("Fichier", "Devoir", "Exercice", "Élève", "Envoyé le", "Points", "Jours de retard", "Note modifiée")
 
 
 @dataclass(frozen=True)
-class Copy:
-    """One attempt that counts, and its line in the index."""
+class CountedCopy:
+    """An attempt that counts: its path in the archive, and its line in the index."""
 
     submission: UUID
     path: str
@@ -33,83 +33,89 @@ class Copy:
 
 
 @dataclass(frozen=True)
-class _Called:
-    """What a student is called in the index, and in the files' names."""
+class StudentLabel:
+    """The name of a student in the index, and in the names of files."""
 
     name: str
-    file: str
+    file_stem: str
 
 
-def copies(book: Gradebook, course: Course, *, names: bool, only: UUID | None, when: FormatTime) -> Sequence[Copy]:
-    """Of every assignment or of one. Without `names`, each student is a number drawn for this archive alone.
+def list_copies(
+    gradebook: Gradebook, course: Course, *, names: bool, only: UUID | None, format_time: FormatTime
+) -> Sequence[CountedCopy]:
+    """List the copies of every assignment, or of one. Raise NotFound for an assignment of another class.
 
-    Times of sending are not told then: they would say who it is. Raises NotFound for an assignment of another class.
+    Without `names`, each student gets a pseudonym drawn for this archive alone, and the times of sending are left out,
+    which would identify students.
     """
-    if only is not None and all(one.id != only for one in book.assignments):
+    if only is not None and all(assignment.id != only for assignment in gradebook.assignments):
         raise NotFound(NO_SUCH_ASSIGNMENT)
-    called = _names(book.rows) if names else _pseudonyms(book.rows)
-    named = unique_titles(book.assignments)
-    folders = _unique([ascii_slug(title, "devoir") for title in named])
-    found = []
-    for place, assignment in enumerate(book.assignments):
-        if only is None or assignment.id == only:
-            for row in book.rows:
-                for one in row.marks[place].exercises:
-                    if one.counted is not None:
-                        who = called[row.member.id]
-                        path = f"{folders[place]}/{_file(course, one.exercise, who.file)}"
-                        sent = when(one.sent_at) if names and one.sent_at else ""
-                        line = (path, named[place], book.title_of(one.exercise), who.name, sent, *_told(one))
-                        found.append(Copy(one.counted.attempt, path, line))
-    return found
+    labels = _real_names(gradebook.rows) if names else _pseudonyms(gradebook.rows)
+    titles = unique_titles(gradebook.assignments)
+    folders = _unique([ascii_slug(title, "devoir") for title in titles])
+    copies = []
+    for index, assignment in enumerate(gradebook.assignments):
+        if only is not None and assignment.id != only:
+            continue
+        for row in gradebook.rows:
+            label = labels[row.member.id]
+            for mark in row.marks[index].exercises:
+                if mark.counted is not None:
+                    path = f"{folders[index]}/{_file_path(course, mark.exercise, label.file_stem)}"
+                    sent = format_time(mark.sent_at) if names and mark.sent_at else ""
+                    title = gradebook.title_of(mark.exercise)
+                    line = (path, titles[index], title, label.name, sent, *_mark_cells(mark))
+                    copies.append(CountedCopy(mark.counted.attempt, path, line))
+    return copies
 
 
-def _file(course: Course, exercise: str, student: str) -> str:
+def _file_path(course: Course, exercise: str, file_stem: str) -> str:
     known = course.exercises.get(exercise)
-    ending = "json" if known is not None and known.answers is not None else "py"
-    return f"{exercise.rpartition('/')[2]}/{student}.{ending}"
+    extension = "json" if known is not None and known.answers is not None else "py"
+    return f"{exercise.rpartition('/')[2]}/{file_stem}.{extension}"
 
 
-def _told(one: ExerciseMark) -> tuple[Cell, ...]:
-    points = None if one.points is None else round_points(one.points)
-    return points, float(one.counted.days_late if one.counted else 0), "oui" if one.override else ""
+def _mark_cells(mark: ExerciseMark) -> tuple[Cell, ...]:
+    points = None if mark.points is None else round_points(mark.points)
+    return points, float(mark.counted.days_late if mark.counted else 0), "oui" if mark.override else ""
 
 
-def _names(rows: Sequence[StudentMarks]) -> Mapping[UUID, _Called]:
-    """By family name. Two of one name have files of their own."""
-    members = [row.member for row in rows]
-    names = [" ".join(filter(None, (one.family_name, one.given_name))) or one.name for one in members]
-    files = _unique([ascii_slug(name, "eleve") for name in names])
-    return {one.id: _Called(*called) for one, *called in zip(members, names, files, strict=True)}
+def _real_names(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
+    """Label students by family name, with different file names for equal names."""
+    students = [row.member for row in rows]
+    names = [" ".join(filter(None, (one.family_name, one.given_name))) or one.name for one in students]
+    stems = _unique([ascii_slug(name, "eleve") for name in names])
+    return {one.id: StudentLabel(name, stem) for one, name, stem in zip(students, names, stems, strict=True)}
 
 
-def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, _Called]:
-    """The same through one archive, and of no use with another: drawn with a salt that nobody keeps."""
+def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
+    """Label students by numbers that hold for one archive: drawn with a salt that is not stored."""
     salt = secrets.token_bytes(32)
-    drawn = sorted((row.member.id for row in rows), key=lambda one: hmac.digest(salt, one.bytes, "sha256"))
-    width = len(str(len(drawn)))
-    names = [f"eleve-{number:0{width}}" for number in range(1, len(drawn) + 1)]
-    return {account_id: _Called(name, name) for account_id, name in zip(drawn, names, strict=True)}
+    students = sorted((row.member.id for row in rows), key=lambda id: hmac.digest(salt, id.bytes, "sha256"))
+    width = len(str(len(students)))
+    names = [f"eleve-{number:0{width}}" for number in range(1, len(students) + 1)]
+    return {account_id: StudentLabel(name, name) for account_id, name in zip(students, names, strict=True)}
 
 
 def _unique(names: Sequence[str]) -> list[str]:
+    """Append numbers to names that occur before."""
     taken: set[str] = set()
-    found = []
+    unique_names = []
     for name in names:
-        number, unique = 1, name
-        while unique in taken:
+        number, unique_name = 1, name
+        while unique_name in taken:
             number += 1
-            unique = f"{name}-{number}"
-        taken.add(unique)
-        found.append(unique)
-    return found
+            unique_name = f"{name}-{number}"
+        taken.add(unique_name)
+        unique_names.append(unique_name)
+    return unique_names
 
 
-def files_of(database: Database, found: Sequence[Copy]) -> Iterator[File]:
-    """The index, then each file, in a transaction of its own; one that is erased meanwhile is left out."""
-    yield INDEX, b"".join(french_csv(HEADER, (one.line for one in found)))
-    for one in found:
+def archive_files(database: Database, copies: Sequence[CountedCopy]) -> Iterator[ArchiveFile]:
+    """Yield the index, then each file, read in a transaction of its own; files erased meanwhile are left out."""
+    yield INDEX, b"".join(french_csv(HEADER, (copy.line for copy in copies)))
+    for copy in copies:
         with database.read() as db:
-            source = repository.load_source(db, one.submission)
+            source = repository.load_source(db, copy.submission)
         if source is not None:
-            yield one.path, source
+            yield copy.path, source

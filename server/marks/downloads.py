@@ -1,4 +1,4 @@
-"""A book as one file that is taken away, with the headers that it is sent with."""
+"""A gradebook as a file to download, with its HTTP headers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CSV = "text/csv; charset=utf-8"
 
 
 class GradebookFormat(StrEnum):
-    """What a gradebook may be taken away as."""
+    """The file formats of a gradebook."""
 
     json = "json"
     csv = "csv"
@@ -45,34 +45,34 @@ class GradebookDownload:
     name: str
     content: bytes
     media_type: str
-    more: Mapping[str, str] = field(default_factory=dict)
+    extra_headers: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def headers(self) -> dict[str, str]:
-        kept = {"Content-Disposition": f'attachment; filename="{self.name}"', "Cache-Control": "private, no-store"}
-        return {**kept, **self.more}
+        common = {"Content-Disposition": f'attachment; filename="{self.name}"', "Cache-Control": "private, no-store"}
+        return {**common, **self.extra_headers}
 
 
 def render_download(
-    book: Gradebook, format: GradebookFormat, identifier: MoodleIdentifier, when: FormatTime
+    gradebook: Gradebook, format: GradebookFormat, identifier: MoodleIdentifier, format_time: FormatTime
 ) -> GradebookDownload:
-    """`identifier` is for Moodle's file alone: `X-Balise-Left-Out` says how many students it is without."""
-    kind = format.media_type
-    if format is GradebookFormat.xlsx:
-        return GradebookDownload(file_name(book, "notes", "xlsx"), xlsx(gradebook_sheets(book, when)), kind)
-    if format is GradebookFormat.csv:
-        sheet = marks_sheet(book)
-        return GradebookDownload(file_name(book, "notes", "csv"), b"".join(french_csv(sheet.header, sheet.rows)), kind)
+    """Render a file. `identifier` is for Moodle's, whose header `X-Balise-Left-Out` counts the students left out."""
     if format is GradebookFormat.moodle:
-        made = moodle_file(book, identifier)
-        left_out = {"X-Balise-Left-Out": str(len(made.left_out))}
-        return GradebookDownload(file_name(book, "moodle", "csv"), b"".join(made.pieces()), kind, left_out)
-    content = json.dumps(gradebook_json(book), default=_plain, ensure_ascii=False, indent=1)
-    return GradebookDownload(file_name(book, "notes", "json"), content.encode(), kind)
+        moodle = moodle_file(gradebook, identifier)
+        name, content = file_name(gradebook, "moodle", "csv"), b"".join(moodle.lines())
+        return GradebookDownload(name, content, format.media_type, {"X-Balise-Left-Out": str(len(moodle.left_out))})
+    if format is GradebookFormat.xlsx:
+        content = xlsx(gradebook_sheets(gradebook, format_time))
+    elif format is GradebookFormat.csv:
+        sheet = marks_sheet(gradebook)
+        content = b"".join(french_csv(sheet.header, sheet.rows))
+    else:
+        content = json.dumps(gradebook_json(gradebook), default=_text_of, ensure_ascii=False, indent=1).encode()
+    return GradebookDownload(file_name(gradebook, "notes", format.value), content, format.media_type)
 
 
-def _plain(value: object) -> str:
-    """Raises TypeError for what is neither a date nor a name."""
+def _text_of(value: object) -> str:
+    """Return a date or an id as text. Raise TypeError for anything else."""
     if isinstance(value, datetime):
         return value.isoformat()
     if isinstance(value, UUID):

@@ -1,4 +1,4 @@
-"""A class's marks as files: for a spreadsheet, for Moodle, for a program, for a form to paste a column into."""
+"""The marks of a class as tables: for a spreadsheet, for Moodle, for programs, and as one column to copy."""
 
 from __future__ import annotations
 
@@ -18,99 +18,104 @@ from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkSt
 ABSENT, EXCUSED, AVERAGE = "Abs", "disp.", "Moyenne"
 FormatTime = Callable[[datetime], str]
 YES = {True: "oui", False: ""}
-WORDS = {MarkState.absent: ABSENT, MarkState.excused: EXCUSED}
+STATE_TEXTS = {MarkState.absent: ABSENT, MarkState.excused: EXCUSED}
 
 
 class MoodleIdentifier(StrEnum):
-    """By what Moodle knows who is who."""
+    """The column by which Moodle identifies students."""
 
     email = "email"
     id = "id"
 
 
-def file_name(book: Gradebook, what: str, ending: str) -> str:
-    """In plain letters: « balise-mpsi-2-notes-2026-11-22.csv »."""
-    return f"balise-{ascii_slug(book.school_class.name, 'classe')}-{what}-{book.at:%Y-%m-%d}.{ending}"
+def file_name(gradebook: Gradebook, contents: str, extension: str) -> str:
+    """Return an ASCII file name: « balise-mpsi-2-notes-2026-11-22.csv »."""
+    return f"balise-{ascii_slug(gradebook.school_class.name, 'classe')}-{contents}-{gradebook.at:%Y-%m-%d}.{extension}"
 
 
 def mark_cell(mark: AssignmentMark) -> Cell:
-    """Points, « Abs », « disp. », or nothing."""
-    if mark.state in WORDS:
-        return WORDS[mark.state]
-    return _rounded(mark.points)
+    """Return points, « Abs », « disp. », or None."""
+    if mark.state in STATE_TEXTS:
+        return STATE_TEXTS[mark.state]
+    return _round_or_none(mark.points)
 
 
 def unique_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
-    """Each once, so that columns can be told apart."""
-    seen: Counter[str] = Counter()
-    found = []
-    for one in assignments:
-        seen[one.title] += 1
-        found.append(one.title if seen[one.title] == 1 else f"{one.title} ({seen[one.title]})")
-    return tuple(found)
+    """Return the titles of assignments, numbered where several have the same."""
+    counts: Counter[str] = Counter()
+    titles = []
+    for assignment in assignments:
+        title = assignment.title
+        counts[title] += 1
+        titles.append(title if counts[title] == 1 else f"{title} ({counts[title]})")
+    return tuple(titles)
 
 
-def _person(member: StudentRecord) -> tuple[str, str, str, str]:
-    """Family name, given name, login, groups; who has no family name in the list is named whole."""
-    listed = member.family_name
-    family, given = (listed, member.given_name) if listed else (member.name, "")
-    return family, given, member.login, ", ".join(member.groups)
+def _person(student: StudentRecord) -> tuple[str, str, str, str]:
+    """Return family name, given name, login and groups; the whole name first where the list has no family name."""
+    names = (student.family_name, student.given_name) if student.family_name else (student.name, "")
+    return *names, student.login, ", ".join(student.groups)
 
 
 PERSON = ("Nom", "Prénom", "Identifiant", "Groupe")
 
 
-def marks_sheet(book: Gradebook) -> Sheet:
-    """Students × assignments, with their averages."""
+def marks_sheet(gradebook: Gradebook) -> Sheet:
+    """Return the table of students × assignments, with the averages."""
     rows = [
-        (*_person(row.member), *(mark_cell(mark) for mark in row.marks), _rounded(row.average)) for row in book.rows
+        (*_person(row.member), *(mark_cell(mark) for mark in row.marks), _round_or_none(row.average))
+        for row in gradebook.rows
     ]
-    return Sheet("Notes", (*PERSON, *unique_titles(book.assignments), AVERAGE), rows, frozen=2)
+    return Sheet("Notes", (*PERSON, *unique_titles(gradebook.assignments), AVERAGE), rows, frozen=2)
 
 
 DETAILS = ("Points", "Note automatique", "Dispensé", "Jours de retard", "Essais", "Note modifiée", "À revoir", "Motif")
 
 
-def exercises_sheet(book: Gradebook) -> Sheet:
-    """A line for each student, assignment and exercise."""
+def exercises_sheet(gradebook: Gradebook) -> Sheet:
+    """Return a table with a line for each student, assignment and exercise."""
+    titles = unique_titles(gradebook.assignments)
     rows = [
-        (*_person(row.member), title, book.title_of(one.exercise), *_details(one, mark))
-        for row in book.rows
-        for title, mark in zip(unique_titles(book.assignments), row.marks, strict=True)
-        for one in mark.exercises
+        (*_person(row.member), title, gradebook.title_of(exercise.exercise), *_details(exercise, mark))
+        for row in gradebook.rows
+        for title, mark in zip(titles, row.marks, strict=True)
+        for exercise in mark.exercises
     ]
     return Sheet("Exercices", (*PERSON, "Devoir", "Exercice", *DETAILS), rows, frozen=2)
 
 
-def _details(one: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
-    excused = one.excused or mark.state is MarkState.excused
+def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
+    excused = exercise.excused or mark.state is MarkState.excused
     return (
-        None if excused else _rounded(one.points),
-        _rounded(one.effective.automatic),
+        None if excused else _round_or_none(exercise.points),
+        _round_or_none(exercise.effective.automatic),
         YES[excused],
-        float(one.days_late),
-        float(one.attempts),
-        YES[one.override is not None],
-        YES[one.stale],
-        one.override.reason if one.override else "",
+        float(exercise.days_late),
+        float(exercise.attempts),
+        YES[exercise.override is not None],
+        YES[exercise.stale],
+        exercise.override.reason if exercise.override else "",
     )
 
 
-def explanations_sheet(book: Gradebook, when: FormatTime) -> Sheet:
-    """What the other sheets hold, the weights and dates, the class's mean and median."""
-    rows: list[tuple[Cell, ...]] = [
-        (title, one.weight, when(one.opens_at), *(when(at) if at else "" for at in (one.due_at, one.closes_at)),
-         "contrôle, pas encore rendu aux élèves" if is_withheld(one, book.at) else "", *_summed(book.summary_of(place)))
-        for place, (title, one) in enumerate(zip(unique_titles(book.assignments), book.assignments, strict=True))
-    ]  # fmt: skip
-    rows.append((AVERAGE, None, "", "", "", "", *_summed(book.averages)))
-    rows += [("",) + (None,) * 8] + [(note, *[None] * 8) for note in (*NOTES, f"Notes du {when(book.at)}.")]
+def explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> Sheet:
+    """Return the table of assignments with weights, dates, mean and median, followed by the notes."""
+    rows: list[tuple[Cell, ...]] = []
+    for index, assignment in enumerate(gradebook.assignments):
+        dates = (assignment.opens_at, assignment.due_at, assignment.closes_at)
+        remark = "contrôle, pas encore rendu aux élèves" if is_withheld(assignment, gradebook.at) else ""
+        title, summary = unique_titles(gradebook.assignments)[index], gradebook.summary_of(index)
+        texts = (format_time(date) if date else "" for date in dates)
+        rows.append((title, assignment.weight, *texts, remark, *_summary_cells(summary)))
+    rows.append((AVERAGE, None, "", "", "", "", *_summary_cells(gradebook.averages)))
+    notes = (*NOTES, f"Notes du {format_time(gradebook.at)}.")
+    rows += [("",) + (None,) * 8] + [(note, *[None] * 8) for note in notes]
     header = ("Devoir", "Coefficient", "Ouvre", "À rendre", "Ferme", "Remarque", "Copies", "Moyenne", "Médiane")
     return Sheet("Explications", header, rows, frozen=1)
 
 
-def _summed(found: MarkSummary) -> tuple[Cell, ...]:
-    return float(found.count), _rounded(found.mean), _rounded(found.median)
+def _summary_cells(summary: MarkSummary) -> tuple[Cell, ...]:
+    return float(summary.count), _round_or_none(summary.mean), _round_or_none(summary.median)
 
 
 NOTES = (
@@ -124,120 +129,136 @@ NOTES = (
 )
 
 
-def gradebook_sheets(book: Gradebook, when: FormatTime) -> tuple[Sheet, ...]:
-    return marks_sheet(book), exercises_sheet(book), explanations_sheet(book, when)
+def gradebook_sheets(gradebook: Gradebook, format_time: FormatTime) -> tuple[Sheet, ...]:
+    return marks_sheet(gradebook), exercises_sheet(gradebook), explanations_sheet(gradebook, format_time)
 
 
-def column_text(book: Gradebook, place: int | None) -> str:
-    """One value a line, in the order of the list of names; None for the averages."""
-    cells: list[Cell] = [_rounded(row.average) if place is None else mark_cell(row.marks[place]) for row in book.rows]
-    return "\n".join("" if one is None else one if isinstance(one, str) else format_number(one) for one in cells)
+def column_text(gradebook: Gradebook, index: int | None) -> str:
+    """Return the marks at an assignment, or the averages (None): one a line, in the order of the list of names."""
+    cells: list[Cell] = [
+        _round_or_none(row.average) if index is None else mark_cell(row.marks[index]) for row in gradebook.rows
+    ]
+    return "\n".join("" if cell is None else cell if isinstance(cell, str) else format_number(cell) for cell in cells)
 
 
 @dataclass(frozen=True)
 class MoodleFile:
-    """The lines of a file that Moodle imports; the names of those who cannot be in it."""
+    """A table that Moodle imports; `left_out`: the names of students who cannot be in it."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     left_out: tuple[str, ...]
 
-    def pieces(self) -> Iterator[bytes]:
+    def lines(self) -> Iterator[bytes]:
         return plain_csv(self.header, self.rows)
 
 
 COLUMNS = {MoodleIdentifier.email: "Email address", MoodleIdentifier.id: "ID number"}
 
 
-def moodle_file(book: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
-    """The marks that are final, and nothing for nothing: an empty cell leaves Moodle's mark as it is.
+def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
+    """Return the final marks; an empty cell leaves Moodle's mark as it is.
 
-    A test that is held back is left out: Moodle would show it. Who has no identifier, or shares it, is left out too.
+    Tests that are not released are left out, as Moodle would show them; so are students without an identifier of their
+    own.
     """
-    told = [place for place, one in enumerate(book.assignments) if not is_withheld(one, book.at)]
-    known = Counter(_identity(row.member, identifier) for row in book.rows)
+    titles = unique_titles(gradebook.assignments)
+    shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_withheld(assignment, gradebook.at)]
+    uses = Counter(_moodle_identity(row.member, identifier) for row in gradebook.rows)
     rows, left_out = [], []
-    for row in book.rows:
-        identity = _identity(row.member, identifier)
-        if not identity or known[identity] > 1 or escape_formula(identity) != identity:
+    for row in gradebook.rows:
+        identity = _moodle_identity(row.member, identifier)
+        if not identity or uses[identity] > 1 or escape_formula(identity) != identity:
             left_out.append(row.member.name)
         else:
-            rows.append((identity, *(_final(row.marks[place]) for place in told)))
-    named = unique_titles(book.assignments)
-    return MoodleFile((COLUMNS[identifier], *(named[place] for place in told)), tuple(rows), tuple(left_out))
+            rows.append((identity, *(_final_points(row.marks[index]) for index in shown)))
+    header = (COLUMNS[identifier], *(titles[index] for index in shown))
+    return MoodleFile(header, tuple(rows), tuple(left_out))
 
 
-def _identity(member: StudentRecord, identifier: MoodleIdentifier) -> str:
-    if identifier is MoodleIdentifier.email:
-        return member.email.strip().casefold()
-    return member.login
+def _moodle_identity(student: StudentRecord, identifier: MoodleIdentifier) -> str:
+    return student.email.strip().casefold() if identifier is MoodleIdentifier.email else student.login
 
 
-def _final(mark: AssignmentMark) -> float | None:
-    found = mark_cell(mark)
-    return None if isinstance(found, str) else found if mark.in_average is not None else None
+def _final_points(mark: AssignmentMark) -> float | None:
+    cell = mark_cell(mark)
+    return None if isinstance(cell, str) or mark.in_average is None else cell
 
 
-def gradebook_json(book: Gradebook) -> dict[str, Any]:
-    """The whole book, as plain values (contract, section 6)."""
+def gradebook_json(gradebook: Gradebook) -> dict[str, Any]:
+    """Return the whole gradebook as plain values (contract, section 6)."""
+    school_class = gradebook.school_class
     return {
-        "class": {"id": book.school_class.id, "name": book.school_class.name, "module": book.school_class.module},
-        "generated_at": book.at,
-        "assignments": [_assignment(book, one, book.summary_of(place)) for place, one in enumerate(book.assignments)],
+        "class": {"id": school_class.id, "name": school_class.name, "module": school_class.module},
+        "generated_at": gradebook.at,
+        "assignments": [_assignment_json(gradebook, index) for index in range(len(gradebook.assignments))],
         "students": [
             {
                 "id": row.member.id,
                 "name": row.member.name,
                 "groups": list(row.member.groups),
-                "average": _rounded(row.average),
+                "average": _round_or_none(row.average),
                 "marks": [
-                    _mark(assignment, mark) for assignment, mark in zip(book.assignments, row.marks, strict=True)
+                    _assignment_mark_json(assignment, mark)
+                    for assignment, mark in zip(gradebook.assignments, row.marks, strict=True)
                 ],
             }
-            for row in book.rows
+            for row in gradebook.rows
         ],
     }
 
 
-def _assignment(book: Gradebook, one: Assignment, found: MarkSummary) -> dict[str, Any]:
-    dates = {"opens_at": one.opens_at, "due_at": one.due_at, "closes_at": one.closes_at}
-    exercises = [{"exercise": each.exercise, "weight": each.weight} for each in book.exercises[one.id]]
-    sums = {"copies": found.count, "mean": _rounded(found.mean), "median": _rounded(found.median)}
-    about = {"id": one.id, "title": one.title, "mode": Mode(one.mode), "weight": one.weight}
-    return {**about, **dates, "held_back": is_withheld(one, book.at), "exercises": exercises, **sums}
-
-
-def _mark(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
+def _assignment_json(gradebook: Gradebook, index: int) -> dict[str, Any]:
+    assignment, summary = gradebook.assignments[index], gradebook.summary_of(index)
     return {
-        "assignment": assignment.id,
-        "state": mark.state,
-        "points": _rounded(mark.points),
-        "days_late": mark.days_late,
-        "exercises": [exercise_mark_json(one) for one in mark.exercises],
+        "id": assignment.id,
+        "title": assignment.title,
+        "mode": Mode(assignment.mode),
+        "weight": assignment.weight,
+        "opens_at": assignment.opens_at,
+        "due_at": assignment.due_at,
+        "closes_at": assignment.closes_at,
+        "held_back": is_withheld(assignment, gradebook.at),
+        "exercises": [
+            {"exercise": exercise, "weight": weight} for exercise, weight in gradebook.exercises[assignment.id]
+        ],
+        "copies": summary.count,
+        "mean": _round_or_none(summary.mean),
+        "median": _round_or_none(summary.median),
     }
 
 
-def exercise_mark_json(one: ExerciseMark) -> dict[str, Any]:
-    override = one.override
+def _assignment_mark_json(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
     return {
-        "exercise": one.exercise,
-        "points": _rounded(one.points),
-        "automatic": _rounded(one.effective.automatic),
-        "excused": one.excused,
-        "days_late": one.days_late,
-        "attempts": one.attempts,
+        "assignment": assignment.id,
+        "state": mark.state,
+        "points": _round_or_none(mark.points),
+        "days_late": mark.days_late,
+        "exercises": [exercise_mark_json(exercise) for exercise in mark.exercises],
+    }
+
+
+def exercise_mark_json(mark: ExerciseMark) -> dict[str, Any]:
+    override = mark.override
+    return {
+        "exercise": mark.exercise,
+        "points": _round_or_none(mark.points),
+        "automatic": _round_or_none(mark.effective.automatic),
+        "excused": mark.excused,
+        "days_late": mark.days_late,
+        "attempts": mark.attempts,
         "override": None
         if override is None
         else {
-            "points": _rounded(override.points),
+            "points": _round_or_none(override.points),
             "excused": override.excused,
             "reason": override.reason,
             "by": override.by or None,
             "at": override.at,
-            "stale": one.stale,
+            "stale": mark.stale,
         },
     }
 
 
-def _rounded(points: float | None) -> float | None:
+def _round_or_none(points: float | None) -> float | None:
     return None if points is None else round_points(points)

@@ -1,4 +1,4 @@
-"""Means, a median, and how marks are rounded when they are written: pure."""
+"""Means, the median, and the rounding of marks: pure."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 
 FULL = 20.0
-WHOLE = 1e-9  # what rounding may take from a full mark
+ROUNDING_NOISE = 1e-9
 
 
 def weighted_mean(values: Sequence[tuple[float, float]]) -> float | None:
-    """Of points with their weights (not negative); None where nothing weighs anything."""
+    """Return the mean of (points, weight) pairs, weights not negative; None where all weights are 0."""
     total = math.fsum(weight for _, weight in values)
     return math.fsum(points * weight for points, weight in values) / total if total > 0 else None
 
@@ -20,7 +20,7 @@ def mean(values: Sequence[float]) -> float | None:
 
 
 def median(values: Sequence[float]) -> float | None:
-    """The mean of the two in the middle, of an even number."""
+    """Return the median, of an even number the mean of the two in the middle; None for no values."""
     if not values:
         return None
     ordered, middle = sorted(values), len(values) // 2
@@ -28,17 +28,17 @@ def median(values: Sequence[float]) -> float | None:
 
 
 def round_points(points: float) -> float:
-    """To the nearest hundredth, a half upwards. Less than all points is never written as all of them."""
-    if points >= FULL - WHOLE:
+    """Round to the nearest hundredth, halves up. Less than full points is never rounded to full."""
+    if points >= FULL - ROUNDING_NOISE:
         return FULL
-    return min(math.floor(points * 100 + 0.5 + WHOLE) / 100, FULL - 0.01)
+    return min(math.floor(points * 100 + 0.5 + ROUNDING_NOISE) / 100, FULL - 0.01)
 
 
-def format_number(value: float, sign: str = ",") -> str:
-    """At most two decimals, without needless zeros: « 12,5 »."""
-    return f"{value:.2f}".rstrip("0").rstrip(".").replace(".", sign)
+def format_number(value: float, decimal_sign: str = ",") -> str:
+    """Format with at most two decimals, without trailing zeros: « 12,5 »."""
+    return f"{value:.2f}".rstrip("0").rstrip(".").replace(".", decimal_sign)
 
 
 def format_points(points: float) -> str:
-    """Points as they are read in French, rounded."""
+    """Round points and format them in French."""
     return format_number(round_points(points))

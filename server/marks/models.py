@@ -1,4 +1,4 @@
-"""What a teacher sets in place of an automatic mark."""
+"""The table of marks that teachers set in place of automatic ones."""
 
 from datetime import datetime
 from uuid import UUID, uuid4
@@ -12,11 +12,10 @@ REASON_LENGTH = 1000
 
 
 class Override(Base):
-    """A student's mark at an exercise, as a teacher of the class has set it: points out of 20, or excused.
+    """A student's mark at an exercise, set by a teacher of the class: points out of 20, or excused.
 
-    The automatic mark stays beside it. `based_on`: the gradings that made the automatic mark when this was set, null
-    standing for none; once another counts, the override is to be looked at again. They are compared, never followed.
-    Withdrawn or replaced, the row stays.
+    `based_on`: the ids of the gradings that made the automatic marks when this was set, null for none; once another one
+    counts, the override is stale. The ids are only compared. Withdrawn or replaced, the row stays.
     """
 
     __tablename__ = "mark_override"

@@ -47,30 +47,30 @@ def find_override(db: Session, class_id: UUID, student: UUID, exercise: str) -> 
 
 
 def list_overrides_on(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
-    """All that were ever set on somebody's marks, each with the name of the class."""
+    """Return every override ever set on an account's marks, each with the name of the class."""
     query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
     return db.execute(query.where(Override.account_id == account_id).order_by(Override.at, Override.id)).all()
 
 
 def list_overrides_by(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
-    """All that somebody ever set, each with the name of the class."""
+    """Return every override ever set by an account, each with the name of the class."""
     query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
     return db.execute(query.where(Override.by == account_id).order_by(Override.at, Override.id)).all()
 
 
-def move(db: Session, old: UUID, new: UUID, now: datetime) -> None:
-    """Gives an account a guest's overrides; where both have one in force, the account keeps its own."""
-    mine = set(_in_force_of(db, new))
-    for one in db.execute(
+def move_overrides(db: Session, old: UUID, new: UUID, now: datetime) -> None:
+    """Move overrides from a guest to an account, which keeps its own where both have one in force."""
+    own = set(_active_pairs(db, new))
+    for override in db.execute(
         select(Override).where(Override.account_id == old, Override.withdrawn_at.is_(None))
     ).scalars():
-        if (one.class_id, one.exercise) in mine:
-            one.withdrawn_at = now
+        if (override.class_id, override.exercise) in own:
+            override.withdrawn_at = now
     db.flush()
     db.execute(update(Override).where(Override.account_id == old).values(account_id=new))
 
 
-def _in_force_of(db: Session, account_id: UUID) -> Sequence[tuple[UUID, str]]:
+def _active_pairs(db: Session, account_id: UUID) -> Sequence[tuple[UUID, str]]:
     query = select(Override.class_id, Override.exercise)
     query = query.where(Override.account_id == account_id, Override.withdrawn_at.is_(None))
     return [(class_id, exercise) for class_id, exercise in db.execute(query)]

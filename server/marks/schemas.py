@@ -1,4 +1,4 @@
-"""What goes into the room, and what comes out of it. Points are out of 20."""
+"""The marks of a class, of a student, and of one exercise. Points are out of 20."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ StudentExercise = tuple[UUID, str]
 
 @dataclass(frozen=True)
 class ActiveOverride:
-    """An override in force. `by` is empty where the account is no more; `based_on` as in the table."""
+    """An override in force. `by`: the name of its author, empty once the account is gone."""
 
     points: float | None
     excused: bool
@@ -33,7 +33,7 @@ class ActiveOverride:
 
 @dataclass(frozen=True)
 class EffectivePoints:
-    """A student's points at an exercise: those set, else those found; None where there are none, or when excused."""
+    """A student's points at an exercise: the override's, else the automatic ones; None where excused or not sent."""
 
     automatic: float | None
     override: ActiveOverride | None = None
@@ -51,7 +51,8 @@ class EffectivePoints:
 class ExerciseMark:
     """A student's mark at one exercise of an assignment.
 
-    `grading` is the name of the grading that makes the automatic mark, of the attempt sent at `sent_at`.
+    `grading`: the id of the grading that makes the automatic mark, of the attempt sent at `sent_at`; `attempts` counts
+    those within the dates.
     """
 
     exercise: str
@@ -76,12 +77,12 @@ class ExerciseMark:
 
     @property
     def stale(self) -> bool:
-        """What makes the automatic mark is not what made it when the override was set."""
+        """Whether another grading makes the automatic mark than when the override was set."""
         return self.override is not None and self.grading not in self.override.based_on
 
     @property
     def days_late(self) -> int:
-        """Of the attempt that counts, where it does."""
+        """Days that the counting attempt is late; 0 where an override is in force."""
         return 0 if self.counted is None or self.override is not None else self.counted.days_late
 
 
@@ -97,9 +98,10 @@ class MarkState(StrEnum):
 
 @dataclass(frozen=True)
 class AssignmentMark:
-    """A student's mark at an assignment. Over, what was not sent counts 0; before, only what was sent counts.
+    """A student's mark at an assignment. `ended`: it is a test in which the student can send nothing more.
 
-    Who works ahead has sent something before the opening.
+    Once the assignment is over, exercises without an attempt count 0; before, only those with an attempt count. There
+    may be attempts before the opening.
     """
 
     rules: Rules
@@ -109,42 +111,39 @@ class AssignmentMark:
 
     @cached_property
     def points(self) -> float | None:
-        """The weighted mean of its exercises, excused ones left out; None where there is nothing to say."""
+        """The weighted mean of its exercises, excused ones left out; None where nothing counts."""
         if self.state is MarkState.excused:
             return None
         over = self.state in {MarkState.done, MarkState.absent} and not self.endless
-        known = [(0.0 if one.points is None else one.points, one.weight) for one in self._asked(missing=over)]
-        return weighted_mean(known)
-
-    def _asked(self, *, missing: bool) -> Sequence[ExerciseMark]:
-        return [one for one in self.exercises if not one.excused and (missing or one.points is not None)]
+        counted = [one for one in self.exercises if not one.excused and (over or one.points is not None)]
+        return weighted_mean([(0.0 if one.points is None else one.points, one.weight) for one in counted])
 
     @property
     def endless(self) -> bool:
-        """Without any date after which work is late or refused, nor any other end (`ended`: of a test)."""
+        """Whether it has neither a due or closing date nor another end."""
         return not self.ended and self.rules.last_counted_at is None and self.rules.due_at is None
 
     @property
     def in_average(self) -> float | None:
-        """The points that a student's average takes: what is not over yet stays out of it."""
+        """The points that count in the student's average: None while it is not over."""
         return self.points if self.state in {MarkState.done, MarkState.absent} else None
 
     @cached_property
     def days_late(self) -> int:
-        return max((one.days_late for one in self.exercises), default=0)
+        return max((exercise.days_late for exercise in self.exercises), default=0)
 
     @cached_property
     def overridden(self) -> bool:
-        return any(one.override is not None for one in self.exercises)
+        return any(exercise.override is not None for exercise in self.exercises)
 
     @cached_property
     def stale(self) -> bool:
-        return any(one.stale for one in self.exercises)
+        return any(exercise.stale for exercise in self.exercises)
 
 
 @dataclass(frozen=True)
 class StudentMarks:
-    """A student's marks, in the order of the book's assignments."""
+    """A student's marks, in the order of the gradebook's assignments."""
 
     member: StudentRecord
     marks: tuple[AssignmentMark, ...]
@@ -153,13 +152,13 @@ class StudentMarks:
     @cached_property
     def average(self) -> float | None:
         """The weighted mean of the assignments that are over, those excused left out."""
-        known = [(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
-        return weighted_mean([(points, weight) for points, weight in known if points is not None])
+        weighted = [(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
+        return weighted_mean([(points, weight) for points, weight in weighted if points is not None])
 
 
 @dataclass(frozen=True)
 class MarkSummary:
-    """Of the copies that were sent: how many, their mean and their median."""
+    """Number, mean and median of the marks of those who sent something."""
 
     count: int
     mean: float | None
@@ -182,14 +181,14 @@ class Gradebook:
     exercises: Mapping[UUID, tuple[WeightedExercise, ...]] = field(default_factory=dict)
 
     def title_of(self, exercise: str) -> str:
-        """An exercise may have left the course."""
+        """Return the title of an exercise, or its id once it has left the course."""
         return self.titles.get(exercise, exercise)
 
-    def summary_of(self, place: int) -> MarkSummary:
-        """Of one assignment, by its place: who has sent nothing, or is excused, is not counted."""
-        marks = [row.marks[place] for row in self.rows]
-        sent = [mark.points for mark in marks if mark.state in {MarkState.done, MarkState.open}]
-        return summarise([points for points in sent if points is not None])
+    def summary_of(self, index: int) -> MarkSummary:
+        """Summarise the marks at one assignment, absent and excused students left out."""
+        marks = [row.marks[index] for row in self.rows]
+        points_sent = [mark.points for mark in marks if mark.state in {MarkState.done, MarkState.open}]
+        return summarise([points for points in points_sent if points is not None])
 
     @cached_property
     def averages(self) -> MarkSummary:
@@ -197,16 +196,16 @@ class Gradebook:
 
 
 def is_withheld(assignment: Assignment, now: datetime) -> bool:
-    """A test of which the students are told nothing yet."""
+    """Whether it is a test whose results are not released yet."""
     released = assignment.released_at
     return assignment.mode == Mode.test and (released is None or released > now)
 
 
 @dataclass(frozen=True)
 class OwnMark:
-    """A mark as its student sees it: None while the test is held back, or a test holds one of its exercises back.
+    """A mark as its student sees it: None while a test withholds it, or one of its exercises.
 
-    `exercises`: those of which the marks are told all the same.
+    `exercises`: the marks of exercises that are shown all the same.
     """
 
     assignment: Assignment
@@ -217,37 +216,34 @@ class OwnMark:
 
 @dataclass(frozen=True)
 class OwnMarks:
-    """A student's marks, in the order of the assignments, and their average over those that are told."""
+    """A student's own marks, in the order of the assignments, and the average of those that are shown."""
 
     marks: tuple[OwnMark, ...] = ()
     average: float | None = None
     titles: Mapping[str, str] = field(default_factory=dict)
 
     @staticmethod
-    def of(book: Gradebook, held: Collection[str]) -> OwnMarks:
-        """Of a book of one row, or of none. `held`: exercises of which a test holds attempts back from this student."""
-        if not book.rows:
+    def from_gradebook(gradebook: Gradebook, withheld_exercises: Collection[str]) -> OwnMarks:
+        """Return the marks of the only student of a gradebook, none where it has no row.
+
+        `withheld_exercises`: those of which a test withholds attempts from this student.
+        """
+        if not gradebook.rows:
             return OwnMarks()
-        (row,) = book.rows
-        told = [
-            not is_withheld(one, book.at) and not any(row.exercise in held for row in book.exercises.get(one.id, ()))
-            for one in book.assignments
+        (row,) = gradebook.rows
+        visible = [
+            not is_withheld(assignment, gradebook.at)
+            and not any(one.exercise in withheld_exercises for one in gradebook.exercises.get(assignment.id, ()))
+            for assignment in gradebook.assignments
         ]
-        shown = StudentMarks(
+        visible_row = StudentMarks(
             row.member,
-            tuple(mark for mark, is_told in zip(row.marks, told, strict=True) if is_told),
-            tuple(weight for weight, is_told in zip(row.weights, told, strict=True) if is_told),
+            tuple(mark for mark, is_visible in zip(row.marks, visible, strict=True) if is_visible),
+            tuple(weight for weight, is_visible in zip(row.weights, visible, strict=True) if is_visible),
         )
-        marks = tuple(
-            OwnMark(assignment, mark.rules, mark if is_told else None, _told(assignment, mark, held, book.at))
-            for assignment, mark, is_told in zip(book.assignments, row.marks, told, strict=True)
-        )
-        return OwnMarks(marks, shown.average, book.titles)
-
-
-def _told(
-    assignment: Assignment, mark: AssignmentMark, held: Collection[str], now: datetime
-) -> dict[str, ExerciseMark]:
-    if is_withheld(assignment, now):
-        return {}
-    return {one.exercise: one for one in mark.exercises if one.exercise not in held}
+        marks = []
+        for assignment, mark, is_visible in zip(gradebook.assignments, row.marks, visible, strict=True):
+            shown = () if is_withheld(assignment, gradebook.at) else mark.exercises
+            exercises = {one.exercise: one for one in shown if one.exercise not in withheld_exercises}
+            marks.append(OwnMark(assignment, mark.rules, mark if is_visible else None, exercises))
+        return OwnMarks(tuple(marks), visible_row.average, gradebook.titles)

@@ -1,4 +1,4 @@
-"""Setting a mark, taking that back, and what marks come to. Functions work inside the caller's transaction."""
+"""Set and withdraw overrides, and load marks. Functions work inside the caller's transaction."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository as assignments
+from server.assignments.class_assignments import load_class_assignments
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
@@ -18,8 +18,8 @@ from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.database import utc_now
-from server.gradebook import service as gradebook
 from server.gradebook import standings
+from server.gradebook.service import load_withholding_times
 from server.identity.models import Account
 from server.marks import repository
 from server.marks.loading import load_gradebook, load_unassigned_mark
@@ -40,34 +40,34 @@ UNREADABLE = "Le motif contient un caractère qui ne s’écrit pas."
 def load_effective_points(
     db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
 ) -> Mapping[StudentExercise, EffectivePoints]:
-    """The points in force in a class of many students at many exercises, whatever its assignments: two queries.
+    """Load the points in force of many students at many exercises, whatever the assignments of the class: two queries.
 
-    An automatic mark is the best of all attempts here. A pair with neither attempt nor override is left out.
+    The automatic points are those of the best attempt. Pairs with neither attempt nor override are left out.
     """
-    best = standings.load_standings(db, students, exercises)
-    found = {key: EffectivePoints(FULL * sums.best_score) for key, sums in best.items()}
-    for key, one in repository.load_overrides(db, class_id, students, exercises).items():
-        found[key] = EffectivePoints(found[key].automatic if key in found else None, one)
-    return found
+    totals_by_pair = standings.load_standings(db, students, exercises)
+    points = {pair: EffectivePoints(FULL * totals.best_score) for pair, totals in totals_by_pair.items()}
+    for pair, override in repository.load_overrides(db, class_id, students, exercises).items():
+        points[pair] = EffectivePoints(points[pair].automatic if pair in points else None, override)
+    return points
 
 
 def parse_points(text: str) -> float:
-    """As somebody writes them: « 12,5 ». Raises Invalid."""
+    """Parse points as a teacher writes them: « 12,5 ». Raise Invalid."""
     try:
         points = float(text.strip().replace(",", "."))
     except ValueError:
         raise Invalid(NOT_A_NUMBER.format(text=text.strip()[:20])) from None
-    return _in_range(points)
+    return _check_points(points)
 
 
-def _in_range(points: float) -> float:
+def _check_points(points: float) -> float:
     if not (math.isfinite(points) and 0 <= points <= FULL):
         raise Invalid(OUT_OF_RANGE)
-    return points + 0.0  # of a negative zero makes a zero
+    return points + 0.0  # turns a negative zero into a zero
 
 
 def parse_reason(text: str) -> str:
-    """Raises Invalid."""
+    """Return a reason without blanks around its lines. Raise Invalid for one that is empty, long or unreadable."""
     reason = "\n".join(line.strip() for line in text.strip().splitlines())
     if not reason:
         raise Invalid(NEEDS_REASON)
@@ -90,29 +90,28 @@ def set_override(
     excused: bool,
     reason: str,
 ) -> None:
-    """Sets a mark in place of the automatic one, or of the one set before. Raises NotFound, Conflict or Invalid."""
+    """Set a mark in place of the automatic one, or of an earlier override. Raise NotFound, Conflict or Invalid."""
     if (points is None) is not excused:
         raise Invalid(ONE_OF)
-    points, reason = None if points is None else _in_range(points), parse_reason(reason)
-    before = _ready(db, course, school_class, student, exercise)
+    points, reason = None if points is None else _check_points(points), parse_reason(reason)
+    earlier = _lock_override(db, course, school_class, student, exercise)
     marks = load_exercise_marks(db, course, school_class, student, exercise)
     now = utc_now()
-    if before is not None:
-        before.withdrawn_at = now
+    if earlier is not None:
+        earlier.withdrawn_at = now
         db.flush()
-    made = Override(
+    override = Override(
         class_id=school_class.id,
         account_id=student,
         exercise=exercise,
         points=points,
         excused=excused,
         reason=reason,
-        based_on=sorted({one.grading for one in marks}, key=str),
+        based_on=sorted({mark.grading for mark in marks}, key=str),
         by=by.id,
         at=now,
     )
-    db.add(made)
-    old = _values(before) if before is not None else _automatic(marks)
+    db.add(override)
     audit.record_event(
         db,
         school_class.id,
@@ -120,8 +119,8 @@ def set_override(
         AuditAction.mark_overridden,
         student=student,
         about=exercise_title(course, exercise),
-        before=old,
-        after=_values(made),
+        before=_automatic_values(marks) if earlier is None else _override_values(earlier),
+        after=_override_values(override),
         reason=reason,
     )
     db.flush()
@@ -130,12 +129,12 @@ def set_override(
 def withdraw_override(
     db: Session, course: Course, school_class: SchoolClass, by: Account, student: UUID, exercise: str, reason: str = ""
 ) -> None:
-    """The automatic mark is in force again, as it may be already. Raises NotFound or Conflict."""
-    before = _ready(db, course, school_class, student, exercise)
-    if before is None:
+    """Put the automatic mark in force again, if it is not already. Raise NotFound or Conflict."""
+    override = _lock_override(db, course, school_class, student, exercise)
+    if override is None:
         return
     marks = load_exercise_marks(db, course, school_class, student, exercise)
-    before.withdrawn_at = utc_now()
+    override.withdrawn_at = utc_now()
     audit.record_event(
         db,
         school_class.id,
@@ -143,50 +142,53 @@ def withdraw_override(
         AuditAction.override_withdrawn,
         student=student,
         about=exercise_title(course, exercise),
-        before=_values(before),
-        after=_automatic(marks),
+        before=_override_values(override),
+        after=_automatic_values(marks),
         reason=parse_reason(reason) if reason.strip() else "",
     )
     db.flush()
 
 
-def _ready(db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str) -> Override | None:
-    """The override in force; nobody else sets or withdraws one in this class until the commit."""
+def _lock_override(
+    db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str
+) -> Override | None:
+    """Return the override in force, and lock the overrides of the class until the commit."""
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     membership = classes.find_membership(db, school_class.id, student)
     if membership is None or membership.role != ClassRole.student or membership.status != Status.active:
         raise NotFound(NOT_A_MEMBER)
-    if not _is_of(db, course, school_class, exercise):
+    if not _belongs_to_class(db, course, school_class, exercise):
         raise NotFound(NO_SUCH_EXERCISE)
     return repository.find_override(db, school_class.id, student, exercise)
 
 
-def _is_of(db: Session, course: Course, school_class: SchoolClass, exercise: str) -> bool:
-    """One of the module's, or of an assignment of the class, which may have outlived it in the course."""
+def _belongs_to_class(db: Session, course: Course, school_class: SchoolClass, exercise: str) -> bool:
+    """Whether the exercise is in the module of the class, or in one of its assignments, even if it left the course."""
     known = course.exercises.get(exercise)
     if known is not None and known.id.partition("/")[0] == school_class.module:
         return True
-    given = assignments.load_exercises(db, [one.id for one in assignments.load_class_assignments(db, school_class.id)])
-    return any(one.exercise == exercise for rows in given.values() for one in rows)
+    exercises = load_class_assignments(db, school_class.id).exercises
+    return any(row.exercise == exercise for rows in exercises.values() for row in rows)
 
 
 def load_exercise_marks(
     db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str
 ) -> list[ExerciseMark]:
-    """A student's marks at an exercise: one for each assignment that asks it; where none does, that of all attempts."""
-    made = load_gradebook(db, course, school_class, utc_now(), only=[student])
-    found = [one for row in made.rows for mark in row.marks for one in mark.exercises if one.exercise == exercise]
-    return found or [load_unassigned_mark(db, school_class, student, exercise)]
+    """Load a student's marks at an exercise, one for each assignment that asks it; where none does, of all attempts."""
+    gradebook = load_gradebook(db, course, school_class, utc_now(), only=[student])
+    all_marks = [one for row in gradebook.rows for mark in row.marks for one in mark.exercises]
+    marks = [mark for mark in all_marks if mark.exercise == exercise]
+    return marks or [load_unassigned_mark(db, school_class, student, exercise)]
 
 
-def _values(one: Override) -> dict[str, object]:
-    return {"points": one.points, "excused": one.excused}
+def _override_values(override: Override) -> dict[str, object]:
+    return {"points": override.points, "excused": override.excused}
 
 
-def _automatic(marks: list[ExerciseMark]) -> dict[str, object]:
-    """Of several assignments the best."""
-    points = [one.counted.points for one in marks if one.counted is not None]
+def _automatic_values(marks: list[ExerciseMark]) -> dict[str, object]:
+    """Return the best of the automatic marks of several assignments."""
+    points = [mark.counted.points for mark in marks if mark.counted is not None]
     return {"points": max(points, default=None), "excused": False}
 
 
@@ -196,14 +198,14 @@ def exercise_title(course: Course, exercise: str) -> str:
 
 
 def load_own_marks(db: Session, course: Course, school_class: SchoolClass, student: UUID, now: datetime) -> OwnMarks:
-    """What a student is told of their marks: all but those of a test that is held back. None of who learns not here.
+    """Load a student's marks as they may see them, without those that a test withholds; none for other members.
 
-    The reason of an override is told: it stands in `exercises[…].override`, with who set it.
+    The reason of an override, and who set it, are in `exercises[…].override`.
     """
-    made = load_gradebook(db, course, school_class, now, only=[student])
-    return OwnMarks.of(made, gradebook.load_withholding_times(db, student))
+    gradebook = load_gradebook(db, course, school_class, now, only=[student])
+    return OwnMarks.from_gradebook(gradebook, load_withholding_times(db, student))
 
 
 def adopt_overrides(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """What was set on a guest's marks holds for the account that the same person has opened."""
-    repository.move(db, guest_id, account_id, utc_now())
+    """Move a guest's overrides to the account that the same person has opened."""
+    repository.move_overrides(db, guest_id, account_id, utc_now())

@@ -231,7 +231,7 @@ def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
         "Zola",
     ]
     moodle = moodle_file(found, MoodleIdentifier.email)
-    assert b"".join(moodle.pieces()).decode() == (
+    assert b"".join(moodle.lines()).decode() == (
         '"Email address","DM"\r\n"eluard@example.org",""\r\n"hopper@example.org",""\r\n"zola@example.org","12.5"\r\n'
     )
     assert set(moodle.left_out) == {"Ada Lovelace", "Bob Un", "Bob Deux"}

@@ -1,4 +1,4 @@
-"""One mark of a gradebook, and what is set in its place, as its page shows it."""
+"""The page of one student's mark at one assignment."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from server.base.errors import NotFound
 from server.course import Course
 from server.desk.marks.schemas import ExerciseView, MarkPage, OverrideView
 from server.desk.marks.views import UNKNOWN, assignment_cell, points_text
-from server.desk.views import head, href_of
+from server.desk.views import head
 from server.marks.files import EXCUSED, unique_titles
 from server.marks.means import format_number, round_points
 from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
@@ -21,57 +21,60 @@ STATES = {
     MarkState.absent: "fini, rien n’a été envoyé",
     MarkState.excused: "dispensé",
 }
-AHEAD = ", et déjà travaillé"
+SENT_AHEAD = ", et déjà travaillé"
 
 
-def mark_page(course: Course, place: ClassAccess, book: Gradebook, assignment: str) -> MarkPage:
-    """Of one student at one assignment. Raises NotFound."""
-    at = next((n for n, one in enumerate(book.assignments) if str(one.id) == assignment), None)
-    if at is None or not book.rows:
+def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignment_id: str) -> MarkPage:
+    """Build the page from a gradebook of one student. Raise NotFound for an unknown assignment."""
+    ids = [str(assignment.id) for assignment in gradebook.assignments]
+    if assignment_id not in ids or not gradebook.rows:
         raise NotFound(UNKNOWN)
-    (row,) = book.rows
-    mark = row.marks[at]
-    path = f"{href_of(place.school_class)}/carnet"
+    index = ids.index(assignment_id)
+    (row,) = gradebook.rows
+    mark = row.marks[index]
+    sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
     return MarkPage(
-        head=head(course, place, "/carnet"),
+        head=head(course, access, "/carnet"),
         student=row.member.name,
-        assignment=unique_titles(book.assignments)[at],
-        path=f"{path}/{row.member.id}/{assignment}",
+        assignment=unique_titles(gradebook.assignments)[index],
         mark=assignment_cell(mark, ""),
-        state=STATES[mark.state] + (AHEAD if mark.state is MarkState.upcoming and mark.points is not None else ""),
-        notes=_rules(mark),
-        exercises=tuple(_exercise(book, one) for one in mark.exercises),
-        may_change=place.has(Right.change_marks) and place.school_class.archived_at is None,
+        state=STATES[mark.state] + (SENT_AHEAD if sent_ahead else ""),
+        notes=_dates(mark),
+        exercises=tuple(_exercise(gradebook, exercise) for exercise in mark.exercises),
+        may_change=access.has(Right.change_marks) and access.school_class.archived_at is None,
     )
 
 
-def _rules(mark: AssignmentMark) -> tuple[str, ...]:
-    """The dates in force for this student."""
+def _dates(mark: AssignmentMark) -> tuple[str, ...]:
+    """Return the dates in force for this student, and how late the work is."""
     dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
-    told = [f"{word} le {short_moment(at)}" for word, at in dates if at is not None]
-    return (*told, plural(mark.days_late, "jour de retard", "jours de retard")) if mark.days_late else tuple(told)
+    texts = [f"{word} le {short_moment(date)}" for word, date in dates if date is not None]
+    late = [plural(mark.days_late, "jour de retard", "jours de retard")] if mark.days_late else []
+    return (*texts, *late)
 
 
-def _exercise(book: Gradebook, one: ExerciseMark) -> ExerciseView:
-    counted, sent = one.counted, one.sent_at
+def _exercise(gradebook: Gradebook, mark: ExerciseMark) -> ExerciseView:
+    counted, sent_at = mark.counted, mark.sent_at
     return ExerciseView(
-        exercise=one.exercise,
-        title=book.title_of(one.exercise),
-        weight=format_number(one.weight),
-        points=EXCUSED if one.excused else points_text(one.points),
-        automatic=points_text(one.effective.automatic),
+        exercise=mark.exercise,
+        title=gradebook.title_of(mark.exercise),
+        weight=format_number(mark.weight),
+        points=EXCUSED if mark.excused else points_text(mark.points),
+        automatic=points_text(mark.effective.automatic),
         late=0 if counted is None else counted.days_late,
-        attempts=one.attempts,
+        attempts=mark.attempts,
         attempt="" if counted is None else f"/soumissions/{counted.attempt}",
-        sent="" if sent is None else iso_moment(sent),
-        sent_text="" if sent is None else short_moment(sent),
-        override=_override(one),
+        sent="" if sent_at is None else iso_moment(sent_at),
+        sent_text="" if sent_at is None else short_moment(sent_at),
+        override=_override(mark),
     )
 
 
-def _override(one: ExerciseMark) -> OverrideView | None:
-    found = one.override
-    if found is None:
+def _override(mark: ExerciseMark) -> OverrideView | None:
+    override = mark.override
+    if override is None:
         return None
-    text = "dispense" if found.points is None else f"{format_number(round_points(found.points))} / 20"
-    return OverrideView(text, found.by, iso_moment(found.at), short_moment(found.at), found.reason, one.stale)
+    text = "dispense" if override.points is None else f"{format_number(round_points(override.points))} / 20"
+    return OverrideView(
+        text, override.by, iso_moment(override.at), short_moment(override.at), override.reason, mark.stale
+    )

@@ -1,11 +1,11 @@
-"""The gradebook of a class: its table, one mark and what is set in its place, what one takes away."""
+"""The gradebook of a class: its table, one mark and its override, and downloads."""
 
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
-from server.base.errors import Invalid, NotFound, ServiceError
+from server.base.errors import Invalid, NotFound
 from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
 from server.database import utc_now
@@ -17,7 +17,7 @@ from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import repository, service
-from server.marks.copies import copies, files_of
+from server.marks.copies import archive_files, list_copies
 from server.marks.downloads import GradebookFormat, render_download
 from server.marks.files import MoodleIdentifier, file_name
 from server.marks.loading import load_gradebook, load_inputs
@@ -38,98 +38,100 @@ EMPTY = MarkForm()
 
 
 @router.get("/classes/{class_id}/carnet")
-def gradebook(
+def show_gradebook(
     request: Request, class_id: str, reader: CurrentReader, groupe: Group = "", devoir: Name = "", tri: Name = "",
     colonne: Name = "", p: PageNumber = 1,
 ) -> Response:  # fmt: skip
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
-    inputs = load_inputs(reader.db, reader.course, place.school_class, utc_now())
-    view = gradebook_page(reader.db, place, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
+    access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
+    inputs = load_inputs(reader.db, reader.course, access.school_class, utc_now())
+    view = gradebook_page(reader.db, access, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
     return render_page(request, "classes/gradebook.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/carnet/fichier")
-def file(
+def download(
     class_id: str, account: SignedIn, db: Db, course: CourseOf, format: GradebookFormat = GradebookFormat.xlsx,
     identifiant: MoodleIdentifier = MoodleIdentifier.email,
 ) -> Response:  # fmt: skip
-    place = rights.require_right(db, account, Right.read_marks, class_id)
-    made = render_download(load_gradebook(db, course, place.school_class, utc_now()), format, identifiant, short_moment)
-    return Response(made.content, media_type=made.media_type, headers=made.headers)
+    access = rights.require_right(db, account, Right.read_marks, class_id)
+    gradebook = load_gradebook(db, course, access.school_class, utc_now())
+    rendered = render_download(gradebook, format, identifiant, short_moment)
+    return Response(rendered.content, media_type=rendered.media_type, headers=rendered.headers)
 
 
 @router.get("/classes/{class_id}/carnet/copies")
-def archive(
+def download_copies(
     class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, devoir: Name = "",
     noms: Annotated[bool, Query()] = False,
 ) -> StreamingResponse:  # fmt: skip
-    """The attempts that count, sent while the archive is made."""
+    """Stream an archive of the attempts that count."""
     with database.read() as db:
-        place = rights.require_right(db, account, Right.read_marks, class_id)
-        made = load_gradebook(db, course, place.school_class, utc_now())
-    found = copies(made, course, names=noms, only=parse_uuid(devoir, UNKNOWN) if devoir else None, when=short_moment)
+        access = rights.require_right(db, account, Right.read_marks, class_id)
+        gradebook = load_gradebook(db, course, access.school_class, utc_now())
+    only = parse_uuid(devoir, UNKNOWN) if devoir else None
+    copies = list_copies(gradebook, course, names=noms, only=only, format_time=short_moment)
     headers = {
-        "Content-Disposition": f'attachment; filename="{file_name(made, "copies", "zip")}"',
+        "Content-Disposition": f'attachment; filename="{file_name(gradebook, "copies", "zip")}"',
         "Content-Encoding": "identity",
         "Cache-Control": "private, no-store",
     }
-    return StreamingResponse(zipped(files_of(database, found), made.at), media_type="application/zip", headers=headers)
+    files = archive_files(database, copies)
+    return StreamingResponse(zipped(files, gradebook.at), media_type="application/zip", headers=headers)
 
 
 @router.get("/classes/{class_id}/carnet/{student}/{assignment_id}")
-def one(request: Request, class_id: str, student: str, assignment_id: str, reader: CurrentReader) -> Response:
+def show_mark(request: Request, class_id: str, student: str, assignment_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
-    return _one(request, reader.account, reader.db, reader.course, place, student, assignment_id)
+    access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
+    return _mark_page(request, reader.account, reader.db, reader.course, access, student, assignment_id)
 
 
-def _one(
-    request: Request, account: Account, db: Db, course: CourseOf, place: ClassAccess, student: str, assignment: str,
+def _mark_page(
+    request: Request, account: Account, db: Db, course: CourseOf, access: ClassAccess, student: str, assignment: str,
     form: MarkForm = EMPTY, status: int = 200,
 ) -> HTMLResponse:  # fmt: skip
-    made = load_gradebook(db, course, place.school_class, utc_now(), only=[parse_uuid(student, UNKNOWN)])
-    view = mark_page(course, place, made, assignment)
+    only = [parse_uuid(student, UNKNOWN)]
+    gradebook = load_gradebook(db, course, access.school_class, utc_now(), only)
+    view = mark_page(course, access, gradebook, assignment)
     return render_page(request, "classes/mark.html", account, status=status, page=view, form=form)
 
 
 @router.post("/classes/{class_id}/carnet/{student}/{assignment_id}")
-def change(
+def change_mark(
     request: Request, class_id: str, student: str, assignment_id: str, account: SignedIn, db: Db, course: CourseOf,
     action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "",
 ) -> Response:  # fmt: skip
-    """Sets a mark, or takes that back."""
-    place = rights.require_right(db, account, Right.change_marks, class_id)
+    """Set, keep or withdraw an override."""
+    access = rights.require_right(db, account, Right.change_marks, class_id)
     try:
-        _change(db, course, place, account, student, action, MarkForm(exercice, points, motif))
-    except ServiceError as refused:
-        if not isinstance(refused, Invalid):
-            raise
+        _apply_change(db, course, access, account, student, action, MarkForm(exercice, points, motif))
+    except Invalid as refused:
         form = MarkForm(exercice, points, motif, refused.detail)
-        return _one(request, account, db, course, place, student, assignment_id, form, status=422)
+        return _mark_page(request, account, db, course, access, student, assignment_id, form, status=422)
     return redirect(f"{request.url.path}#{exercice.rpartition('/')[2]}")
 
 
-def _change(
-    db: Db, course: CourseOf, place: ClassAccess, account: Account, student: str, action: str, form: MarkForm
+def _apply_change(
+    db: Db, course: CourseOf, access: ClassAccess, account: Account, student: str, action: str, form: MarkForm
 ) -> None:
-    """Raises NotFound, Conflict or Invalid."""
-    who, school_class = parse_uuid(student, UNKNOWN), place.school_class
+    """Raise NotFound, Conflict or Invalid."""
+    student_id, school_class = parse_uuid(student, UNKNOWN), access.school_class
     if action == "retirer":
-        return service.withdraw_override(db, course, school_class, account, who, form.exercise, form.reason)
+        return service.withdraw_override(db, course, school_class, account, student_id, form.exercise, form.reason)
     points, excused, reason = None, action == "dispenser", form.reason
     if action == "garder":
-        kept = repository.find_override(db, school_class.id, who, form.exercise)
-        if kept is None:
+        override = repository.find_override(db, school_class.id, student_id, form.exercise)
+        if override is None:
             raise NotFound(service.NOTHING_SET)
-        points, excused, reason = kept.points, kept.excused, kept.reason
+        points, excused, reason = override.points, override.excused, override.reason
     elif action == "noter":
         points = service.parse_points(form.points)
     elif not excused:
         raise NotFound(UNKNOWN_ACTION)
     service.set_override(
-        db, course, school_class, account, who, form.exercise, points=points, excused=excused, reason=reason
+        db, course, school_class, account, student_id, form.exercise, points=points, excused=excused, reason=reason
     )
     return None

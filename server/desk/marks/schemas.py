@@ -1,4 +1,4 @@
-"""What the templates of the gradebook and of the log receive."""
+"""The types that the templates of the gradebook and of the log receive."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from server.desk.schemas import ClassHead
 
 
 @dataclass(frozen=True)
-class CellView:
-    """A mark in the table. `late`: days; `pending`: work may still be sent; `href` is empty for what does not open."""
+class MarkCell:
+    """A mark in the table. `late`: days; `pending`: work may still be sent; `href` is empty where there is no link."""
 
     text: str
     href: str = ""
@@ -23,10 +23,10 @@ class CellView:
 
 
 @dataclass(frozen=True)
-class ColumnView:
-    """`href` leads to what the column is made of, `sort_href` sorts by it; `notes` are said below its title.
+class MarkColumn:
+    """A column. `href`: the details of the column; `sort_href`: the table sorted by it; `notes` stand below its title.
 
-    `about`: words and address of another page about it, where there is one.
+    `about`: words and address of a page about it, where there is one.
     """
 
     title: str
@@ -41,23 +41,23 @@ class ColumnView:
 
 
 @dataclass(frozen=True)
-class TableRow:
+class MarkRow:
     name: str
-    cells: tuple[CellView, ...]
+    cells: tuple[MarkCell, ...]
 
 
 @dataclass(frozen=True)
-class TableView:
+class MarkTable:
     caption: str
-    columns: tuple[ColumnView, ...]
-    rows: tuple[TableRow, ...]
+    columns: tuple[MarkColumn, ...]
+    rows: tuple[MarkRow, ...]
     name_href: str
     by_name: bool
 
 
 @dataclass(frozen=True)
-class Choice:
-    """One of a list, with its address or its value."""
+class GradebookOption:
+    """An option of a list, with its address or value."""
 
     value: str
     label: str
@@ -74,15 +74,15 @@ class GradebookBody:
 
     href: str
     total: int
-    table: TableView
+    table: MarkTable
     everyone: str
     everyone_count: int
-    groups: tuple[Choice, ...]
+    groups: tuple[GradebookOption, ...]
     group: str
     query_fields: tuple[tuple[str, str], ...]
-    pages: tuple[Choice, ...]
-    assignments: tuple[Choice, ...]
-    columns: tuple[Choice, ...]
+    pages: tuple[GradebookOption, ...]
+    assignments: tuple[GradebookOption, ...]
+    columns: tuple[GradebookOption, ...]
     column: str | None
     moodle: tuple[tuple[str, str, tuple[str, ...]], ...]
     notes: tuple[str, ...]
@@ -135,8 +135,7 @@ class MarkPage:
     head: ClassHead
     student: str
     assignment: str
-    path: str
-    mark: CellView
+    mark: MarkCell
     state: str
     notes: tuple[str, ...]
     exercises: tuple[ExerciseView, ...]
@@ -145,7 +144,7 @@ class MarkPage:
 
 @dataclass(frozen=True)
 class MarkForm:
-    """What was refused, with what had been written."""
+    """A refused form, with its fields and the problem."""
 
     exercise: str = ""
     points: str = ""
@@ -154,7 +153,7 @@ class MarkForm:
 
 
 @dataclass(frozen=True)
-class EventView:
+class LogEntryView:
     at: str
     at_text: str
     by: str
@@ -167,14 +166,14 @@ class EventView:
 
 @dataclass(frozen=True)
 class LogPage:
-    """`first`: the number of the first event shown, from 1; `newer`, `older`: where one goes on, empty at the ends."""
+    """`first`: the number of the first entry, from 1; `newer`, `older`: addresses, empty at the ends."""
 
     head: ClassHead
-    events: tuple[EventView, ...]
+    entries: tuple[LogEntryView, ...]
     total: int
     first: int
-    students: tuple[Choice, ...]
-    kinds: tuple[Choice, ...]
+    students: tuple[GradebookOption, ...]
+    kinds: tuple[GradebookOption, ...]
     newer: str
     older: str
     file_query: str

@@ -14,13 +14,13 @@ from sqlalchemy.orm import Session
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
 from server.desk.marks.schemas import (
-    CellView,
-    Choice,
-    ColumnView,
     GradebookBody,
+    GradebookOption,
     GradebookPage,
-    TableRow,
-    TableView,
+    MarkCell,
+    MarkColumn,
+    MarkRow,
+    MarkTable,
 )
 from server.desk.views import group_counts, head, href_of, regrade_href
 from server.marks.files import (
@@ -81,7 +81,7 @@ def points_text(points: float | None) -> str:
     return NO_POINTS if points is None else format_points(points)
 
 
-def gradebook_page(db: Session, place: ClassAccess, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
+def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
     """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
     assignments = inputs.assigned.assignments
     titles = {str(one.id): title for one, title in zip(assignments, unique_titles(assignments), strict=True)}
@@ -94,16 +94,16 @@ def gradebook_page(db: Session, place: ClassAccess, inputs: GradebookInputs, que
     query = replace(query, group=group, page_number=number)
 
     def render() -> str:
-        builder = _BodyBuilder(place, build_gradebook(db, inputs), query, titles, group_sizes)
+        builder = _BodyBuilder(access, build_gradebook(db, inputs), query, titles, group_sizes)
         macros: Any = jinja_environment().get_template("classes/gradebook_body.html").module
         return str(macros.body(builder.body()))
 
-    key = ("gradebook", inputs.version, query, place.has(Right.regrade), school_time.time_zone().key)
-    class_href = href_of(place.school_class)
+    key = ("gradebook", inputs.version, query, access.has(Right.regrade), school_time.time_zone().key)
+    class_href = href_of(access.school_class)
     chosen = next((one for one in assignments if str(one.id) == query.assignment), None)
-    about = None if chosen is None else _assignment_link(chosen, place)
+    about = None if chosen is None else _assignment_link(chosen, access)
     return GradebookPage(
-        head=head(inputs.course, place, "/carnet"),
+        head=head(inputs.course, access, "/carnet"),
         at=iso_moment(inputs.now),
         at_text=short_moment(inputs.now),
         total=total,
@@ -121,11 +121,11 @@ def _address(path: str, query: GradebookQuery, **changes: str) -> str:
     return f"{path}?{fields}" if fields else path
 
 
-def _assignment_link(assignment: Assignment, place: ClassAccess) -> tuple[str, str] | None:
+def _assignment_link(assignment: Assignment, access: ClassAccess) -> tuple[str, str] | None:
     """Return words and address of an assignment's page; None for the exercises of a class without assignments."""
-    if assignment.id == place.school_class.id:
+    if assignment.id == access.school_class.id:
         return None
-    return "le devoir", f"{href_of(place.school_class)}/devoirs/{assignment.id}"
+    return "le devoir", f"{href_of(access.school_class)}/devoirs/{assignment.id}"
 
 
 class _BodyBuilder:
@@ -133,14 +133,14 @@ class _BodyBuilder:
 
     def __init__(
         self,
-        place: ClassAccess,
+        access: ClassAccess,
         gradebook: Gradebook,
         query: GradebookQuery,
         titles: Mapping[str, str],
         group_sizes: Mapping[str, int],
     ) -> None:
-        self._place, self._query, self._titles, self._group_sizes = place, query, titles, group_sizes
-        self._class_href = href_of(place.school_class)
+        self._place, self._query, self._titles, self._group_sizes = access, query, titles, group_sizes
+        self._class_href = href_of(access.school_class)
         self._everyone = gradebook
         rows = [row for row in gradebook.rows if not query.group or query.group in row.member.groups]
         self._gradebook = replace(gradebook, rows=tuple(rows))
@@ -157,14 +157,14 @@ class _BodyBuilder:
             everyone=self._href(groupe=""),
             everyone_count=len(self._everyone.rows),
             groups=tuple(
-                Choice(self._href(groupe=label), f"{label} ({count})", label == query.group)
+                GradebookOption(self._href(groupe=label), f"{label} ({count})", label == query.group)
                 for label, count in self._group_sizes.items()
             ),
             group=query.group,
             query_fields=tuple(query.fields().items()),
             pages=self._pages(),
-            assignments=tuple(Choice(name, title, name == query.assignment) for name, title in titles.items()),
-            columns=tuple(Choice(name, title, name == copied) for name, title in columns.items()),
+            assignments=tuple(GradebookOption(name, title, name == query.assignment) for name, title in titles.items()),
+            columns=tuple(GradebookOption(name, title, name == copied) for name, title in columns.items()),
             column=column_text(self._gradebook, self._index_of.get(copied)) if copied in columns else None,
             moodle=tuple(
                 (one.value, IDENTIFIED_BY[one], moodle_file(self._everyone, one).left_out) for one in MoodleIdentifier
@@ -175,13 +175,13 @@ class _BodyBuilder:
     def _href(self, **changes: str) -> str:
         return _address(f"{self._class_href}/carnet", self._query, **changes)
 
-    def _pages(self) -> tuple[Choice, ...]:
+    def _pages(self) -> tuple[GradebookOption, ...]:
         """Return links to the pages, none where one page is enough."""
         numbers = range(1, math.ceil(len(self._gradebook.rows) / STUDENTS_PER_PAGE) + 1)
-        pages = [Choice(self._href(p=str(n)), str(n), n == self._query.page_number) for n in numbers]
+        pages = [GradebookOption(self._href(p=str(n)), str(n), n == self._query.page_number) for n in numbers]
         return tuple(pages) if len(pages) > 1 else ()
 
-    def _assignments_table(self) -> TableView:
+    def _assignments_table(self) -> MarkTable:
         """Return the table of all assignments."""
         gradebook = self._gradebook
         columns = [
@@ -202,15 +202,15 @@ class _BodyBuilder:
         rows = self._sorted_rows({**scores, AVERAGE: lambda row: row.average})
         return self._table("Notes des devoirs", columns, [(row, self._assignment_cells(row)) for row in rows])
 
-    def _assignment_cells(self, row: StudentMarks) -> tuple[CellView, ...]:
+    def _assignment_cells(self, row: StudentMarks) -> tuple[MarkCell, ...]:
         marks = zip(row.marks, self._gradebook.assignments, strict=True)
         cells = [assignment_cell(mark, self._mark_href(row, assignment)) for mark, assignment in marks]
-        return (*cells, CellView(points_text(row.average)))
+        return (*cells, MarkCell(points_text(row.average)))
 
     def _mark_href(self, row: StudentMarks, assignment: Assignment) -> str:
         return f"{self._class_href}/carnet/{row.member.id}/{assignment.id}"
 
-    def _exercises_table(self) -> TableView:
+    def _exercises_table(self) -> MarkTable:
         """Return the table of the exercises of the chosen assignment."""
         gradebook, index = self._gradebook, self._index_of[self._query.assignment]
         assignment = gradebook.assignments[index]
@@ -248,8 +248,8 @@ class _BodyBuilder:
         href: str = "",
         notes: tuple[str, ...] = (),
         about: tuple[str, str] | None = None,
-    ) -> ColumnView:
-        return ColumnView(
+    ) -> MarkColumn:
+        return MarkColumn(
             title=title,
             href=href,
             sort_href=self._href(tri=sort_key),
@@ -272,12 +272,12 @@ class _BodyBuilder:
         return rows[first : first + STUDENTS_PER_PAGE]
 
     def _table(
-        self, caption: str, columns: Sequence[ColumnView], rows: Sequence[tuple[StudentMarks, tuple[CellView, ...]]]
-    ) -> TableView:
-        return TableView(
+        self, caption: str, columns: Sequence[MarkColumn], rows: Sequence[tuple[StudentMarks, tuple[MarkCell, ...]]]
+    ) -> MarkTable:
+        return MarkTable(
             caption=caption,
             columns=tuple(columns),
-            rows=tuple(TableRow(row.member.name, cells) for row, cells in rows),
+            rows=tuple(MarkRow(row.member.name, cells) for row, cells in rows),
             name_href=self._href(tri=""),
             by_name=not any(column.is_sorted for column in columns),
         )
@@ -300,16 +300,16 @@ def _notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def assignment_cell(mark: AssignmentMark, href: str) -> CellView:
+def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
     value = mark_cell(mark)
     text = value if isinstance(value, str) else NO_POINTS if value is None else format_number(value)
     pending = mark.state in {MarkState.open, MarkState.upcoming} and value is not None
     excused = mark.state is MarkState.excused
-    return CellView(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
+    return MarkCell(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
 
 
-def _exercise_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
+def _exercise_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> MarkCell:
     if exercise.excused or mark.state is MarkState.excused:
-        return CellView(EXCUSED, href, changed=exercise.override is not None, stale=exercise.stale)
+        return MarkCell(EXCUSED, href, changed=exercise.override is not None, stale=exercise.stale)
     text = ABSENT if mark.state is MarkState.absent else points_text(exercise.points)
-    return CellView(text, href, exercise.days_late, exercise.override is not None, exercise.stale)
+    return MarkCell(text, href, exercise.days_late, exercise.override is not None, exercise.stale)
