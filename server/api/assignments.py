@@ -19,9 +19,9 @@ from server.api.assignment_schemas import (
 from server.api.documentation import problems
 from server.assignments import editing, exemption_service, repository, student_assignments
 from server.assignments.exemption_service import explain_rules, find_exemption
-from server.assignments.models import Assignment, Exemption, LatePolicy
+from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
 from server.assignments.rules import rules_in_force
-from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.assignments.student_assignments import StudentAssignment
 from server.base import root_path
 from server.base.errors import Forbidden, NotFound
@@ -53,8 +53,8 @@ def _lateness(late: Lateness) -> dict[str, Any]:
     return {"late": LatePolicy(late), "late_per_day": None}
 
 
-def _weighted(chosen: list[WeightedIn]) -> tuple[Weighted, ...]:
-    return tuple(Weighted(one.exercise, one.weight) for one in chosen)
+def _weighted(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
+    return tuple(WeightedExercise(one.exercise, one.weight) for one in chosen)
 
 
 def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
@@ -98,7 +98,9 @@ def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[Assignm
         seat = _seat(place)
         return [
             _own(one)
-            for one in student_assignments.load_class_assignments(db, seat.class_id, account.id, seat.groups, utc_now())
+            for one in student_assignments.load_assignments_for_student(
+                db, seat.class_id, account.id, seat.groups, utc_now()
+            )
         ]
     rows = repository.load_class_assignments(db, place.school_class.id)
     exercises = repository.load_exercises(db, [one.id for one in rows])

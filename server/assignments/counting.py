@@ -1,4 +1,4 @@
-"""Which of a student's attempts at an exercise counts in an assignment: pure."""
+"""Choose which of a student's attempts at an exercise counts in an assignment. Pure functions."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class ScoredAttempt:
     score: float
 
 
-One = TypeVar("One", bound=ScoredAttempt)
+Attempt = TypeVar("Attempt", bound=ScoredAttempt)
 
 
 @dataclass(frozen=True)
 class AttemptMark:
-    """Points out of 20 of the attempt that counts, as lateness leaves them; what it was worth on time; days late."""
+    """Points out of 20 of an attempt after any late penalty; `full_points` before it; days late."""
 
     attempt: UUID
     points: float
@@ -36,7 +36,7 @@ class AttemptMark:
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """What counts, and what was best before the due date; None where there is nothing. `attempts` within the dates."""
+    """The mark that counts and the best mark before the due date, None without any; `attempts` within the dates."""
 
     counted: AttemptMark | None
     before_due: AttemptMark | None
@@ -47,13 +47,13 @@ NO_RESULT = ExerciseResult(None, None, 0)
 
 
 def mark_attempts(rules: Rules, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]) -> ExerciseResult:
-    """Of a student's attempts at one exercise, in any order, but errors of ours.
+    """Mark a student's attempts at one exercise, given in any order and without internal errors.
 
-    Of equals the earliest counts as best. An attempt outside the dates is as if it had not been sent.
+    Among equal marks the earliest is the best. Attempts outside the dates are ignored.
     """
     if not attempts:
         return NO_RESULT
-    marks = _marks(rules, sorted(attempts, key=lambda one: (one.sent_at, one.id.int)))
+    marks = _marks(rules, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
     on_time = _best([mark for mark in marks if not mark.days_late])
     if counts is AttemptSelection.last:
         counted = marks[-1] if marks else None
@@ -62,23 +62,30 @@ def mark_attempts(rules: Rules, counts: AttemptSelection, attempts: Sequence[Sco
     return ExerciseResult(counted, on_time, len(marks))
 
 
-def attempts_in_sitting(attempts: Iterable[One], began_at: datetime | None, ended_at: datetime | None) -> list[One]:
-    """Those of a test that were sent while its student sat it; none where they never began.
+def attempts_in_sitting(
+    attempts: Iterable[Attempt], began_at: datetime | None, ended_at: datetime | None
+) -> list[Attempt]:
+    """Return the attempts sent during a sitting; none where it never began.
 
-    Others may stand between its dates too: what a guest had sent, whom the student then turned out to be.
+    Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in as the student.
     """
     if began_at is None:
         return []
-    return [one for one in attempts if began_at <= one.sent_at and (ended_at is None or one.sent_at <= ended_at)]
+    return [
+        attempt
+        for attempt in attempts
+        if began_at <= attempt.sent_at and (ended_at is None or attempt.sent_at <= ended_at)
+    ]
 
 
 def _marks(rules: Rules, attempts: Iterable[ScoredAttempt]) -> Sequence[AttemptMark]:
-    found = []
-    for one in attempts:
-        worth = rules.apply_lateness(one.sent_at, MAX_POINTS * one.score)
-        if worth.points is not None:
-            found.append(AttemptMark(one.id, worth.points, MAX_POINTS * one.score, worth.days_late))
-    return found
+    marks = []
+    for attempt in attempts:
+        full_points = MAX_POINTS * attempt.score
+        adjusted = rules.apply_lateness(attempt.sent_at, full_points)
+        if adjusted.points is not None:
+            marks.append(AttemptMark(attempt.id, adjusted.points, full_points, adjusted.days_late))
+    return marks
 
 
 def _best(marks: Sequence[AttemptMark]) -> AttemptMark | None:

@@ -1,4 +1,4 @@
-"""Making, changing, deleting and copying assignments, each noted in the class's log.
+"""Create, update, delete and copy assignments, each recorded in the class's audit log.
 
 Every function works inside the caller's transaction, on a class that the caller may change (`server.rights`).
 """
@@ -22,7 +22,7 @@ from server.assignments.models import (
     Visibility,
     WeightedExercise,
 )
-from server.assignments.schemas import AssignmentInput, Weighted, validate_assignment
+from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import NotFound
@@ -39,20 +39,20 @@ UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 def find_assignment(
     db: Session, school_class: SchoolClass, assignment_id: UUID | str, *, to_change: bool = False
 ) -> Assignment:
-    """`to_change`: until the commit, nobody else changes an assignment of the class. Raises NotFound."""
+    """Return an assignment; `to_change` locks the class until the commit. Raises NotFound."""
     if to_change:
         classes.lock_class(db, school_class.id)
-    found = repository.find_assignment(db, school_class.id, parse_uuid(assignment_id, UNKNOWN))
-    if found is None:
+    assignment = repository.find_assignment(db, school_class.id, parse_uuid(assignment_id, UNKNOWN))
+    if assignment is None:
         raise NotFound(UNKNOWN)
-    return found
+    return assignment
 
 
 def assignment_input(assignment: Assignment, exercises: Sequence[WeightedExercise]) -> AssignmentInput:
-    """What is set of an assignment, to be changed."""
+    """Return the editable fields of an assignment."""
     return AssignmentInput(
         title=assignment.title,
-        exercises=tuple(Weighted(one.exercise, one.weight) for one in exercises),
+        exercises=tuple(exercises),
         opens_at=assignment.opens_at,
         due_at=assignment.due_at,
         closes_at=assignment.closes_at,
@@ -73,68 +73,71 @@ def load_assignment_input(db: Session, assignment: Assignment) -> AssignmentInpu
 
 
 def assignable_exercises(course: Course, school_class: SchoolClass) -> Mapping[str, str]:
-    """Those that one may give to the class, by their titles, in the course's order."""
+    """Return the titles of the exercises of the class's module by id, in the course's order."""
     module = course.modules.get(school_class.module)
     return {} if module is None else {exercise.id: exercise.title for exercise in module.exercises}
 
 
 def create_assignment(
-    db: Session, course: Course, school_class: SchoolClass, by: UUID, wanted: AssignmentInput
+    db: Session, course: Course, school_class: SchoolClass, by: UUID, fields: AssignmentInput
 ) -> Assignment:
-    """Raises Conflict for an archived class, FieldsRefused."""
+    """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
     require_open(school_class)
-    good = validate_assignment(wanted, assignable_exercises(course, school_class))
-    made = _added(db, school_class, by, good)
-    audit.record_event(db, school_class.id, by, AuditAction.assignment_made, about=good.title, after=_told(good))
-    return made
+    valid = validate_assignment(fields, assignable_exercises(course, school_class))
+    assignment = _insert(db, school_class, by, valid)
+    audit.record_event(
+        db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_log_values(valid)
+    )
+    return assignment
 
 
-def _added(db: Session, school_class: SchoolClass, by: UUID, wanted: AssignmentInput) -> Assignment:
-    made = Assignment(class_id=school_class.id, created_by=by, **wanted.columns())
-    db.add(made)
+def _insert(db: Session, school_class: SchoolClass, by: UUID, fields: AssignmentInput) -> Assignment:
+    assignment = Assignment(class_id=school_class.id, created_by=by, **fields.columns())
+    db.add(assignment)
     db.flush()
-    _set_exercises(db, made, wanted.exercises)
-    return made
+    _set_exercises(db, assignment, fields.exercises)
+    return assignment
 
 
-def _set_exercises(db: Session, assignment: Assignment, chosen: Sequence[Weighted]) -> None:
+def _set_exercises(db: Session, assignment: Assignment, chosen: Sequence[WeightedExercise]) -> None:
     repository.delete_exercises(db, assignment.id)
-    for position, one in enumerate(chosen):
-        row = {"exercise": one.exercise, "weight": one.weight, "position": position}
-        db.add(AssignedExercise(assignment_id=assignment.id, **row))
+    for position, (exercise, weight) in enumerate(chosen):
+        db.add(AssignedExercise(assignment_id=assignment.id, exercise=exercise, weight=weight, position=position))
     db.flush()
 
 
 def update_assignment(
-    db: Session, course: Course, school_class: SchoolClass, by: UUID, assignment: Assignment, wanted: AssignmentInput
+    db: Session, course: Course, school_class: SchoolClass, by: UUID, assignment: Assignment, fields: AssignmentInput
 ) -> None:
-    """What it had of exercises that have left the course may stay. Raises Conflict, FieldsRefused."""
+    """Update an assignment; its exercises that have left the course may stay. Raises Conflict or InvalidFields."""
     require_open(school_class)
     safeguards.lock_test(db, assignment)
     before = load_assignment_input(db, assignment)
-    kept = {one.exercise: one.exercise for one in before.exercises}
-    good = validate_assignment(wanted, kept | dict(assignable_exercises(course, school_class)))
-    if good == before:
+    current = {exercise: exercise for exercise, _ in before.exercises}
+    valid = validate_assignment(fields, current | dict(assignable_exercises(course, school_class)))
+    if valid == before:
         return
-    safeguards.require_coherent(db, assignment, before, good, utc_now())
-    for name, value in good.columns().items():
+    safeguards.require_coherent(db, assignment, before, valid, utc_now())
+    for name, value in valid.columns().items():
         setattr(assignment, name, value)
-    if good.exercises != before.exercises:
-        _set_exercises(db, assignment, good.exercises)
+    if valid.exercises != before.exercises:
+        _set_exercises(db, assignment, valid.exercises)
     db.flush()
-    old, new = _told(before), _told(good)
-    audit.record_event(db, school_class.id, by, AuditAction.assignment_changed, about=good.title, before=old, after=new)
+    old, new = _log_values(before), _log_values(valid)
+    audit.record_event(
+        db, school_class.id, by, AuditAction.assignment_changed, about=valid.title, before=old, after=new
+    )
 
 
 def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
-    """Its exemptions go with it; what students have sent stays. Raises Conflict, also while a test holds something."""
+    """Delete an assignment with its exemptions, not the attempts. Raises Conflict, also while a test holds feedback."""
     require_open(school_class)
     safeguards.lock_test(db, assignment)
     safeguards.require_nothing_held(db, assignment)
-    before = _told(load_assignment_input(db, assignment))
-    lost = len(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()))
-    told = before | ({"exemptions": lost} if lost else {})
-    audit.record_event(db, school_class.id, by, AuditAction.assignment_deleted, about=assignment.title, before=told)
+    before = _log_values(load_assignment_input(db, assignment))
+    exemptions = len(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()))
+    deleted = before | ({"exemptions": exemptions} if exemptions else {})
+    audit.record_event(db, school_class.id, by, AuditAction.assignment_deleted, about=assignment.title, before=deleted)
     db.delete(assignment)
     db.flush()
 
@@ -142,49 +145,55 @@ def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignme
 def copy_assignments(
     db: Session,
     original: SchoolClass,
-    made: SchoolClass,
+    target: SchoolClass,
     by: UUID,
-    moved: Callable[[datetime], datetime],
-    there: Callable[[str], str | None],
+    shift_date: Callable[[datetime], datetime],
+    map_exercise: Callable[[str], str | None],
 ) -> int:
-    """Gives a copied class the assignments of the original, their dates moved; no exemption, nothing released.
+    """Copy the assignments of a class into another, with shifted dates, without exemptions or released results.
 
-    `there` finds an exercise in the copy's module: one that is not there is left out, and so is what had no other.
-    How many assignments there are.
+    `map_exercise` finds an exercise in the target's module; exercises without one are left out, and so are assignments
+    without any. Returns how many assignments were copied.
     """
     copied = 0
-    rows = repository.load_class_assignments(db, original.id)
-    exercises = repository.load_exercises(db, [one.id for one in rows])
-    for one in rows:
-        wanted = assignment_input(one, exercises.get(one.id, ()))
-        columns = wanted.columns()
+    assignments = repository.load_class_assignments(db, original.id)
+    exercises = repository.load_exercises(db, [assignment.id for assignment in assignments])
+    for assignment in assignments:
+        fields = assignment_input(assignment, exercises.get(assignment.id, ()))
+        columns = fields.columns()
         for name in ("opens_at", "due_at", "closes_at"):
-            columns[name] = None if columns[name] is None else moved(columns[name])
-        found = [(there(weighted.exercise), weighted.weight) for weighted in wanted.exercises]
-        kept = tuple(Weighted(exercise, weight) for exercise, weight in found if exercise is not None)
-        if kept:
-            given = AssignmentInput(exercises=kept, **columns)
-            _added(db, made, by, given)
-            audit.record_event(db, made.id, by, AuditAction.assignment_made, about=given.title, after=_told(given))
+            columns[name] = None if columns[name] is None else shift_date(columns[name])
+        mapped = [(map_exercise(exercise), weight) for exercise, weight in fields.exercises]
+        available = tuple(WeightedExercise(exercise, weight) for exercise, weight in mapped if exercise is not None)
+        if available:
+            copy = AssignmentInput(exercises=available, **columns)
+            _insert(db, target, by, copy)
+            audit.record_event(
+                db, target.id, by, AuditAction.assignment_made, about=copy.title, after=_log_values(copy)
+            )
             copied += 1
     return copied
 
 
 def uncopied_exercises(
-    db: Session, school_class: SchoolClass, there: Callable[[str], str | None]
+    db: Session, school_class: SchoolClass, map_exercise: Callable[[str], str | None]
 ) -> Sequence[tuple[str, str]]:
-    """What `copy` leaves out: the titles of assignments, each with an exercise of it."""
-    rows = repository.load_class_assignments(db, school_class.id)
-    exercises = repository.load_exercises(db, [one.id for one in rows])
-    weighted = ((row, one) for row in rows for one in assignment_input(row, exercises.get(row.id, ())).exercises)
-    return [(row.title, one.exercise) for row, one in weighted if there(one.exercise) is None]
+    """Return what `copy_assignments` leaves out: pairs of an assignment's title and an exercise."""
+    assignments = repository.load_class_assignments(db, school_class.id)
+    exercises = repository.load_exercises(db, [assignment.id for assignment in assignments])
+    return [
+        (assignment.title, exercise)
+        for assignment in assignments
+        for exercise, _ in exercises.get(assignment.id, ())
+        if map_exercise(exercise) is None
+    ]
 
 
-def _told(wanted: AssignmentInput) -> dict[str, Any]:
-    """As the log keeps it: plain values, those that say something."""
+def _log_values(fields: AssignmentInput) -> dict[str, Any]:
+    """Return the values for the audit log, without None."""
     columns: dict[str, Any] = {
         name: value.value if isinstance(value, LatePolicy | AttemptSelection | Mode | Visibility) else value
-        for name, value in wanted.columns().items()
+        for name, value in fields.columns().items()
         if value is not None
     }
-    return columns | {"exercises": {one.exercise: one.weight for one in wanted.exercises}}
+    return columns | {"exercises": dict(fields.exercises)}

@@ -1,4 +1,4 @@
-"""Exemptions: granting one to a student, to several at once or to a group, revoking it; each is noted in the log.
+"""Grant exemptions to students or to a label, and revoke them; each is recorded in the audit log.
 
 Every function works inside the caller's transaction, on a class that the caller may change (`server.rights`).
 """
@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository, safeguards
 from server.assignments.models import Assignment, Exemption
-from server.assignments.rules import Field, Origin, Rules
+from server.assignments.rules import Field, Origin, Rules, SourcedValue
 from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate_exemption
 from server.audit import service as audit
 from server.audit.models import AuditAction
@@ -31,13 +31,13 @@ NO_STUDENT = "Cette personne n’est pas un élève de la classe."
 
 
 def active_students(members: Collection[Member]) -> Sequence[Member]:
-    """Those who learn in the class now."""
-    return [one for one in members if one.role is ClassRole.student and one.status is Status.active]
+    """Return the active students among the members of a class."""
+    return [member for member in members if member.role is ClassRole.student and member.status is Status.active]
 
 
 def student_labels(members: Collection[Member]) -> Sequence[str]:
-    """Those that some student has."""
-    return sorted({label for one in active_students(members) for label in one.groups}, key=str.casefold)
+    """Return the labels of the active students."""
+    return sorted({label for student in active_students(members) for label in student.groups}, key=str.casefold)
 
 
 def grant_exemptions(
@@ -46,99 +46,104 @@ def grant_exemptions(
     by: UUID,
     assignment: Assignment,
     members: Collection[Member],
-    whom: ExemptionTarget,
-    wanted: ExemptionInput,
+    target: ExemptionTarget,
+    fields: ExemptionInput,
     *,
     replacing: bool = False,
 ) -> Sequence[Exemption]:
-    """One for the label, or one for each student; `replacing` revokes those that each had for this assignment.
+    """Create one exemption for the label or for each student; `replacing` revokes their earlier ones.
 
-    Raises Conflict for an archived class, or where it would cut short who sits a test; FieldsRefused.
+    Raises InvalidFields, Conflict for an archived class, or WrongMoment where it would cut short a running sitting.
     """
     require_open(school_class)
-    known = {one.id for one in active_students(members)}
-    if set(whom.students) - known:
+    if set(target.students) - {student.id for student in active_students(members)}:
         raise InvalidFields({"student": NO_STUDENT})
-    validate_exemption(wanted, assignment.opens_at, student_labels(members), whom)
-    targets: list[dict[str, Any]] = [{"account_id": one} for one in dict.fromkeys(whom.students)]
-    if whom.label:
-        targets = [{"label": whom.label}]
-    made = [Exemption(assignment_id=assignment.id, created_by=by, **target, **wanted.columns()) for target in targets]
+    validate_exemption(fields, assignment.opens_at, student_labels(members), target)
+    beneficiaries: list[dict[str, Any]] = [{"account_id": student} for student in dict.fromkeys(target.students)]
+    if target.label:
+        beneficiaries = [{"label": target.label}]
+    granted = [
+        Exemption(assignment_id=assignment.id, created_by=by, **beneficiary, **fields.columns())
+        for beneficiary in beneficiaries
+    ]
     before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     replaced = [
-        one
-        for one in before
-        if replacing and ({"account_id": one.account_id} in targets or {"label": one.label} in targets)
+        exemption
+        for exemption in before
+        if replacing
+        and ({"account_id": exemption.account_id} in beneficiaries or {"label": exemption.label} in beneficiaries)
     ]
-    kept = [one for one in before if one not in replaced]
-    safeguards.require_exempted_go_on(db, assignment, before, [*kept, *made], utc_now())
-    for one in replaced:
-        _revoke(db, school_class, by, assignment, one)
-    db.add_all(made)
+    remaining = [exemption for exemption in before if exemption not in replaced]
+    safeguards.require_exempted_go_on(db, assignment, before, [*remaining, *granted], utc_now())
+    for exemption in replaced:
+        _revoke(db, school_class, by, assignment, exemption)
+    db.add_all(granted)
     db.flush()
-    for one in made:
-        _note(db, school_class, by, AuditAction.exemption_made, assignment, one)
-    return made
+    for exemption in granted:
+        _record(db, school_class, by, AuditAction.exemption_made, assignment, exemption)
+    return granted
 
 
-def _note(
-    db: Session, school_class: SchoolClass, by: UUID, what: AuditAction, assignment: Assignment, one: Exemption
+def _record(
+    db: Session, school_class: SchoolClass, by: UUID, action: AuditAction, assignment: Assignment, exemption: Exemption
 ) -> None:
-    told: dict[str, Any] = {} if one.label is None else {"label": one.label}
-    told |= exemption_effects(one)
-    before, after = ({}, told) if what is AuditAction.exemption_made else (told, {})
+    values: dict[str, Any] = {} if exemption.label is None else {"label": exemption.label}
+    values |= exemption_effects(exemption)
+    before, after = ({}, values) if action is AuditAction.exemption_made else (values, {})
     audit.record_event(
         db,
         school_class.id,
         by,
-        what,
-        student=one.account_id,
+        action,
+        student=exemption.account_id,
         about=assignment.title,
         before=before,
         after=after,
-        reason=one.reason,
+        reason=exemption.reason,
     )
 
 
-def exemption_effects(one: Exemption) -> dict[str, Any]:
-    """What it says, without why."""
-    named = ExemptionInput(one.opens_at, one.due_at, one.closes_at, one.time_factor, one.excused)
-    return named.effects
+def exemption_effects(exemption: Exemption) -> dict[str, Any]:
+    """Return the fields that an exemption changes, without its reason."""
+    dates = (exemption.opens_at, exemption.due_at, exemption.closes_at)
+    return ExemptionInput(*dates, exemption.time_factor, exemption.excused).effects
 
 
 def find_exemption(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
-    """Raises NotFound."""
-    found = repository.find_exemption(db, assignment.id, parse_uuid(exemption_id, UNKNOWN))
-    if found is None:
+    """Return an exemption of an assignment. Raises NotFound."""
+    exemption = repository.find_exemption(db, assignment.id, parse_uuid(exemption_id, UNKNOWN))
+    if exemption is None:
         raise NotFound(UNKNOWN)
-    return found
+    return exemption
 
 
-def revoke_exemption(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
-    """From now on it says nothing; one that was revoked stays so. Raises Conflict."""
+def revoke_exemption(
+    db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption
+) -> None:
+    """Revoke an exemption; nothing where it is revoked already. Raises Conflict or WrongMoment."""
     require_open(school_class)
-    if one.revoked_at is not None:
+    if exemption.revoked_at is not None:
         return
     before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    after = [each for each in before if each.id != one.id]
+    after = [each for each in before if each.id != exemption.id]
     safeguards.require_exempted_go_on(db, assignment, before, after, utc_now())
-    _revoke(db, school_class, by, assignment, one)
+    _revoke(db, school_class, by, assignment, exemption)
 
 
-def _revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
-    one.revoked_at = utc_now()
+def _revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption) -> None:
+    exemption.revoked_at = utc_now()
     db.flush()
-    _note(db, school_class, by, AuditAction.exemption_revoked, assignment, one)
+    _record(db, school_class, by, AuditAction.exemption_revoked, assignment, exemption)
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """A guest's exemptions are those of the account that the same person has opened."""
+    """Move a guest's exemptions to the account that the same person has opened."""
     repository.move_exemptions(db, guest_id, account_id)
 
 
 @dataclass(frozen=True)
 class ExplainedValue:
-    """What was said of a field: by whom, when, and why where an exemption did. The reason is for the staff alone."""
+    """A value of a field, its origin, and the author, time and reason of its exemption. Reasons are for the staff."""
 
     origin: Origin
     value: Any
@@ -151,18 +156,20 @@ class ExplainedValue:
 def explain_rules(
     rules: Rules, exemptions: Collection[Exemption], student: UUID
 ) -> Mapping[Field, tuple[ExplainedValue, ...]]:
-    """The rules' own account of themselves, with the exemption that each value comes from."""
+    """Return the values of each field, the one in force first, with the exemptions that they come from."""
     return {
-        name: tuple(_told(name, one.origin, one.value, one.label, exemptions, student) for one in said)
-        for name, said in rules.sources.items()
+        name: tuple(_explain(name, value, exemptions, student) for value in values)
+        for name, values in rules.sources.items()
     }
 
 
-def _told(
-    name: Field, origin: Origin, value: Any, label: str, exemptions: Collection[Exemption], student: UUID
-) -> ExplainedValue:
-    for one in exemptions:
-        mine = one.account_id == student if origin == "student" else origin == "label" and one.label == label
-        if mine and one.revoked_at is None and getattr(one, name) == value:
-            return ExplainedValue(origin, value, label, one.reason, one.created_by, one.created_at)
-    return ExplainedValue(origin, value, label)
+def _explain(name: Field, value: SourcedValue, exemptions: Collection[Exemption], student: UUID) -> ExplainedValue:
+    for exemption in exemptions:
+        if value.origin == "student":
+            is_source = exemption.account_id == student
+        else:
+            is_source = value.origin == "label" and exemption.label == value.label
+        if is_source and exemption.revoked_at is None and getattr(exemption, name) == value.value:
+            author = (exemption.reason, exemption.created_by, exemption.created_at)
+            return ExplainedValue(value.origin, value.value, value.label, *author)
+    return ExplainedValue(value.origin, value.value, value.label)

@@ -1,4 +1,4 @@
-"""Queries on what an account's assignments may hold back."""
+"""Queries on the assignments that may hold back feedback from an account."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, Table, Uuid, and_, bindparam, exists, or_, select
-from sqlalchemy import Row as Found
+from sqlalchemy import ColumnElement, Row, Select, Table, Uuid, and_, bindparam, exists, or_, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, Visibility
@@ -18,7 +17,7 @@ from server.database import UtcDateTime, ask
 
 @dataclass(frozen=True)
 class AssignedExerciseRow:
-    """One exercise of one assignment of one of a student's classes, with what that student is there and has done."""
+    """An exercise of an assignment in a student's class, with their membership and their sitting."""
 
     account_id: UUID
     assignment: Assignment
@@ -28,12 +27,12 @@ class AssignedExerciseRow:
     sitting: Sitting | None
 
 
-def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
-    """Of the classes where an account learns, or which it has left of its own accord: nobody leaves a test so, nor by
-    asking to come back.
+def _holding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
+    """Select the assigned exercises that may hold back feedback, with the student and their sitting.
 
-    An assignment that holds nothing back is left out, and so is a test that is over for everyone. A class that is
-    archived holds nothing back but the tests that were sat in it and are not released.
+    Includes classes that a student left voluntarily: leaving a class, or asking to come back, does not end a test.
+    Excludes assignments that hold nothing back and tests that are over for everyone. An archived class holds back only
+    the tests that were sat in it and are not released.
     """
     now = bindparam("now", type_=UtcDateTime())
     later = exists().where(
@@ -71,44 +70,50 @@ def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
     )
 
 
-#: Asked with every page and every attempt: made once.
-OF_EVERYONE = _asked()
-#: The type is said, since the column takes its own from the accounts, which need not have been imported yet.
-OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account", type_=Uuid()))
-OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
-#: Nothing is, for most and most of the time: asked for one column, it takes half as long.
-ANY_OF_ONE = OF_ONE.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
+#: On the hot path of every page and attempt: built once.
+ALL_ROWS = _holding_rows()
+#: The type is explicit: the column takes its own from the account table, which may not be imported yet.
+ACCOUNT_ROWS = ALL_ROWS.where(Membership.account_id == bindparam("account", type_=Uuid()))
+EXERCISE_ROWS = ACCOUNT_ROWS.where(AssignedExercise.exercise == bindparam("exercise"))
+#: Mostly nothing is held: selecting one column takes half the time.
+ANY_EXERCISE_ROW = EXERCISE_ROWS.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
 
 
 def has_holds_clause(table: Table) -> ColumnElement[bool]:
-    """Whether there is something for the account and the exercise of a row of this table, to be asked with the row. The
-    time is the value `now`."""
+    """Return an EXISTS clause: something may be held for the account and the exercise of a row of this table.
+
+    The statement needs the value `now`.
+    """
     row = table.c
-    query = OF_EVERYONE.where(Membership.account_id == row.account_id, AssignedExercise.exercise == row.exercise)
+    query = ALL_ROWS.where(Membership.account_id == row.account_id, AssignedExercise.exercise == row.exercise)
     return query.with_only_columns(Assignment.id, maintain_column_froms=True).correlate(table).exists()
 
 
 def load_student_rows(
     db: Session, account_id: UUID, exercise: str | None, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
-    """In one exercise, or in all."""
+    """Load the rows of an account, in one exercise or in all."""
     values = {"account": account_id, "now": now}
     if exercise is None:
-        return _rows(db.execute(OF_ALL, values))
-    in_it = {**values, "exercise": exercise}
-    return () if ask(db, ANY_OF_ONE, in_it).first() is None else _rows(db.execute(OF_ONE, in_it))
+        return _rows(db.execute(ACCOUNT_ROWS, values))
+    exercise_values = {**values, "exercise": exercise}
+    return (
+        ()
+        if ask(db, ANY_EXERCISE_ROW, exercise_values).first() is None
+        else _rows(db.execute(EXERCISE_ROWS, exercise_values))
+    )
 
 
 def load_rows_of_students(
     db: Session, accounts: Collection[UUID], exercise: str, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
-    """In one exercise, of many."""
-    query = OF_EVERYONE.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
+    """Load the rows of several accounts in one exercise."""
+    query = ALL_ROWS.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
     return _rows(db.execute(query, {"now": now}))
 
 
-def _rows(found: Iterable[Found[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:
+def _rows(rows: Iterable[Row[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:
     return [
         AssignedExerciseRow(account_id, assignment, name, groups, status == Status.active, sitting)
-        for account_id, assignment, name, groups, status, sitting in found
+        for account_id, assignment, name, groups, status, sitting in rows
     ]

@@ -1,4 +1,4 @@
-"""Assignments, for whom their rules differ, and who sits a test."""
+"""Assignments, their exemptions, and the sittings of tests."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -15,14 +15,14 @@ GROUP_LENGTH = 40
 
 
 class Mode(StrEnum):
-    """`test`: what is found is told only once the teacher releases it."""
+    """In a `test`, feedback is shown only once the teacher releases it."""
 
     practice = "practice"
     test = "test"
 
 
 class LatePolicy(StrEnum):
-    """What is sent after the due date: does not count; counts, and is marked late; loses points for each day begun."""
+    """An attempt sent after the due date does not count; counts and is marked late; loses points for each day begun."""
 
     refuse = "refuse"
     accept = "accept"
@@ -38,7 +38,7 @@ class AttemptSelection(StrEnum):
 
 
 class Visibility(StrEnum):
-    """When something of the feedback is shown: `usual` is as outside of any assignment."""
+    """When a part of the feedback is shown; `usual`: as outside any assignment."""
 
     usual = "usual"
     after_due = "after_due"
@@ -47,10 +47,10 @@ class Visibility(StrEnum):
 
 
 class Assignment(Base):
-    """Exercises that a class is to do. Without `due_at` nothing is late; without `closes_at` it stays open.
+    """Exercises set for a class. Without `due_at` nothing is late; without `closes_at` it stays open.
 
-    `late_per_day`: points out of 20 that each day begun costs, with `Late.penalty` alone. `duration_minutes`: of a
-    test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
+    `late_per_day`: points out of 20 that each day begun costs, with `LatePolicy.penalty` alone. `duration_minutes`: the
+    time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
     """
 
     __tablename__ = "assignment"
@@ -76,10 +76,10 @@ class Assignment(Base):
 
 
 class WeightedExercise(NamedTuple):
-    """An exercise that an assignment asks, as it is read."""
+    """An exercise by its id, and its weight among the others of an assignment."""
 
     exercise: str
-    weight: float
+    weight: float = 1.0
 
 
 class AssignedExercise(Base):
@@ -94,10 +94,10 @@ class AssignedExercise(Base):
 
 
 class Exemption(Base):
-    """What differs from an assignment's rules for a student, or for all who have a label. None inherits.
+    """Changes to an assignment's rules for a student, or for all students with a label. None inherits.
 
-    `time_factor` multiplies the duration of a test. The reason is for the staff alone: the effect is kept, not the
-    cause. Revoked, it stays to be read.
+    `time_factor` multiplies the duration of a test. The reason is for the staff alone. A revoked exemption stays
+    readable.
     """
 
     __tablename__ = "exemption"
@@ -120,14 +120,14 @@ class Exemption(Base):
 
 
 class EndedBy(StrEnum):
-    """What has ended a sitting. One that time has ended goes on where it is given more."""
+    """Who or what ended a sitting. A sitting ended by `time` resumes where more time is granted."""
 
     student = "student"
     time = "time"
 
 
 class Sitting(Base):
-    """A student's own time in a test. `handed_in_at` is when it ended: what was saved then has been sent."""
+    """A student's own time in a test. `handed_in_at` is when it ended: work saved by then has been submitted."""
 
     __tablename__ = "sitting"
 
@@ -139,7 +139,7 @@ class Sitting(Base):
 
 
 class SavedWork(Base):
-    """What a student has written last in a test, sent or not: a file, or answers as they would be sent."""
+    """The last work that a student saved in a test, submitted or not: a file, or answers in their submitted form."""
 
     __tablename__ = "saved_work"
 

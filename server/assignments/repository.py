@@ -15,7 +15,7 @@ from server.database import ask, prepared, rows_of, table_of
 
 
 def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
-    """Of this class alone."""
+    """Return an assignment of this class, or None."""
     query = select(Assignment).where(Assignment.id == assignment_id, Assignment.class_id == class_id)
     return db.execute(query).scalar_one_or_none()
 
@@ -27,7 +27,7 @@ def _of_class(class_id: UUID) -> Select[Assignment]:
 
 
 def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
-    """In the order in which they open."""
+    """Load the assignments of a class in the order in which they open."""
     return db.execute(*_of_class(class_id)).scalars().all()
 
 
@@ -38,11 +38,11 @@ def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
 
 
 def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[WeightedExercise]]:
-    """Those of each assignment, in order."""
-    found: dict[UUID, list[WeightedExercise]] = defaultdict(list)
+    """Load the exercises of each assignment, in order."""
+    exercises: dict[UUID, list[WeightedExercise]] = defaultdict(list)
     for assignment, exercise, weight in ask(db, *_exercises(assignments)):
-        found[assignment].append(WeightedExercise(exercise, weight))
-    return found
+        exercises[assignment].append(WeightedExercise(exercise, weight))
+    return exercises
 
 
 @prepared
@@ -52,23 +52,23 @@ def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
 
 
 def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
-    """Those of each assignment that are not revoked, oldest first."""
-    found: dict[UUID, list[Exemption]] = defaultdict(list)
-    for one in db.execute(*_exemptions(assignments)).scalars():
-        found[one.assignment_id].append(one)
-    return found
+    """Load the exemptions in force of each assignment, oldest first."""
+    exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
+    for exemption in db.execute(*_exemptions(assignments)).scalars():
+        exemptions[exemption.assignment_id].append(exemption)
+    return exemptions
 
 
 @prepared
 def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
-    given, asked = table_of(Assignment), table_of(AssignedExercise)
-    query = select(asked.c.exercise, given.c.opens_at <= now)
-    rows = given.outerjoin(asked, asked.c.assignment_id == given.c.id)
-    return query.select_from(rows).where(given.c.class_id == class_id)
+    assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
+    query = select(exercises.c.exercise, assignments.c.opens_at <= now)
+    rows = assignments.outerjoin(exercises, exercises.c.assignment_id == assignments.c.id)
+    return query.select_from(rows).where(assignments.c.class_id == class_id)
 
 
 def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
-    """The exercises of the class's assignments that are open or past; None where it has no assignment at all."""
+    """Load the exercises of the class's open or past assignments; None where it has no assignment at all."""
     rows = ask(db, *_opened(class_id, now)).all()
     return frozenset(name for name, is_open in rows if name and is_open) if rows else None
 
@@ -78,23 +78,23 @@ def delete_exercises(db: Session, assignment_id: UUID) -> None:
 
 
 def find_exemption(db: Session, assignment_id: UUID, exemption_id: UUID) -> Exemption | None:
-    """Of this assignment alone."""
+    """Return an exemption of this assignment, or None."""
     query = select(Exemption).where(Exemption.id == exemption_id, Exemption.assignment_id == assignment_id)
     return db.execute(query).scalar_one_or_none()
 
 
 def load_all_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
-    """Those that were revoked too, oldest first."""
+    """Load the exemptions of an assignment, revoked ones included, oldest first."""
     query = select(Exemption).where(Exemption.assignment_id == assignment_id)
     return db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars().all()
 
 
-def move_exemptions(db: Session, old: UUID, new: UUID) -> None:
-    db.execute(update(Exemption).where(Exemption.account_id == old).values(account_id=new))
+def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    db.execute(update(Exemption).where(Exemption.account_id == guest_id).values(account_id=account_id))
 
 
 @prepared
-def _counted_exemptions(assignments: Collection[UUID]) -> Select[UUID, int]:
+def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
     query = select(Exemption.assignment_id, func.count()).where(
         Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
     )
@@ -102,16 +102,18 @@ def _counted_exemptions(assignments: Collection[UUID]) -> Select[UUID, int]:
 
 
 def count_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
-    """How many of each are in force."""
-    return {row[0]: row[1] for row in ask(db, *_counted_exemptions(assignments))}
+    """Count the exemptions in force of each assignment."""
+    return {row[0]: row[1] for row in ask(db, *_exemption_counts(assignments))}
 
 
 @prepared
-def _given_to(account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool) -> Select[*tuple[Any, ...]]:
+def _student_assignments(
+    account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
+) -> Select[*tuple[Any, ...]]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
-    differs = select(Exemption.id).where(Exemption.assignment_id == Assignment.id, Exemption.revoked_at.is_(None))
+    exempted = select(Exemption.id).where(Exemption.assignment_id == Assignment.id, Exemption.revoked_at.is_(None))
     query = (
-        select(*table_of(Assignment).c, Membership.groups, differs.exists())
+        select(*table_of(Assignment).c, Membership.groups, exempted.exists())
         .select_from(Assignment)
         .join(Membership, Membership.class_id == Assignment.class_id)
         .join(SchoolClass, SchoolClass.id == Assignment.class_id)
@@ -124,24 +126,22 @@ def _given_to(account_id: UUID, opened_by: datetime, exercise: str, *, everythin
         )
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id)
     )
-    asking = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
-    return query if everything else query.where(Assignment.id.in_(asking))
+    containing = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
+    return query if everything else query.where(Assignment.id.in_(containing))
 
 
 def load_student_assignments(
     db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
 ) -> Sequence[tuple[Assignment, list[str], bool]]:
-    """The assignments of the classes where this account learns, but of archived classes; with the groups that it is in
-    there, and whether the assignment is another one for some.
-
-    Those that an exemption may have opened by then already, with `exercise` those that ask for it.
+    """Load the assignments of a student's classes, archived ones excepted, that may have opened by then, also by an
+    exemption; with `exercise`, those that contain it. Each has the student's groups, and whether there are exemptions.
     """
-    found = ask(db, *_given_to(account_id, opened_by, exercise or "", everything=exercise is None))
-    return [(assignment, groups, differs) for assignment, (groups, differs) in rows_of(Assignment, found)]
+    rows = ask(db, *_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None))
+    return [(assignment, groups, exempted) for assignment, (groups, exempted) in rows_of(Assignment, rows)]
 
 
 def load_student_exemptions(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:
-    """An account's own in a class that are not revoked, each with the title of its assignment."""
+    """Load a student's own exemptions in force in a class, each with the title of its assignment."""
     query = (
         select(Assignment.title, Exemption)
         .join(Exemption, Exemption.assignment_id == Assignment.id)

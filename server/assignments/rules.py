@@ -1,7 +1,7 @@
-"""The rules in force for a student: pure, from an assignment and what differs for some.
+"""The rules in force for a student, computed from an assignment and its exemptions. Pure functions.
 
-A student's own exemption comes before those of their labels, field by field; of several labels the most favourable
-holds; what none says is as the assignment has it. Times are aware, compared as instants: no time zone comes in.
+Field by field, a student's own exemption takes precedence over those of their labels, and the most favourable of
+several labels wins; the assignment gives the rest. Times are aware, and compared as instants without a time zone.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MAX_POINTS = 20.0
 
 
 class CommonRules(Protocol):
-    """What an assignment says of everyone."""
+    """The rules that an assignment sets for everyone."""
 
     @property
     def opens_at(self) -> datetime: ...
@@ -39,7 +39,7 @@ class CommonRules(Protocol):
 
 
 class ExemptionFields(Protocol):
-    """What an exemption says of some."""
+    """The rules that an exemption changes for a student or a label; None inherits."""
 
     @property
     def account_id(self) -> UUID | None: ...
@@ -59,8 +59,8 @@ class ExemptionFields(Protocol):
     def revoked_at(self) -> datetime | None: ...
 
 
-#: What is most favourable to a student, of the values of several labels.
-BEST: Mapping[Field, Callable[[Sequence[Any]], Any]] = {
+#: Chooses the value most favourable to a student among those of several labels.
+MOST_FAVOURABLE: Mapping[Field, Callable[[Sequence[Any]], Any]] = {
     "opens_at": min,
     "due_at": max,
     "closes_at": max,
@@ -71,7 +71,7 @@ BEST: Mapping[Field, Callable[[Sequence[Any]], Any]] = {
 
 @dataclass(frozen=True)
 class SourcedValue:
-    """One value that was said of a field, and by whom: `label` names the group; `adjusted`: follows from another."""
+    """A value of a field and its origin; `label` names the group; `adjusted` values are derived from other fields."""
 
     origin: Origin
     value: Any
@@ -80,7 +80,7 @@ class SourcedValue:
 
 @dataclass(frozen=True)
 class Rules:
-    """The rules in force for one student; `why` says of each field what was said of it, what holds first."""
+    """The rules in force for one student; `sources` lists the values of each field, the one in force first."""
 
     opens_at: datetime
     due_at: datetime | None
@@ -93,15 +93,15 @@ class Rules:
     sources: Mapping[Field, tuple[SourcedValue, ...]]
 
     def end_of_sitting(self, began: datetime) -> datetime | None:
-        """When a test ends for who began it then."""
+        """Return when a test begun at that time ends."""
         own_end = None if self.duration is None else began + self.duration
         return min((end for end in (self.closes_at, own_end) if end is not None), default=None)
 
     def apply_lateness(self, sent_at: datetime, points: float) -> LateAdjustedPoints:
-        """What an attempt of so many points out of 20, sent then, comes to.
+        """Return the points out of 20 that an attempt sent at that time keeps.
 
-        Who has worked ahead is on time: exercises may be done before somebody assigns them. Of a test only what is sent
-        while one sits it is asked about (`counting.in_sitting`).
+        An attempt sent before the opening is on time: exercises may be done before they are assigned. Attempts at a
+        test are first filtered by `counting.attempts_in_sitting`.
         """
         if self.closes_at is not None and sent_at > self.closes_at:
             return NOT_COUNTED
@@ -115,14 +115,14 @@ class Rules:
 
     @property
     def last_counted_at(self) -> datetime | None:
-        """Until when something may be sent that counts."""
+        """Until when an attempt counts."""
         ends = [self.closes_at] if self.late is not LatePolicy.refuse else [self.closes_at, self.due_at]
         return min((end for end in ends if end is not None), default=None)
 
 
 @dataclass(frozen=True)
 class LateAdjustedPoints:
-    """Points out of 20 once lateness has taken its share, None for what does not count; days late, begun ones whole."""
+    """Points out of 20 after any late penalty, None where the attempt does not count; days late, rounded up."""
 
     points: float | None
     days_late: int = 0
@@ -132,57 +132,56 @@ NOT_COUNTED = LateAdjustedPoints(None)
 
 
 def rules_in_force(
-    frame: CommonRules, differences: Collection[ExemptionFields], student: UUID, labels: Collection[str]
+    common: CommonRules, exemptions: Collection[ExemptionFields], student: UUID, labels: Collection[str]
 ) -> Rules:
-    """The rules for a student who has these labels. Revoked exemptions and those of others are left out."""
-    mine = [one for one in differences if one.revoked_at is None and _is_of(one, student, labels)]
-    why: dict[Field, tuple[SourcedValue, ...]] = {
-        "opens_at": _said("opens_at", frame.opens_at, mine),
-        "due_at": _said("due_at", frame.due_at, mine),
-        "closes_at": _said("closes_at", frame.closes_at, mine),
-        "time_factor": _said("time_factor", 1.0, mine),
-        "excused": _said("excused", False, mine),
+    """Return the rules for a student who has these labels. Revoked exemptions and those of others are ignored."""
+    own = [each for each in exemptions if each.revoked_at is None and _applies_to(each, student, labels)]
+    sources: dict[Field, tuple[SourcedValue, ...]] = {
+        "opens_at": _sourced_values("opens_at", common.opens_at, own),
+        "due_at": _sourced_values("due_at", common.due_at, own),
+        "closes_at": _sourced_values("closes_at", common.closes_at, own),
+        "time_factor": _sourced_values("time_factor", 1.0, own),
+        "excused": _sourced_values("excused", False, own),
     }
-    factor = float(why["time_factor"][0].value)
-    minutes = frame.duration_minutes
+    factor = float(sources["time_factor"][0].value)
+    minutes = common.duration_minutes
     duration = None if minutes is None else timedelta(minutes=minutes) * factor
-    why["closes_at"] = _adjusted(why, None if minutes is None else timedelta(minutes=minutes), factor)
+    sources["closes_at"] = _adjusted_closing(sources, None if minutes is None else timedelta(minutes=minutes), factor)
     return Rules(
-        opens_at=why["opens_at"][0].value,
-        due_at=why["due_at"][0].value,
-        closes_at=why["closes_at"][0].value,
-        late=LatePolicy(frame.late),
-        late_per_day=frame.late_per_day or 0.0,
+        opens_at=sources["opens_at"][0].value,
+        due_at=sources["due_at"][0].value,
+        closes_at=sources["closes_at"][0].value,
+        late=LatePolicy(common.late),
+        late_per_day=common.late_per_day or 0.0,
         time_factor=factor,
-        excused=bool(why["excused"][0].value),
+        excused=bool(sources["excused"][0].value),
         duration=duration,
-        sources=why,
+        sources=sources,
     )
 
 
-def _is_of(one: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
-    return one.account_id == student or one.label in labels
+def _applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
+    return exemption.account_id == student or exemption.label in labels
 
 
-def _said(field: Field, common: Any, mine: Sequence[ExemptionFields]) -> tuple[SourcedValue, ...]:
-    """What holds first, then what it goes before."""
-    own = [value for one in mine if one.account_id is not None and (value := getattr(one, field)) is not None]
-    labelled = [
-        (value, one.label) for one in mine if one.label is not None and (value := getattr(one, field)) is not None
-    ]
-    said = [SourcedValue("student", BEST[field](own))] if own else []
+def _sourced_values(field: Field, common: Any, exemptions: Sequence[ExemptionFields]) -> tuple[SourcedValue, ...]:
+    """Return all values of a field, the one in force first."""
+    given = [(value, exemption) for exemption in exemptions if (value := getattr(exemption, field)) is not None]
+    own = [value for value, exemption in given if exemption.account_id is not None]
+    labelled = [(value, exemption.label) for value, exemption in given if exemption.label is not None]
+    values = [SourcedValue("student", MOST_FAVOURABLE[field](own))] if own else []
     if labelled:
-        best = BEST[field]([value for value, _ in labelled])
-        first = sorted(labelled, key=lambda pair: (pair[0] != best, pair[1]))
-        said += [SourcedValue("label", value, label) for value, label in first]
-    return (*said, SourcedValue("assignment", common))
+        best = MOST_FAVOURABLE[field]([value for value, _ in labelled])
+        ranked = sorted(labelled, key=lambda pair: (pair[0] != best, pair[1]))
+        values += [SourcedValue("label", value, label) for value, label in ranked]
+    return (*values, SourcedValue("assignment", common))
 
 
-def _adjusted(
-    why: Mapping[Field, tuple[SourcedValue, ...]], duration: timedelta | None, factor: float
+def _adjusted_closing(
+    sources: Mapping[Field, tuple[SourcedValue, ...]], duration: timedelta | None, factor: float
 ) -> tuple[SourcedValue, ...]:
-    """A closing never cuts off extra time that was granted, nor comes before the due date."""
-    closes, due = why["closes_at"], why["due_at"][0].value
+    """Return the closing dates, with one late enough for extra time that was granted and for the due date."""
+    closes, due = sources["closes_at"], sources["due_at"][0].value
     end = closes[0].value
     if end is None:
         return closes

@@ -1,4 +1,4 @@
-"""What may not be changed of a test: what it holds back is released, never let out; who sits it keeps their time.
+"""Refuse changes to a test that would leak held feedback, or cut short a running sitting.
 
 Every function works inside the caller's transaction.
 """
@@ -30,19 +30,19 @@ DELETE, CHANGE, REMOVE = "supprimez-le", "changez-en le mode", "retirez l’exer
 
 
 def lock_test(db: Session, assignment: Assignment) -> None:
-    """Nobody begins to sit it, nor releases it, until the commit."""
+    """Lock a test: until the commit, nobody begins to sit it nor releases it."""
     db.refresh(assignment, with_for_update=True)
 
 
 def require_nothing_held(db: Session, assignment: Assignment) -> None:
-    """That a test may go. Raises NotNow."""
+    """Raise WrongMoment where deleting a test would release held feedback."""
     refusal = _refusal(db, assignment, DELETE)
     if refusal:
         raise WrongMoment(refusal)
 
 
 def _refusal(db: Session, assignment: Assignment, then: str) -> str:
-    """Why what a test holds back cannot be let go of; empty where it holds nothing of anybody."""
+    """Return why a test must be released first; empty where it holds nothing."""
     if assignment.mode != Mode.test:
         return ""
     begun, ended = sitting_repository.count_sittings(db, assignment.id)
@@ -54,18 +54,18 @@ def _refusal(db: Session, assignment: Assignment, then: str) -> str:
 def require_coherent(
     db: Session, assignment: Assignment, before: AssignmentInput, after: AssignmentInput, now: datetime
 ) -> None:
-    """That a test may be changed so. Raises FieldsRefused."""
+    """Raise InvalidFields where a change of a test would release held feedback or cut short a running sitting."""
     if before.mode is not Mode.test:
         return
     problems = {}
     if after.mode is not Mode.test and (refusal := _refusal(db, assignment, CHANGE)):
         problems["mode"] = refusal
-    gone = {one.exercise for one in before.exercises} - {one.exercise for one in after.exercises}
-    if gone and (refusal := _refusal(db, assignment, REMOVE)):
+    removed = {exercise for exercise, _ in before.exercises} - {exercise for exercise, _ in after.exercises}
+    if removed and (refusal := _refusal(db, assignment, REMOVE)):
         problems["exercises"] = refusal
     if not problems and after.mode is Mode.test:
-        told = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-        if _cut_off(db, assignment.id, (before, told), (after, told), now):
+        exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+        if _cuts_short(db, assignment.id, (before, exemptions), (after, exemptions), now):
             shorter = after.duration_minutes != before.duration_minutes
             problems["duration_minutes" if shorter else "closes_at"] = CUTS
     if problems:
@@ -75,25 +75,27 @@ def require_coherent(
 def require_exempted_go_on(
     db: Session, assignment: Assignment, before: Collection[Exemption], after: Collection[Exemption], now: datetime
 ) -> None:
-    """That the exemptions of a test may become these. Raises NotNow."""
-    if assignment.mode == Mode.test and _cut_off(db, assignment.id, (assignment, before), (assignment, after), now):
+    """Raise WrongMoment where replacing the exemptions of a test would cut short a running sitting."""
+    if assignment.mode == Mode.test and _cuts_short(db, assignment.id, (assignment, before), (assignment, after), now):
         raise WrongMoment(CUTS)
 
 
-def _cut_off(
+def _cuts_short(
     db: Session,
     assignment_id: UUID,
     before: tuple[CommonRules, Collection[Exemption]],
     after: tuple[CommonRules, Collection[Exemption]],
     now: datetime,
 ) -> bool:
-    """Whether somebody sits it now by the one, whose time would be over by the other."""
-    for one in sitting_repository.load_unfinished_sittings(db, assignment_id):
-        was, becomes = (
-            rules_in_force(frame, told, one.sitting.account_id, one.groups) for frame, told in (before, after)
+    """Whether a sitting that runs by the rules `before` would be over by the rules `after`."""
+    for unfinished in sitting_repository.load_unfinished_sittings(db, assignment_id):
+        sitting = unfinished.sitting
+        old_rules, new_rules = (
+            rules_in_force(common, exemptions, sitting.account_id, unfinished.groups)
+            for common, exemptions in (before, after)
         )
-        if feedback.is_sitting_running(was, one.sitting, now) and not feedback.is_sitting_running(
-            becomes, one.sitting, now
+        if feedback.is_sitting_running(old_rules, sitting, now) and not feedback.is_sitting_running(
+            new_rules, sitting, now
         ):
             return True
     return False

@@ -1,4 +1,4 @@
-"""What is asked of an assignment or an exemption, checked with sentences in French, each with its place."""
+"""The inputs for assignments and exemptions, validated with messages in French for each field."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from server.assignments.models import GROUP_LENGTH, TITLE_LENGTH, AttemptSelection, LatePolicy, Mode, Visibility
+from server.assignments.models import (
+    GROUP_LENGTH,
+    TITLE_LENGTH,
+    AttemptSelection,
+    LatePolicy,
+    Mode,
+    Visibility,
+    WeightedExercise,
+)
 from server.assignments.rules import MAX_POINTS
 from server.base.errors import InvalidFields
 
-MOST_WEIGHT = 1000.0
-LONGEST_MINUTES = 7 * 24 * 60
-FACTORS = (1.0, 4.0)
-LEAST_PER_DAY = 0.01  # what is read as a number of points
+MAX_WEIGHT = 1000.0
+MAX_MINUTES = 7 * 24 * 60
+TIME_FACTORS = (1.0, 4.0)
+MIN_POINTS_PER_DAY = 0.01
 REASON_LENGTH = 2000
-YEARS = range(2000, 2200)
+ALLOWED_YEARS = range(2000, 2200)
 
 Problem = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Weighted:
-    """An exercise by its id, and its weight among the others."""
-
-    exercise: str
-    weight: float = 1.0
-
-
-@dataclass(frozen=True)
 class AssignmentInput:
-    """All that a teacher sets of an assignment; `models.Assignment` says what each means."""
+    """The fields of an assignment that a teacher sets; see `models.Assignment`."""
 
     title: str
-    exercises: tuple[Weighted, ...]
+    exercises: tuple[WeightedExercise, ...]
     opens_at: datetime
     due_at: datetime | None = None
     closes_at: datetime | None = None
@@ -51,13 +51,13 @@ class AssignmentInput:
     duration_minutes: int | None = None
 
     def columns(self) -> dict[str, Any]:
-        """As the row of the assignment holds it: all but the exercises."""
+        """Return the columns of the assignment's row: all fields but the exercises."""
         return {name: value for name, value in asdict(self).items() if name != "exercises"}
 
 
 @dataclass(frozen=True)
 class ExemptionInput:
-    """What is to differ for some; None inherits."""
+    """The fields of an exemption that a teacher sets; None inherits."""
 
     opens_at: datetime | None = None
     due_at: datetime | None = None
@@ -71,113 +71,115 @@ class ExemptionInput:
 
     @property
     def effects(self) -> dict[str, Any]:
-        """What it says, without why."""
+        """The fields that change something, without the reason."""
         return {name: value for name, value in asdict(self).items() if name != "reason" and value is not None}
 
 
 @dataclass(frozen=True)
 class ExemptionTarget:
-    """For whom an exemption is made: students, or all who have a label."""
+    """The students to exempt, or the label of all students to exempt."""
 
     students: tuple[UUID, ...] = ()
     label: str = ""
 
 
-def validate_assignment(wanted: AssignmentInput, exercises: Mapping[str, str]) -> AssignmentInput:
-    """The same, its title tidied; `exercises` are those that one may give, by their titles.
+def validate_assignment(fields: AssignmentInput, exercises: Mapping[str, str]) -> AssignmentInput:
+    """Return the input with its title tidied. `exercises`: the titles of the exercises that may be assigned, by id.
 
-    Raises FieldsRefused with all that is wrong at once.
+    Raises InvalidFields with every problem at once.
     """
-    tidy = replace(wanted, title=" ".join(wanted.title.split()))
+    tidy = replace(fields, title=" ".join(fields.title.split()))
     if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
-    _refuse([*_about_itself(tidy), *_exercises(tidy.exercises, exercises), *_dates(tidy)])
+    _refuse([*_check_fields(tidy), *_check_exercises(tidy.exercises, exercises), *_check_dates(tidy)])
     return tidy
 
 
 def validate_exemption(
-    wanted: ExemptionInput, opens_at: datetime, labels: Collection[str], whom: ExemptionTarget
+    fields: ExemptionInput, opens_at: datetime, labels: Collection[str], target: ExemptionTarget
 ) -> None:
-    """`opens_at` is the assignment's; `labels` are those of the class. Raises FieldsRefused."""
-    _refuse([*_whom(whom, labels), *_effects(wanted), *_order(wanted.opens_at or opens_at, wanted)])
+    """Check an exemption against the opening of its assignment and the labels of the class. Raises InvalidFields."""
+    _refuse(
+        [*_check_target(target, labels), *_check_effects(fields), *_check_order(fields.opens_at or opens_at, fields)]
+    )
 
 
 def _refuse(problems: list[Problem]) -> None:
     if problems:
-        raise InvalidFields(dict(reversed(problems)))  # of a field, the first is told
+        raise InvalidFields(dict(reversed(problems)))  # the first problem of a field wins
 
 
-def _about_itself(wanted: AssignmentInput) -> Iterator[Problem]:
-    if not 0 < len(wanted.title) <= TITLE_LENGTH or not wanted.title.isprintable():
+def _check_fields(fields: AssignmentInput) -> Iterator[Problem]:
+    if not 0 < len(fields.title) <= TITLE_LENGTH or not fields.title.isprintable():
         yield "title", f"Donnez au devoir un titre de 1 à {TITLE_LENGTH} caractères."
-    if not _positive(wanted.weight):
+    if not _is_valid_weight(fields.weight):
         yield "weight", "Le coefficient du devoir est un nombre plus grand que 0, jusqu’à 1000."
-    per_day = wanted.late_per_day
-    if wanted.late is LatePolicy.penalty and (per_day is None or not LEAST_PER_DAY <= per_day <= MAX_POINTS):
+    per_day = fields.late_per_day
+    if fields.late is LatePolicy.penalty and (per_day is None or not MIN_POINTS_PER_DAY <= per_day <= MAX_POINTS):
         yield "late", "Indiquez combien de points sur 20 coûte chaque jour de retard : plus de 0, et 20 au plus."
-    if wanted.late is LatePolicy.penalty and wanted.due_at is None:
+    if fields.late is LatePolicy.penalty and fields.due_at is None:
         yield "due_at", "Une pénalité par jour de retard demande une date de remise."
-    minutes = wanted.duration_minutes
-    if minutes is not None and not 1 <= minutes <= LONGEST_MINUTES:
+    minutes = fields.duration_minutes
+    if minutes is not None and not 1 <= minutes <= MAX_MINUTES:
         yield "duration_minutes", "La durée est un nombre de minutes, d’une à une semaine (10 080)."
-    if minutes is not None and wanted.mode is not Mode.test:
+    if minutes is not None and fields.mode is not Mode.test:
         yield "duration_minutes", "Seul un contrôle a une durée : choisissez ce mode, ou laissez la durée vide."
 
 
-def _positive(weight: float) -> bool:
-    return math.isfinite(weight) and 0 < weight <= MOST_WEIGHT
+def _is_valid_weight(weight: float) -> bool:
+    return math.isfinite(weight) and 0 < weight <= MAX_WEIGHT
 
 
-def _exercises(chosen: Collection[Weighted], known: Mapping[str, str]) -> Iterator[Problem]:
+def _check_exercises(chosen: Collection[WeightedExercise], titles: Mapping[str, str]) -> Iterator[Problem]:
     if not chosen:
         yield "exercises", "Choisissez au moins un exercice."
     seen = set()
-    for one in chosen:
-        name = known.get(one.exercise)
-        if name is None:
-            yield "exercises", f"L’exercice « {one.exercise[:100]} » n’est pas du module de la classe."
-        elif one.exercise in seen:
-            yield "exercises", f"L’exercice « {name} » est donné deux fois."
-        elif not _positive(one.weight):
-            yield "exercises", f"Le coefficient de « {name} » est un nombre plus grand que 0, jusqu’à 1000."
-        seen.add(one.exercise)
+    for exercise, weight in chosen:
+        title = titles.get(exercise)
+        if title is None:
+            yield "exercises", f"L’exercice « {exercise[:100]} » n’est pas du module de la classe."
+        elif exercise in seen:
+            yield "exercises", f"L’exercice « {title} » est donné deux fois."
+        elif not _is_valid_weight(weight):
+            yield "exercises", f"Le coefficient de « {title} » est un nombre plus grand que 0, jusqu’à 1000."
+        seen.add(exercise)
 
 
-def _dates(wanted: AssignmentInput) -> Iterator[Problem]:
-    opens, due, closes = wanted.opens_at, wanted.due_at, wanted.closes_at
-    yield from _years({"opens_at": opens, "due_at": due, "closes_at": closes})
+def _check_dates(fields: AssignmentInput) -> Iterator[Problem]:
+    opens, due, closes = fields.opens_at, fields.due_at, fields.closes_at
+    yield from _check_years({"opens_at": opens, "due_at": due, "closes_at": closes})
     if due is not None and due < opens:
         yield "due_at", "La date de remise vient avant l’ouverture."
     if closes is not None and closes < (due or opens):
         yield "closes_at", f"La fermeture vient avant {'la date de remise' if due else 'l’ouverture'}."
 
 
-def _years(dates: Mapping[str, datetime | None]) -> Iterator[Problem]:
+def _check_years(dates: Mapping[str, datetime | None]) -> Iterator[Problem]:
     for name, when in dates.items():
-        if when is not None and when.year not in YEARS:
+        if when is not None and when.year not in ALLOWED_YEARS:
             yield name, "L’année doit être entre 2000 et 2199."
 
 
-def _whom(whom: ExemptionTarget, labels: Collection[str]) -> Iterator[Problem]:
-    if bool(whom.students) == bool(whom.label):
+def _check_target(target: ExemptionTarget, labels: Collection[str]) -> Iterator[Problem]:
+    if bool(target.students) == bool(target.label):
         yield "student", "Choisissez des élèves, ou un groupe."
-    elif whom.label and whom.label not in labels:
-        yield "group", f"Personne n’est dans le groupe « {whom.label[:GROUP_LENGTH]} »."
+    elif target.label and target.label not in labels:
+        yield "group", f"Personne n’est dans le groupe « {target.label[:GROUP_LENGTH]} »."
 
 
-def _effects(wanted: ExemptionInput) -> Iterator[Problem]:
-    if not wanted.effects:
+def _check_effects(fields: ExemptionInput) -> Iterator[Problem]:
+    if not fields.effects:
         yield "due_at", "Dites ce qui change : une date, le temps, ou une dispense."
-    low, high = FACTORS
-    if wanted.time_factor is not None and not low <= wanted.time_factor <= high:
+    low, high = TIME_FACTORS
+    if fields.time_factor is not None and not low <= fields.time_factor <= high:
         yield "time_factor", "Le temps se multiplie par 1 à 4 : par 1,33 pour un tiers-temps."
-    if len(wanted.reason) > REASON_LENGTH or not wanted.reason.isprintable():
+    if len(fields.reason) > REASON_LENGTH or not fields.reason.isprintable():
         yield "reason", f"La raison tient en une ligne de {REASON_LENGTH} caractères."
-    yield from _years({"opens_at": wanted.opens_at, "due_at": wanted.due_at, "closes_at": wanted.closes_at})
+    yield from _check_years({"opens_at": fields.opens_at, "due_at": fields.due_at, "closes_at": fields.closes_at})
 
 
-def _order(opens: datetime, wanted: ExemptionInput) -> Iterator[Problem]:
-    if wanted.due_at is not None and wanted.due_at < opens:
+def _check_order(opens: datetime, fields: ExemptionInput) -> Iterator[Problem]:
+    if fields.due_at is not None and fields.due_at < opens:
         yield "due_at", "La date de remise vient avant l’ouverture."
-    if wanted.closes_at is not None and wanted.closes_at < (wanted.due_at or opens):
-        yield "closes_at", f"La fermeture vient avant {'la date de remise' if wanted.due_at else 'l’ouverture'}."
+    if fields.closes_at is not None and fields.closes_at < (fields.due_at or opens):
+        yield "closes_at", f"La fermeture vient avant {'la date de remise' if fields.due_at else 'l’ouverture'}."

@@ -1,4 +1,4 @@
-"""Assignments of a class. Every function works inside the caller's transaction."""
+"""Releases of tests, and the exercises that count in a class. Every function works inside the caller's transaction."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -19,7 +19,7 @@ ALREADY_RELEASED = "Les résultats de ce contrôle sont déjà publiés."
 
 
 def release_feedback(db: Session, test: Assignment, by: UUID, now: datetime) -> None:
-    """Shows the results of a test, for good: what was read is not unread. Raises Conflict where they are shown."""
+    """Release the results of a test, for good. Raises Conflict where they are released already."""
     classes.lock_class(db, test.class_id)
     db.refresh(test)
     if test.released_at is not None and test.released_at <= now:
@@ -32,9 +32,9 @@ def release_feedback(db: Session, test: Assignment, by: UUID, now: datetime) -> 
 
 
 def counting_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
-    """What counts on the class's board, in the course's order: the exercises of assignments that are open or past.
+    """Return the exercises that count for a class, in the course's order: those of assignments that are open or past.
 
-    All of the module's where the class has no assignment; none where its module has left this server.
+    Without assignments, all exercises of the module count; none where the module has left this server.
     """
     module = course.modules.get(school_class.module)
     if module is None:

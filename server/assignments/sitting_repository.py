@@ -1,4 +1,4 @@
-"""Queries on sittings, and on what is saved in them."""
+"""Queries on sittings and on the work saved in them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from server.database import upsert_statement
 
 @dataclass(frozen=True)
 class UnfinishedSitting:
-    """A sitting that nobody has ended yet, with what it takes to know when it ends."""
+    """A sitting whose row is not ended yet, with its assignment and the student's labels, which decide its end."""
 
     sitting: Sitting
     assignment: Assignment
@@ -29,14 +29,14 @@ def load_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting 
 
 
 def lock_sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
-    """As it stands now; until the commit nobody else ends it, nor sends or saves anything in it."""
+    """Lock and reload a sitting: until the commit nobody else ends it, nor submits or saves in it."""
     query = select(Sitting).where(Sitting.assignment_id == assignment_id, Sitting.account_id == account_id)
     query = query.with_for_update().execution_options(populate_existing=True)
     return db.execute(query).scalar_one_or_none()
 
 
 def insert_sitting(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
-    """Begins a sitting, once: of two tabs, the first one's time holds."""
+    """Insert a sitting unless it exists: of two tabs, the first one's time holds."""
     row = {"assignment_id": assignment_id, "account_id": account_id, "began_at": now}
     db.execute(upsert_statement(db, Sitting).on_conflict_do_nothing(), row)
 
@@ -44,13 +44,13 @@ def insert_sitting(db: Session, assignment_id: UUID, account_id: UUID, now: date
 def upsert_saved_work(
     db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str, source: bytes, now: datetime
 ) -> None:
-    """Keeps what was written last, in the place of what was before."""
+    """Save work in these tests, replacing what was saved before."""
     key = ("assignment_id", "account_id", "exercise")
-    for one in assignments:
-        row = {"assignment_id": one, "account_id": account_id, "exercise": exercise}
-        news = {"source": source, "saved_at": now}
-        statement = upsert_statement(db, SavedWork).on_conflict_do_update(index_elements=key, set_=news)
-        db.execute(statement, {**row, **news})
+    for assignment_id in assignments:
+        row = {"assignment_id": assignment_id, "account_id": account_id, "exercise": exercise}
+        work = {"source": source, "saved_at": now}
+        statement = upsert_statement(db, SavedWork).on_conflict_do_update(index_elements=key, set_=work)
+        db.execute(statement, {**row, **work})
 
 
 def load_saved_work(db: Session, assignment_id: UUID, account_id: UUID) -> Sequence[SavedWork]:
@@ -59,7 +59,7 @@ def load_saved_work(db: Session, assignment_id: UUID, account_id: UUID) -> Seque
 
 
 def load_save_times(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
-    """When each exercise was saved last."""
+    """Return when each exercise was saved last."""
     query = select(SavedWork.exercise, SavedWork.saved_at)
     query = query.where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
     return dict(db.execute(query).all())
@@ -80,16 +80,14 @@ def load_all_saved_work(db: Session, account_id: UUID) -> Sequence[SavedWork]:
 
 
 def load_account_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]:
-    """Each with the title of its test, oldest first."""
+    """Load an account's sittings, each with the title of its test, oldest first."""
     query = select(Sitting, Assignment.title).join(Assignment, Assignment.id == Sitting.assignment_id)
-    return [
-        (one, title)
-        for one, title in db.execute(query.where(Sitting.account_id == account_id).order_by(Sitting.began_at))
-    ]
+    rows = db.execute(query.where(Sitting.account_id == account_id).order_by(Sitting.began_at))
+    return [(sitting, title) for sitting, title in rows]
 
 
 def load_unfinished_sittings(db: Session, assignment_id: UUID | None = None) -> Sequence[UnfinishedSitting]:
-    """Of one test, or of every class."""
+    """Load the unfinished sittings of one test, or of all tests."""
     query = (
         select(Sitting, Assignment, Membership.groups)
         .join(Assignment, Assignment.id == Sitting.assignment_id)
@@ -100,30 +98,30 @@ def load_unfinished_sittings(db: Session, assignment_id: UUID | None = None) -> 
         .where(Sitting.handed_in_at.is_(None))
     )
     query = query if assignment_id is None else query.where(Sitting.assignment_id == assignment_id)
-    return [UnfinishedSitting(one, assignment, groups or ()) for one, assignment, groups in db.execute(query)]
+    return [UnfinishedSitting(sitting, assignment, groups or ()) for sitting, assignment, groups in db.execute(query)]
 
 
 def load_sittings(db: Session, assignments: Collection[UUID]) -> Mapping[tuple[UUID, UUID], Sitting]:
-    """Those of these assignments, by assignment and account: what was sent outside of them counts in no test."""
+    """Load the sittings of these assignments, by assignment and account."""
     query = select(Sitting).where(Sitting.assignment_id.in_(assignments))
-    return {(one.assignment_id, one.account_id): one for one in db.execute(query).scalars()}
+    return {(sitting.assignment_id, sitting.account_id): sitting for sitting in db.execute(query).scalars()}
 
 
 def count_sittings(db: Session, assignment_id: UUID) -> tuple[int, int]:
-    """How many have begun, and how many of these have handed in, or were ended by time."""
+    """Count the sittings that have begun, and those of them that have ended."""
     query = select(func.count(), func.count(Sitting.handed_in_at)).where(Sitting.assignment_id == assignment_id)
     begun, ended = db.execute(query).one()
     return begun, ended
 
 
-def end_sitting(db: Session, one: Sitting, when: datetime, by: EndedBy) -> None:
-    one.handed_in_at, one.ended_by = when, by
+def end_sitting(db: Session, sitting: Sitting, at: datetime, by: EndedBy) -> None:
+    sitting.handed_in_at, sitting.ended_by = at, by
     db.flush()
 
 
-def move_sittings(db: Session, old: UUID, new: UUID) -> None:
-    """Gives an account the sittings of a guest, and what is saved in them; where both have one, it keeps its own."""
+def move_sittings(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Move a guest's sittings and saved work to an account, except for tests that the account sat itself."""
     for model in (SavedWork, Sitting):
-        own = select(Sitting.assignment_id).where(Sitting.account_id == new)
-        moved = update(model).where(model.account_id == old, model.assignment_id.not_in(own)).values(account_id=new)
-        db.execute(moved.execution_options(synchronize_session=False))
+        own = select(Sitting.assignment_id).where(Sitting.account_id == account_id)
+        moved = update(model).where(model.account_id == guest_id, model.assignment_id.not_in(own))
+        db.execute(moved.values(account_id=account_id).execution_options(synchronize_session=False))

@@ -1,7 +1,7 @@
-"""Sitting a test: beginning it, saving, whether one may send. Every function works inside the caller's transaction.
+"""Sittings of tests: begin one, save work, check that a student may submit.
 
-Whoever sends, saves or ends takes the sitting's row first, so that the end finds what came before it, and nothing
-comes after.
+Every function works inside the caller's transaction. Submitting, saving and ending lock the sitting's row first, so
+that the end of a sitting sees everything before it, and nothing comes after.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ CANNOT_BEGIN = {
 
 @dataclass(frozen=True)
 class StudentTest:
-    """A test as it stands to one student."""
+    """A test with one student's rules, sitting and stage."""
 
     assignment: Assignment
     rules: Rules
@@ -49,24 +49,24 @@ class StudentTest:
 
     @property
     def is_to_collect(self) -> bool:
-        """Whether its time is over, and nobody has ended it yet."""
-        ended = self.sitting is not None and self.stage is not SittingStage.running
-        return ended and self.sitting is not None and self.sitting.handed_in_at is None
+        """Whether the time of the sitting is over, and its row does not say so yet."""
+        sitting = self.sitting
+        return sitting is not None and self.stage is not SittingStage.running and sitting.handed_in_at is None
 
 
 def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
-    """Raises NotFound, also for an assignment that is no test."""
-    found = repository.find_assignment(db, class_id, parse_uuid(assignment_id, NO_TEST))
-    if found is None or found.mode != Mode.test:
+    """Return a test. Raises NotFound, also for an assignment that is no test."""
+    assignment = repository.find_assignment(db, class_id, parse_uuid(assignment_id, NO_TEST))
+    if assignment is None or assignment.mode != Mode.test:
         raise NotFound(NO_TEST)
-    return found
+    return assignment
 
 
 def load_student_test(
     db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
 ) -> StudentTest:
-    differences = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    rules = rules_in_force(assignment, differences, account_id, groups)
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    rules = rules_in_force(assignment, exemptions, account_id, groups)
     sitting = sitting_repository.load_sitting(db, assignment.id, account_id)
     return StudentTest(assignment, rules, sitting, sitting_stage(assignment, rules, sitting, now))
 
@@ -74,7 +74,7 @@ def load_student_test(
 def begin_sitting(
     db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
 ) -> None:
-    """Begins it; who has begun already goes on. Raises NotNow."""
+    """Begin a sitting; one that has begun goes on. Raises WrongMoment."""
     refusal = CANNOT_BEGIN.get(load_student_test(db, assignment, account_id, groups, now).stage)
     if refusal:
         raise WrongMoment(refusal)
@@ -82,19 +82,23 @@ def begin_sitting(
 
 
 def require_may_submit(db: Session, account_id: UUID, exercise: str, now: datetime) -> FeedbackHolds:
-    """What is held back of what is sent now. Raises NotNow before a test is begun, and once it has ended, until its
-    release."""
-    found = feedback.load_holds(db, account_id, exercise)
-    if found.refusal:
-        raise WrongMoment(found.refusal)
-    if found.running_tests and not _kept_running(db, found.running_tests, account_id):
-        raise WrongMoment(OVER.format(title=found.running_tests[0].title))
-    return found
+    """Return the holds on an attempt submitted now.
+
+    Raises WrongMoment before a test is begun, and from its end to its release.
+    """
+    holds = feedback.load_holds(db, account_id, exercise)
+    if holds.refusal:
+        raise WrongMoment(holds.refusal)
+    if holds.running_tests and not _lock_running(db, holds.running_tests, account_id):
+        raise WrongMoment(OVER.format(title=holds.running_tests[0].title))
+    return holds
 
 
 def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reused: Collection[str]) -> None:
-    """Raises NotNow for a program that imports what a running test asks to write, and whose verdict no test holds: the
-    course's own functions would be there to compare with."""
+    """Raise WrongMoment for a program that imports functions which a running test asks for.
+
+    Its verdict is not held, so it could compare an answer with the course's own functions.
+    """
     if LIBRARY_MENTION not in source:
         return
     for exercise in reused:
@@ -103,27 +107,27 @@ def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reus
 
 
 def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
-    """Keeps what a student has written in the tests that they sit. Raises NotNow where they sit none."""
-    found = feedback.load_holds(db, account_id, exercise)
-    kept = _kept_running(db, found.running_tests, account_id)
-    if not kept:
-        raise WrongMoment(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
-    sitting_repository.upsert_saved_work(db, kept, account_id, exercise, source, now)
+    """Save a student's work in the running tests of an exercise. Raises WrongMoment where there are none."""
+    holds = feedback.load_holds(db, account_id, exercise)
+    running = _lock_running(db, holds.running_tests, account_id)
+    if not running:
+        raise WrongMoment(holds.refusal or (OVER.format(title=holds.tests[0].title) if holds.tests else NOT_SITTING))
+    sitting_repository.upsert_saved_work(db, running, account_id, exercise, source, now)
 
 
-def _kept_running(db: Session, tests: Collection[HoldingTest], account_id: UUID) -> list[UUID]:
-    """Locks these sittings; those that are not handed in. One that time had ended, and that has more now, goes on."""
-    kept = []
+def _lock_running(db: Session, tests: Collection[HoldingTest], account_id: UUID) -> list[UUID]:
+    """Lock the sittings of these tests; return the tests not handed in. A sitting that was given more time resumes."""
+    running = []
     for test in sorted(tests, key=lambda test: test.assignment_id):
         sitting = sitting_repository.lock_sitting(db, test.assignment_id, account_id)
         if sitting is not None and sitting.ended_by != EndedBy.student:
             sitting.handed_in_at = sitting.ended_by = None
-            kept.append(test.assignment_id)
-    return kept
+            running.append(test.assignment_id)
+    return running
 
 
 def load_last_saved_work(db: Session, account_id: UUID, exercise: str) -> SavedWork | None:
-    """What stands in the tests that this account sits at present."""
+    """Return the work saved last in the tests that this account sits now."""
     running = [test.assignment_id for test in feedback.load_holds(db, account_id, exercise).running_tests]
     return sitting_repository.load_last_saved_work(db, running, account_id, exercise) if running else None
 

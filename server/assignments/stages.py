@@ -1,4 +1,4 @@
-"""Where an assignment stands, for somebody whose rules are known: pure."""
+"""The stage of an assignment by a student's rules. Pure."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from server.assignments.rules import Rules
 
 
 class AssignmentStage(StrEnum):
-    """`late`: past the due date, and what is sent still counts."""
+    """`late`: past the due date, while attempts still count."""
 
     upcoming = "upcoming"
     open = "open"

@@ -1,4 +1,4 @@
-"""What a student is to do: their assignments with the rules in force for them. Inside the caller's transaction."""
+"""A student's assignments with the rules in force for them. Functions work inside the caller's transaction."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from server.assignments.stages import AssignmentStage, assignment_stage
 
 @dataclass(frozen=True)
 class StudentAssignment:
-    """An assignment as one student has it. The exercises of a test stay unknown until it opens."""
+    """An assignment for one student. The exercises of a test stay secret until it opens."""
 
     assignment: Assignment
     rules: Rules
@@ -27,69 +27,67 @@ class StudentAssignment:
 
     @property
     def hides_exercises(self) -> bool:
-        """Whether its exercises are not to be told yet."""
+        """Whether its exercises are still secret."""
         return self.assignment.mode == Mode.test and self.stage is AssignmentStage.upcoming
 
 
-def load_class_assignments(
+def load_assignments_for_student(
     db: Session, class_id: UUID, account_id: UUID, labels: Collection[str], now: datetime
 ) -> Sequence[StudentAssignment]:
-    """All of a class, in the order in which they open; three queries."""
-    return _as_of(db, [(one, labels) for one in repository.load_class_assignments(db, class_id)], account_id, now)
+    """Load a student's assignments of a class, in the order in which they open, in three queries."""
+    return _with_rules(
+        db, [(assignment, labels) for assignment in repository.load_class_assignments(db, class_id)], account_id, now
+    )
 
 
 def load_student_assignment(
     db: Session, assignment: Assignment, account_id: UUID, labels: Collection[str], now: datetime
 ) -> StudentAssignment:
-    return _as_of(db, [(assignment, labels)], account_id, now)[0]
+    return _with_rules(db, [(assignment, labels)], account_id, now)[0]
 
 
 def load_open_assignments(
     db: Session, account_id: UUID, now: datetime, exercise: str | None = None
 ) -> Sequence[StudentAssignment]:
-    """What one may still send something for, in any class where one learns; those with this exercise.
-
-    The first to be due is first; one query where one has no assignment, two else, three where some is another one for
-    some.
+    """Load the assignments of all a student's classes whose attempts still count, by due date; with `exercise`, those
+    that contain it. Takes one query without assignments, two else, three where some have exemptions.
     """
-    given = repository.load_student_assignments(db, account_id, now, exercise)
-    rows = [(assignment, groups) for assignment, groups, _ in given]
-    differing = [assignment.id for assignment, _, differs in given if differs]
-    mine = _as_of(db, rows, account_id, now, differing)
-    found = [one for one in mine if one.stage in {AssignmentStage.open, AssignmentStage.late}]
-    return sorted(found, key=lambda one: (one.rules.due_at is None, one.rules.due_at or now, one.assignment.title))
+    loaded = repository.load_student_assignments(db, account_id, now, exercise)
+    rows = [(assignment, groups) for assignment, groups, _ in loaded]
+    exempted = [assignment.id for assignment, _, has_exemptions in loaded if has_exemptions]
+    own = _with_rules(db, rows, account_id, now, exempted)
+    counting = [each for each in own if each.stage in {AssignmentStage.open, AssignmentStage.late}]
+    return sorted(counting, key=lambda own: (own.rules.due_at is None, own.rules.due_at or now, own.assignment.title))
 
 
-def due_soon(found: Collection[StudentAssignment], now: datetime, soon: timedelta) -> Sequence[StudentAssignment]:
-    """Those of which the due date comes soon, or has just gone by while what is sent still counts; not the excused."""
+def due_soon(assignments: Collection[StudentAssignment], now: datetime, soon: timedelta) -> Sequence[StudentAssignment]:
+    """Return those due within `soon` or overdue, without the excused ones."""
     return [
-        one
-        for one in found
-        if one.rules.due_at is not None and one.rules.due_at <= now + soon and not one.rules.excused
+        own
+        for own in assignments
+        if own.rules.due_at is not None and own.rules.due_at <= now + soon and not own.rules.excused
     ]
 
 
-def _as_of(
+def _with_rules(
     db: Session,
     rows: Sequence[tuple[Assignment, Collection[str]]],
     account_id: UUID,
     now: datetime,
-    differing: Collection[UUID] | None = None,
+    exempted: Collection[UUID] | None = None,
 ) -> Sequence[StudentAssignment]:
-    """`differing`: those that are known to have exemptions, where that is known."""
+    """Add a student's rules to assignments. `exempted`: the assignments with exemptions; None: unknown."""
     if not rows:
         return []
     names = [assignment.id for assignment, _ in rows]
-    asked = names if differing is None else differing
-    exercises, exemptions = repository.load_exercises(db, names), repository.load_exemptions(db, asked) if asked else {}
-    found = []
+    exempted = names if exempted is None else exempted
+    exercises = repository.load_exercises(db, names)
+    exemptions = repository.load_exemptions(db, exempted) if exempted else {}
+    result = []
     for assignment, labels in rows:
-        theirs = exemptions.get(assignment.id, ())
-        rules = rules_in_force(assignment, theirs, account_id, labels)
-        mine = tuple(one for one in theirs if one.account_id == account_id or one.label in labels)
-        found.append(
-            StudentAssignment(
-                assignment, rules, tuple(exercises.get(assignment.id, ())), mine, assignment_stage(rules, now)
-            )
-        )
-    return found
+        all_exemptions = exemptions.get(assignment.id, ())
+        rules = rules_in_force(assignment, all_exemptions, account_id, labels)
+        own = tuple(each for each in all_exemptions if each.account_id == account_id or each.label in labels)
+        chosen = tuple(exercises.get(assignment.id, ()))
+        result.append(StudentAssignment(assignment, rules, chosen, own, assignment_stage(rules, now)))
+    return result

@@ -14,8 +14,8 @@ from sqlalchemy.orm import Session
 
 from server.assignments import editing, exemption_service, sitting_repository
 from server.assignments import service as assignments
-from server.assignments.models import Assignment, EndedBy, LatePolicy, Mode
-from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
+from server.assignments.models import Assignment, EndedBy, LatePolicy, Mode, WeightedExercise
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.base.settings import Settings
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
@@ -75,8 +75,8 @@ def give(db: Session, room: Classroom, now: datetime) -> Assignment:
     return _made(db, room, test)
 
 
-def _all(exercises: Sequence[Exercise]) -> tuple[Weighted, ...]:
-    return tuple(Weighted(one.id) for one in exercises)
+def _all(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
+    return tuple(WeightedExercise(one.id) for one in exercises)
 
 
 def _test(

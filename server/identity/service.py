@@ -148,13 +148,15 @@ class AccountService:
             repository.delete_account(db, visitor.id)
 
     async def require_password(self, account: Account, password: str, *, address: str) -> None:
-        """That who asks knows the password, before what cannot be undone. A guest has none, and is not asked.
+        """Check the password before an action that cannot be undone. A guest has none and passes; an account that is
+        no guest and has no password never passes.
 
         Raises RefusedForm, TooMany or Crowded.
         """
-        if account.login is None:
+        if account.is_guest:
             return
-        stored = await run_in_threadpool(self._account_to_try, account.login, address)
+        login = account.login
+        stored = None if login is None else await run_in_threadpool(self._account_to_try, login, address)
         if not await self.hashing.verify(password, stored.password_hash if stored else None, address=address):
             raise RefusedForm({"password": WRONG_PASSWORD})
 

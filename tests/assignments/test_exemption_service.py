@@ -6,7 +6,8 @@ from datetime import timedelta
 
 from server.assignments import editing, exemption_service, repository, student_assignments
 from server.assignments.exemption_service import explain_rules
-from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
+from server.assignments.models import WeightedExercise
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.assignments.stages import AssignmentStage
 from server.classes import repository as classes
 from server.database import Database, utc_now
@@ -24,7 +25,7 @@ def test_a_guest_s_exemption_follows_them_and_opens_earlier_for_them_alone(datab
     made, now = new_class(database, teacher), utc_now()
     for one in (guest, new_account(database, Role.student, "Bob")):
         seat(database, made, one)
-    wanted = AssignmentInput("DM", (Weighted("l20/poses"),), now + 5 * DAY, now + 9 * DAY)
+    wanted = AssignmentInput("DM", (WeightedExercise("l20/poses"),), now + 5 * DAY, now + 9 * DAY)
     early = ExemptionInput(opens_at=now - DAY, reason="part en stage")
     with database.write() as db:
         given = editing.create_assignment(db, the_course(), made, teacher.id, wanted)
@@ -33,9 +34,9 @@ def test_a_guest_s_exemption_follows_them_and_opens_earlier_for_them_alone(datab
     with database.read() as db:
         bob = next(one for one in classes.load_members(db, made.id) if one.name == "Bob")
         assert student_assignments.load_open_assignments(db, bob.id, now) == []
-        assert [one.stage for one in student_assignments.load_class_assignments(db, made.id, bob.id, (), now)] == [
-            AssignmentStage.upcoming
-        ]
+        assert [
+            one.stage for one in student_assignments.load_assignments_for_student(db, made.id, bob.id, (), now)
+        ] == [AssignmentStage.upcoming]
     with database.write() as db:
         adopt(db, guest.id, ada.id)
         db.delete(db.get_one(Account, guest.id))

@@ -17,9 +17,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.assignments.counting import AttemptMark
-from server.assignments.models import Assignment, Exemption, LatePolicy
+from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules, rules_in_force
-from server.assignments.schemas import AssignmentInput, Weighted
+from server.assignments.schemas import AssignmentInput
 from server.audit.models import AuditAction, AuditEvent
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
@@ -391,7 +391,7 @@ rules = st.builds(
     lambda opens, due, more, late, per_day: rules_in_force(
         AssignmentInput(
             "x",
-            (Weighted("a"),),
+            (WeightedExercise("a"),),
             opens,
             opens + timedelta(hours=due) if due is not None or late is LatePolicy.penalty else None,
             None if more is None else opens + timedelta(hours=(due or 0) + more),

@@ -8,7 +8,7 @@ from threading import Event, Thread
 import pytest
 
 from server.assignments import editing
-from server.assignments.schemas import Weighted
+from server.assignments.models import WeightedExercise
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
 from server.comments import notes_repository
@@ -58,7 +58,7 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
         thread.start()
     with database.write() as db:
         found = editing.find_assignment(db, made, one.id, to_change=True)
-        more = (*editing.load_assignment_input(db, found).exercises, Weighted("l20/kabsch"))
+        more = (*editing.load_assignment_input(db, found).exercises, WeightedExercise("l20/kabsch"))
         editing.update_assignment(
             db, course, made, teacher.id, found, replace(editing.load_assignment_input(db, found), exercises=more)
         )

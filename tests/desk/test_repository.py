@@ -5,7 +5,8 @@ from __future__ import annotations
 from datetime import timedelta
 
 from server.assignments import editing
-from server.assignments.schemas import AssignmentInput, Weighted
+from server.assignments.models import WeightedExercise
+from server.assignments.schemas import AssignmentInput
 from server.classes.models import ClassRole, Status
 from server.database import Database, utc_now
 from server.desk import repository
@@ -39,7 +40,11 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
                 db.add(Standing(account_id=account.id, exercise=exercise, first_success_at=first, **row))
         given = [
             editing.create_assignment(
-                db, the_course(), made, teacher.id, AssignmentInput(str(names), tuple(map(Weighted, names)), now)
+                db,
+                the_course(),
+                made,
+                teacher.id,
+                AssignmentInput(str(names), tuple(map(WeightedExercise, names)), now),
             )
             for names in (BOTH, BOTH[:1], BOTH[1:])
         ]

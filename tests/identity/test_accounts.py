@@ -266,3 +266,14 @@ def test_new_visitors_from_one_address_are_bounded(site: Site) -> None:
         statuses.append(site.client.post(POST, data={"code": "pass"}).status_code)
     assert [status < 400 for status in statuses] == [True, True, False]
     assert statuses[-1] == 429
+
+
+def test_only_a_guest_acts_without_a_password(site: Site) -> None:
+    service = site.accounts
+    guest = service.create_guest("192.0.2.1").account
+    external = Account(role=Role.student, name="Ada", login=None)
+    with site.database.write() as db:
+        db.add(external)
+    in_a_loop(service.require_password(guest, "", address="192.0.2.1"))
+    with pytest.raises(RefusedForm):
+        in_a_loop(service.require_password(external, "", address="192.0.2.1"))

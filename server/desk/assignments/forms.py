@@ -10,8 +10,8 @@ from uuid import UUID
 
 from starlette.datastructures import FormData
 
-from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
-from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget, Weighted
+from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility, WeightedExercise
+from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
@@ -58,7 +58,7 @@ class _Reader:
         return of(given)
 
     def refuse(self) -> None:
-        """Raises FieldsRefused where something is wrong."""
+        """Raises InvalidFields where something is wrong."""
         if self.problems:
             raise InvalidFields(self.problems)
 
@@ -83,7 +83,7 @@ def _number(text: str, what: str) -> float | None:
 def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentInput:
     """What the form asks for; `before` is what the assignment is, which says to the second what its fields show.
 
-    Raises FieldsRefused.
+    Raises InvalidFields.
     """
     read = _Reader(fields)
     opens = read.date("ouvre", "opens_at", "Ouverture", before.opens_at if before else None)
@@ -95,7 +95,7 @@ def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentIn
     if minutes is not None and minutes != int(minutes):
         read.problems.setdefault("duration_minutes", "La durée est un nombre entier de minutes.")
     exercises = tuple(
-        Weighted(name, _or_one(read.number(f"{WEIGHT}{name}", "exercises", f"Coefficient de « {name[:100]} »")))
+        WeightedExercise(name, _or_one(read.number(f"{WEIGHT}{name}", "exercises", f"Coefficient de « {name[:100]} »")))
         for name in chosen(fields)
     )
     wanted = AssignmentInput(
@@ -172,7 +172,7 @@ EXCUSED: Mapping[str, bool | None] = {"": None, "oui": True, "non": False}
 
 
 def exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
-    """For whom, and what. Raises FieldsRefused."""
+    """For whom, and what. Raises InvalidFields."""
     read = _Reader(fields)
     students = []
     for name in fields.getlist("eleve"):

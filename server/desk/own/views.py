@@ -82,7 +82,7 @@ def _page(
 ) -> OwnPage:
     now = utc_now()
     found = (
-        student_assignments.load_class_assignments(db, seat.class_id, seat.account_id, seat.groups, now)
+        student_assignments.load_assignments_for_student(db, seat.class_id, seat.account_id, seat.groups, now)
         if may_see
         else ()
     )
