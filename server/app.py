@@ -32,36 +32,36 @@ from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
 from server.figures.store import Store
-from server.grading import regrading
-from server.grading.kinds import LANES
-from server.grading.supervisor import WORKER_COMMAND, Supervisor
-from server.grading.task import give_ups
-from server.health.metrics import Metrics
+from server.grading import regrade_task
+from server.grading.grading_task import give_up_handlers
+from server.grading.job_lanes import JOB_LANES
+from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
+from server.health.metrics import PrometheusMetrics
 from server.health.readiness import Readiness
 from server.identity import service as accounts
 from server.identity.service import AccountService
 from server.offline.service import Archives
-from server.personal.joining import adopt
-from server.personal.service import Personal
-from server.queue.engine import engine_of
-from server.queue.owner import Owner, owner_of
-from server.queue.port import GiveUp, Queue
+from server.personal.guest_adoption import adopt_guest_data
+from server.personal.service import PersonalData
+from server.queue.engine import create_nats_engine
+from server.queue.interfaces import GiveUpHandler, Queue
+from server.queue.lease_owner import LeaseOwner, process_owner
 from server.queue.service import TableQueue
-from server.queue.switchboard import Switchboard
-from server.queue.watch import Watch
+from server.queue.wakeups import WakeupDispatcher
+from server.queue.watchdog import StallWatchdog
 from server.reading.downloads import Downloads
 from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
 from server.routers import ROUTERS
 from server.steps.service import Steps
-from server.submissions.collecting import Collecting
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
+from server.submissions.sitting_collector import SittingCollector
 from server.web import errors, school_time
 
 if TYPE_CHECKING:
-    from server.queue.jetstream.engine import Engine
+    from server.queue.jetstream.engine import NatsEngine
 
 log = logging.getLogger(__name__)
 
@@ -81,17 +81,17 @@ class Services:
     walls: Gate = field(default_factory=lambda: Gate(opened=True))
 
     @cached_property
-    def events(self) -> Events:
-        return Events()
+    def events(self) -> JobEvents:
+        return JobEvents()
 
     @cached_property
-    def switchboard(self) -> Switchboard:
-        return Switchboard(self.events.changed)
+    def switchboard(self) -> WakeupDispatcher:
+        return WakeupDispatcher(self.events.job_changed)
 
     @cached_property
-    def engine(self) -> "Engine | None":
+    def engine(self) -> "NatsEngine | None":
         """What carries the work between machines; None where this one does all."""
-        return engine_of(self.settings, LANES, self.switchboard.tell)
+        return create_nats_engine(self.settings, JOB_LANES, self.switchboard.publish_change)
 
     @cached_property
     def database(self) -> Database:
@@ -99,28 +99,28 @@ class Services:
 
     @cached_property
     def queue(self) -> Queue:
-        return TableQueue(self.switchboard if self.engine is None else self.engine.signals)
+        return TableQueue(self.switchboard if self.engine is None else self.engine.notifier)
 
     @cached_property
-    def supervisor(self) -> Supervisor:
-        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command, self.walls)
+    def supervisor(self) -> WorkerSupervisor:
+        return WorkerSupervisor(self.settings, self.switchboard, self.take_back, self.worker_command, self.walls)
 
     @cached_property
-    def watch(self) -> Watch:
-        return Watch(self.queue, [GRADE])
+    def watch(self) -> StallWatchdog:
+        return StallWatchdog(self.queue, [GRADE])
 
     @cached_property
     def submissions(self) -> Submissions:
         course = self.course
-        return Submissions(self.settings, self.queue, lambda: self.watch.unattended, course.version_of, course.reused)
+        return Submissions(self.settings, self.queue, lambda: self.watch.stalled, course.version_of, course.reused)
 
     @cached_property
-    def collecting(self) -> Collecting:
-        return Collecting(self.course, self.submissions)
+    def collecting(self) -> SittingCollector:
+        return SittingCollector(self.course, self.submissions)
 
     @cached_property
-    def personal(self) -> Personal:
-        return Personal(self.database, self.settings, self.course)
+    def personal(self) -> PersonalData:
+        return PersonalData(self.database, self.settings, self.course)
 
     @cached_property
     def cells(self) -> Cells:
@@ -148,19 +148,19 @@ class Services:
         return Archives(self.course, self.figures, self.downloads, self.settings.data_dir / "archives")
 
     @cached_property
-    def give_ups(self) -> Mapping[str, GiveUp]:
+    def give_ups(self) -> Mapping[str, GiveUpHandler]:
         """The end of each kind of job that has failed too often."""
         return {
-            **give_ups(self.course),
-            **regrading.give_ups(self.course, self.queue),
+            **give_up_handlers(self.course),
+            **regrade_task.give_up_handlers(self.course, self.queue),
             **fingerprints.give_up_handlers(),
         }
 
-    def take_back(self, owner: Owner) -> None:
+    def take_back(self, owner: LeaseOwner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
         try:
             with self.database.write() as db:
-                self.queue.release(db, owner, self.give_ups)
+                self.queue.recover_from(db, owner, self.give_ups)
         except SQLAlchemyError:
             log.exception("the job of a dead worker could not be taken back; trying again later")
 
@@ -168,8 +168,8 @@ class Services:
         with self.database.write() as db:
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
-        self.personal.forget_guests(utc_now())
-        erased = self.personal.purge(utc_now())
+        self.personal.erase_lost_guests(utc_now())
+        erased = self.personal.erase_expired_students(utc_now())
         if erased:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
 
@@ -177,12 +177,12 @@ class Services:
         """Leases that have run out, or whose holder died with another server; then tickets that were lost; then whether
         anybody takes what waits; then the tests whose time is over."""
         with self.database.write() as db:
-            self.queue.recover(db, owner_of(os.getpid()), self.give_ups)
+            self.queue.recover_lost(db, process_owner(os.getpid()), self.give_ups)
         with self.database.read() as db:
             if self.engine is not None:
-                self.engine.sweeper.look(db)
-            self.watch.look(db)
-        self.collecting.collect(self.database, utc_now())
+                self.engine.sweeper.resend_missing(db)
+            self.watch.check(db)
+        self.collecting.collect_expired(self.database, utc_now())
 
     def first_look(self) -> None:
         """A database that goes away just now keeps nobody from serving once it is back."""
@@ -268,15 +268,15 @@ def _share(app: FastAPI, services: Services) -> None:
     school_time.set_time_zone(services.settings.time_zone)
     root_path.set_root_path(services.settings.root_path)
     add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    add_services(app, AccountService(services.database, services.settings, adopt=adopt))
+    add_services(app, AccountService(services.database, services.settings, adopt=adopt_guest_data))
     add_services(
         app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
     )
     add_services(app, RegradeService(course, services.queue))
     add_services(app, services.submissions, services.collecting)
-    carrier = None if services.engine is None else services.engine.state
+    carrier = None if services.engine is None else services.engine.status
     add_services(app, Readiness(services.database, services.supervisor, services.walls, carrier))
-    add_services(app, Metrics(services.database, services.supervisor))
+    add_services(app, PrometheusMetrics(services.database, services.supervisor))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
     add_services(app, services.archives)
     check_services(app)

@@ -33,7 +33,7 @@ TABLES = (
     assignments.SavedWork,
     queue.Job,
     submissions.Submission,
-    submissions.Deal,
+    submissions.Variant,
     gradebook.Grading,
     gradebook.Standing,
     gradebook.SolutionOpening,
@@ -50,6 +50,6 @@ TABLES = (
     behaviour.BehaviourGroup,
     behaviour.Fingerprint,
     behaviour.BehaviourName,
-    health.Count,
+    health.EventCount,
 )
 metadata = Base.metadata

@@ -23,7 +23,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.submissions.events import STREAM_HEADERS, sse
+from server.submissions.job_events import STREAM_HEADERS, format_sse
 
 router = APIRouter(tags=["classes"])
 
@@ -131,7 +131,7 @@ def changes(before: Board | None, shown: Board) -> str:
     """As events; `counts` alone where there was nothing before."""
     told = []
     if before is not None:
-        told = [sse("cell", _text(cell_json(cell))) for cell in shown.changed_since(before)]
+        told = [format_sse("cell", _text(cell_json(cell))) for cell in shown.changed_since(before)]
     if before is None or before.counts != shown.counts:
-        told.append(sse("counts", _text(asdict(shown.counts))))
+        told.append(format_sse("counts", _text(asdict(shown.counts))))
     return "".join(told) or SIGN_OF_LIFE

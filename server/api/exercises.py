@@ -13,7 +13,7 @@ from server.course.dependencies import CourseOf
 from server.course.models import Course, Exercise
 from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import ApiAccount
-from server.submissions import deals
+from server.submissions import variants
 
 router = APIRouter(tags=["exercises"])
 NO_PAPER = Paper((), ())
@@ -43,7 +43,7 @@ def read_exercise(
     exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER
     if exercise.answers is not None:
-        paper = exercise.answers.paper(deals.seed_to_show(database, account, exercise.id))
+        paper = exercise.answers.paper(variants.ensure_seed(database, account, exercise.id))
     return ExerciseDetail(
         **_summary(exercise).model_dump(),
         statement_html=exercise.statement_html,

@@ -12,8 +12,8 @@ from server.api.schemas import Strict
 from server.base.http import client_address
 from server.database import utc_now
 from server.identity.dependencies import AccountServiceOf, ApiAccount
-from server.personal.dependencies import PersonalOf
-from server.personal.service import headers_of_archive
+from server.personal.dependencies import PersonalDataOf
+from server.personal.service import archive_headers
 
 router = APIRouter(tags=["me"])
 
@@ -29,16 +29,18 @@ class Proof(Strict):
     response_class=Response,
     responses={200: content("A ZIP, sent while it is made.", "application/zip"), **problems(401, 429)},
 )
-def export(account: ApiAccount, personal: PersonalOf) -> StreamingResponse:
+def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     """All that is kept of this person: the account in JSON, every attempt as it was sent, every verdict."""
-    return StreamingResponse(
-        personal.export(account), headers=headers_of_archive(utc_now()), media_type="application/zip"
-    )
+    return StreamingResponse(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 413, 422, 429, 503))
 async def erase(
-    request: Request, account: ApiAccount, accounts: AccountServiceOf, personal: PersonalOf, proof: Proof | None = None
+    request: Request,
+    account: ApiAccount,
+    accounts: AccountServiceOf,
+    personal: PersonalDataOf,
+    proof: Proof | None = None,
 ) -> Response:
     """Erases the account with all that hangs on it. It cannot be undone."""
     if proof is not None:

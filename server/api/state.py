@@ -13,11 +13,11 @@ from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
-from server.submissions.models import State
-from server.submissions.service import Place, Submissions
+from server.submissions.models import SubmissionState
+from server.submissions.service import GradingProgress, Submissions
 
 #: What a client of the contract knows to wait on; that it was graded meanwhile, and how, is not told.
-HELD = Place(State.running)
+HELD = GradingProgress(SubmissionState.running)
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,9 @@ def url_of(submission_id: UUID) -> str:
 def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool = True) -> Resource:
     """With `placed`, what waits is told its place in the queue, which is a question more."""
     submission = attempt.submission
-    place = HELD if attempt.held else store.place(db, submission) if placed else Place(State.queued)
+    place = (
+        HELD if attempt.held else store.progress(db, submission) if placed else GradingProgress(SubmissionState.queued)
+    )
     verdict = behaviour.load_verdict(db, attempt)
     members = {
         "id": str(submission.id),
@@ -56,7 +58,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool 
     }
     text = json.dumps(members, ensure_ascii=False, allow_nan=False)
     return Resource(
-        submission.id, attempt.held is not None or place.state == State.done, attempt.held is not None, text
+        submission.id, attempt.held is not None or place.state == SubmissionState.done, attempt.held is not None, text
     )
 
 

@@ -25,14 +25,14 @@ from server.figures.service import Wanted
 from server.gradebook import service as gradebook
 from server.identity.dependencies import ApiAccount, BearerToken, TokenFirstRoute, account_of_token
 from server.identity.models import Account
-from server.submissions.dependencies import EventsOf, SubmissionsOf
-from server.submissions.events import STREAM_HEADERS, Events, as_sse
-from server.submissions.service import Submissions, key_of, parse_id
+from server.submissions.dependencies import JobEventsOf, SubmissionsOf
+from server.submissions.job_events import STREAM_HEADERS, JobEvents, stream_sse
+from server.submissions.service import Submissions, job_key, parse_submission_id
 
 router = APIRouter(tags=["submissions"], route_class=TokenFirstRoute)
 
 _database, _course = app_service_getter(Database), app_service_getter(Course)
-_store_of, _hub = app_service_getter(Submissions), app_service_getter(Events)
+_store_of, _hub = app_service_getter(Submissions), app_service_getter(JobEvents)
 
 LONGEST_WAIT = 30.0
 Wait = Annotated[
@@ -140,10 +140,10 @@ def _store(database: Database, store: Submissions, account: Account, sending: Se
         )
 
 
-async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
+async def _wait(hub: JobEvents, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
     """It is stored: that the database is away meanwhile takes nothing from that."""
     try:
-        return await hub.until_done(key_of(current.id), read, seconds)
+        return await hub.wait_until_done(job_key(current.id), read, seconds)
     except DBAPIError as error:
         if not is_unavailable(error):
             raise
@@ -165,13 +165,13 @@ def read(submission_id: str, store: SubmissionsOf, account: ApiAccount, db: Db) 
     "/submissions/{submission_id}/events", response_class=Response, responses={200: STREAM, **problems(401, 404)}
 )
 async def follow(
-    submission_id: str, store: SubmissionsOf, hub: EventsOf, account: ApiAccount, database: DatabaseOf
+    submission_id: str, store: SubmissionsOf, hub: JobEventsOf, account: ApiAccount, database: DatabaseOf
 ) -> Response:
     """The submission each time that it changes, as server-sent events."""
-    identity = parse_id(submission_id)
+    identity = parse_submission_id(submission_id)
     read = reader(database, store, account, identity)
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    stream = as_sse(hub.follow(key_of(identity), read), lambda current: current.text)
+    stream = stream_sse(hub.follow(job_key(identity), read), lambda current: current.text)
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 

@@ -27,7 +27,7 @@ from server.behaviour.export import anonymise_program, catalogue_entry, guard_un
 from server.behaviour.fingerprints import tighten_limits
 from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 
 #: How many smaller programs are tried, each launched twice.
 TRIES = 60
@@ -83,7 +83,7 @@ def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | 
     )
 
 
-def program_of(found: Found, exercise: Exercise, grader: Grader | None) -> str:
+def program_of(found: Found, exercise: Exercise, grader: SandboxGrader | None) -> str:
     """Its program, as small as it can be made where there is a sandbox. Raises Invalid for one that cannot be read."""
     bare = anonymise_program(found.source, found.names)
     if grader is None or not isinstance(exercise.grader, CodeGrader):

@@ -23,7 +23,7 @@ class BackupError(Exception):
 
 
 @dataclass(frozen=True)
-class Saved:
+class TableDigest:
     """What was saved of one table; `digest` is of its rows in the order of their keys."""
 
     rows: int
@@ -37,7 +37,7 @@ class Manifest:
     engine: str
     revision: str
     made_at: str
-    tables: Mapping[str, Saved]
+    tables: Mapping[str, TableDigest]
     format: int = FORMAT
 
     @property
@@ -50,16 +50,16 @@ class Manifest:
         lines = "".join(f"{name} {saved.rows} {saved.digest}\n" for name, saved in sorted(self.tables.items()))
         return hashlib.sha256(lines.encode()).hexdigest()
 
-    def told(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         return {**asdict(self), "rows": self.rows, "digest": self.digest}
 
-    def differences(self, found: Mapping[str, Saved]) -> list[str]:
+    def differences(self, found: Mapping[str, TableDigest]) -> list[str]:
         """The tables that are not what they were."""
         return sorted(name for name in self.tables.keys() | found.keys() if self.tables.get(name) != found.get(name))
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[zipfile.ZipFile]:
+def create_archive(path: Path) -> Iterator[zipfile.ZipFile]:
     """A new archive, which has its name only once it is whole. Raises BackupError where there is a file already."""
     if path.exists():
         raise BackupError(f"{path} existe déjà : choisissez un autre nom.")
@@ -80,11 +80,11 @@ def writing(path: Path) -> Iterator[zipfile.ZipFile]:
 
 
 def write_manifest(archive: zipfile.ZipFile, manifest: Manifest) -> None:
-    archive.writestr(MANIFEST, json.dumps(manifest.told(), ensure_ascii=False, indent=1))
+    archive.writestr(MANIFEST, json.dumps(manifest.to_json(), ensure_ascii=False, indent=1))
 
 
 @contextmanager
-def reading(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
+def open_archive(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
     """Raises BackupError where it is no backup, or a damaged one."""
     try:
         with zipfile.ZipFile(path) as archive:
@@ -98,7 +98,7 @@ def reading(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
 def _manifest(archive: zipfile.ZipFile, path: Path) -> Manifest:
     try:
         content = json.loads(archive.read(MANIFEST))
-        tables = {name: Saved(int(one["rows"]), str(one["digest"])) for name, one in content["tables"].items()}
+        tables = {name: TableDigest(int(one["rows"]), str(one["digest"])) for name, one in content["tables"].items()}
         engine, revision, made_at = (str(content[name]) for name in ("engine", "revision", "made_at"))
         manifest = Manifest(engine, revision, made_at, tables, int(content["format"]))
         right = manifest.digest == content["digest"]

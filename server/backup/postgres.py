@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING
 
 from sqlalchemy import Connection, text
 
-from server.backup.archive import BackupError, Manifest, Saved
+from server.backup.archive import BackupError, Manifest, TableDigest
 from server.database import Database
 from server.database.migrate import current_revision, lock_migrations, upgrade_connection
 
@@ -52,7 +52,7 @@ Take = Callable[[bytes], object]
 
 def save(archive: zipfile.ZipFile, database: Database, known: Collection[str], made_at: str) -> Manifest:
     engine = database.engine.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
-    tables: dict[str, Saved] = {}
+    tables: dict[str, TableDigest] = {}
     with engine.begin() as connection:
         connection.execute(text(WRITTEN))
         revision = current_revision(connection)
@@ -64,7 +64,7 @@ def save(archive: zipfile.ZipFile, database: Database, known: Collection[str], m
     return Manifest("postgresql", revision, made_at, tables)
 
 
-def check(archive: zipfile.ZipFile, manifest: Manifest, database: Database) -> None:
+def verify(archive: zipfile.ZipFile, manifest: Manifest, database: Database) -> None:
     """Restores it in a schema of its own, of which nothing stays. Raises BackupError where it is not what was saved."""
     schema = f"balise_check_{secrets.token_hex(8)}"
     with database.engine.connect() as connection, closing(connection.begin()):
@@ -116,7 +116,7 @@ def _ours(connection: Connection, known: Collection[str]) -> list[str]:
     return [name for name in there if name in known or name == "alembic_version"]
 
 
-def _copied(connection: Connection, table: str, take: Take) -> Saved:
+def _copied(connection: Connection, table: str, take: Take) -> TableDigest:
     keys = _names(connection, KEYS, table) or _names(connection, COLUMNS, table)
     order = ", ".join(f'"{name}"::text COLLATE "C"' for name in keys)
     columns = _columns(connection, table)
@@ -127,7 +127,7 @@ def _copied(connection: Connection, table: str, take: Take) -> Saved:
             hashed.update(piece)
             rows += bytes(piece).count(b"\n")  # within a row it is written otherwise
             take(bytes(piece))
-    return Saved(rows, hashed.hexdigest())
+    return TableDigest(rows, hashed.hexdigest())
 
 
 def _fill(connection: Connection, table: str, file: IO[bytes]) -> None:

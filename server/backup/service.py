@@ -8,7 +8,7 @@ from pathlib import Path
 from sqlalchemy import make_url
 
 from server.backup import postgres, sqlite
-from server.backup.archive import BackupError, Manifest, reading, write_manifest, writing
+from server.backup.archive import BackupError, Manifest, create_archive, open_archive, write_manifest
 from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.database.migrate import is_known_revision
@@ -20,7 +20,7 @@ def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
     `known`: the tables that are ours. Raises BackupError; no file is left then.
     """
     made_at = utc_now().isoformat(timespec="seconds")
-    with writing(path) as archive:
+    with create_archive(path) as archive:
         file = _sqlite_file(settings)
         if file is not None:
             manifest = sqlite.save(archive, file, made_at)
@@ -29,22 +29,22 @@ def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
                 manifest = postgres.save(archive, database, known, made_at)
         write_manifest(archive, manifest)
     try:
-        check(settings, path)
+        verify(settings, path)
     except BaseException:
         path.unlink()
         raise
     return manifest
 
 
-def check(settings: Settings, path: Path) -> Manifest:
+def verify(settings: Settings, path: Path) -> Manifest:
     """Restores a backup where nobody sees it, and compares. Raises BackupError."""
-    with reading(path) as (archive, manifest):
+    with open_archive(path) as (archive, manifest):
         _require_fitting(settings, manifest)
         if manifest.engine == "sqlite":
-            sqlite.check(archive, manifest, path.parent)
+            sqlite.verify(archive, manifest, path.parent)
         else:
             with closing(Database(settings.url)) as database:
-                postgres.check(archive, manifest, database)
+                postgres.verify(archive, manifest, database)
     return manifest
 
 
@@ -55,7 +55,7 @@ def restore(
 
     Raises BackupError, and then nothing has changed.
     """
-    with reading(path) as (archive, manifest):
+    with open_archive(path) as (archive, manifest):
         _require_fitting(settings, manifest)
         file = _sqlite_file(settings)
         if file is not None:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from server.backup.archive import OWNER_ALONE, BackupError, Manifest, Saved
+from server.backup.archive import OWNER_ALONE, BackupError, Manifest, TableDigest
 from server.database import Database
 from server.database.migrate import upgrade
 
@@ -24,12 +24,12 @@ def save(archive: zipfile.ZipFile, source: Path, made_at: str) -> Manifest:
         with closing(sqlite3.connect(source, timeout=60)) as old, closing(sqlite3.connect(copy)) as new:
             old.backup(new)  # in one step: in several it would begin again whenever somebody writes
             new.execute("PRAGMA journal_mode=DELETE")
-            manifest = Manifest("sqlite", _revision(new), made_at, summed(new))
+            manifest = Manifest("sqlite", _revision(new), made_at, table_digests(new))
         archive.write(copy, NAME)
     return manifest
 
 
-def check(archive: zipfile.ZipFile, manifest: Manifest, beside: Path) -> None:
+def verify(archive: zipfile.ZipFile, manifest: Manifest, beside: Path) -> None:
     """Restores it elsewhere, and throws that away. Raises BackupError where it is not what was saved."""
     with _beside(beside) as folder:
         _extracted(archive, manifest, folder / NAME)
@@ -64,20 +64,20 @@ def _extracted(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None
         with closing(sqlite3.connect(path)) as database:
             faults = [row[0] for row in database.execute("PRAGMA integrity_check") if row[0] != "ok"]
             faults += [f"{row[0]} → {row[2]}" for row in database.execute("PRAGMA foreign_key_check")]
-            faults += manifest.differences(summed(database))
+            faults += manifest.differences(table_digests(database))
     except sqlite3.DatabaseError as error:
         raise BackupError(f"la sauvegarde est abîmée : {error}.") from error
     if faults:
         raise BackupError(f"la sauvegarde est abîmée : {', '.join(faults[:5])}.")
 
 
-def summed(database: sqlite3.Connection) -> Mapping[str, Saved]:
+def table_digests(database: sqlite3.Connection) -> Mapping[str, TableDigest]:
     """How many rows each table has, and their digest."""
     query = "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite!_%' ESCAPE '!' ORDER BY name"
     return {name: _sum(database, name) for (name,) in database.execute(query).fetchall()}
 
 
-def _sum(database: sqlite3.Connection, table: str) -> Saved:
+def _sum(database: sqlite3.Connection, table: str) -> TableDigest:
     columns = database.execute("SELECT name, pk FROM pragma_table_info(?) ORDER BY name", (table,)).fetchall()
     keys = sorted((pk, name) for name, pk in columns if pk) or list(enumerate(name for name, _ in columns))
     listed, order = (
@@ -87,7 +87,7 @@ def _sum(database: sqlite3.Connection, table: str) -> Saved:
     for row in database.execute(f'SELECT {listed} FROM "{table}" ORDER BY {order}'):
         hashed.update(repr(row).encode())
         rows += 1
-    return Saved(rows, hashed.hexdigest())
+    return TableDigest(rows, hashed.hexdigest())
 
 
 def _revision(database: sqlite3.Connection) -> str:

@@ -27,7 +27,7 @@ from server.course import reuse
 from server.course.models import Course
 from server.database import Database, utc_now
 from server.gradebook import importable_files
-from server.queue.port import GiveUp, Lease, Queue, Sender
+from server.queue.interfaces import GiveUpHandler, Lease, Queue, Sender
 from server.sandbox.policy import Policy
 from server.sandbox.values import LIBRARY_MENTION, LibraryFile
 
@@ -37,7 +37,7 @@ FINGERPRINT = "fingerprint"
 #: There is one job of this kind at a time.
 KEY = "next"
 #: Behind every submission, whoever sent it.
-SENDER = Sender(name=FINGERPRINT, line=FINGERPRINT, rank=9)
+SENDER = Sender(name=FINGERPRINT, flow=FINGERPRINT, rank=9)
 #: How long ago an attempt may have been graded to be asked still: what came later than it (a class, a list) included.
 LOOKED_BACK = timedelta(days=30)
 SWEEP_EVERY = 2.0  # seconds
@@ -69,7 +69,7 @@ def versions(course: Course) -> Mapping[str, str]:
 
 def put(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:
     """Has the program of a grading asked how it behaves, after whatever else waits; then others graded `since`."""
-    queue.put(db, FINGERPRINT, KEY, {"grading": str(grading_id), "since": since.isoformat()}, SENDER)
+    queue.enqueue(db, FINGERPRINT, KEY, {"grading": str(grading_id), "since": since.isoformat()}, SENDER)
 
 
 class FingerprintSweeper:
@@ -121,7 +121,7 @@ class FingerprintSweeper:
 
 
 class FingerprintTask:
-    """Fills the port `server.queue.port.Task`."""
+    """Fills the port `server.queue.interfaces.Task`."""
 
     def __init__(self, course: Course, queue: Queue, start: StartProgram) -> None:
         self._course, self._queue, self._start = course, queue, start
@@ -206,7 +206,7 @@ def give_up(db: Session, lease: Lease) -> None:
         repository.keep(db, grading_id, None)
 
 
-def give_up_handlers() -> Mapping[str, GiveUp]:
+def give_up_handlers() -> Mapping[str, GiveUpHandler]:
     """For whoever takes jobs back without ever asking a program."""
     return {FINGERPRINT: give_up}
 

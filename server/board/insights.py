@@ -26,7 +26,7 @@ from server.course import Course
 from server.gradebook.histories import AttemptsByPair
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.gradebook.standings import StandingTotals
-from server.submissions.service import digest
+from server.submissions.service import code_digest
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
 DAYS = 14
@@ -109,7 +109,7 @@ def improvements(misconceptions: Sequence[MisconceptionStats]) -> tuple[Improvem
 
 def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
     """Return how often the attempt after the opening of each hint scored more; who has read it is not known."""
-    starters = {name: digest(one.starter) for name in exercises if (one := course.exercises.get(name)) is not None}
+    starters = {name: code_digest(one.starter) for name in exercises if (one := course.exercises.get(name)) is not None}
     improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for (_, exercise), own_attempts in attempts.items():
         for failures, better in improvements_after_hints(own_attempts, starters.get(exercise), HINT_OPENS_AFTER):

@@ -24,7 +24,7 @@ from server.board.service import load_board
 from server.classes import repository as classes
 from server.course import Course
 from server.database import Database, utc_now
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 
 log = logging.getLogger(__name__)
 
@@ -79,7 +79,7 @@ class Channel:
 class LiveBoards:
     """Reads each class that is watched, when something was graded, and tells all who watch it."""
 
-    def __init__(self, database: Database, course: Course, events: Events) -> None:
+    def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
         self._database, self._course, self._events = database, course, events
         self._channels: dict[UUID, Channel] = {}
         self._streams: Counter[UUID] = Counter()
@@ -144,7 +144,7 @@ class LiveBoards:
         """Until nobody watches any more, or the server stops. Whatever goes wrong ends the streams: browsers return."""
         try:
             read = partial(self._read, class_id, channel)
-            async for reading in self._events.follow(f"class:{class_id}", read, onlooking=True):
+            async for reading in self._events.follow(f"class:{class_id}", read, watches_all_jobs=True):
                 channel.reading = reading
                 channel.wake()
                 await asyncio.sleep(max(LEAST_REST, SHARE * reading.took))

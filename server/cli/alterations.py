@@ -25,7 +25,7 @@ from graders.core.contract.malformed import MalformedExerciseError
 from server.cli import CannotRun, parallel
 from server.cli.report import number
 from server.course import Course, Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy
 
 log = logging.getLogger(__name__)
@@ -98,7 +98,7 @@ class Subject:
     policy: Policy
     marks: Sequence[Mark]
 
-    def first_failed(self, grader: Grader, source: str, seed: int) -> str | None:
+    def first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         """The check that catches a program. What is raised, twice in a row, is our own failure."""
         for _ in range(TRIES - 1):
             try:
@@ -107,7 +107,7 @@ class Subject:
                 log.exception("an altered %s could not be graded with seed %d", self.exercise.id, seed)
         return self._first_failed(grader, source, seed)
 
-    def _first_failed(self, grader: Grader, source: str, seed: int) -> str | None:
+    def _first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         programs = grader.programs(self.exercise.id, self.policy)
         return self.code.first_failed(source.encode(), programs, seed=seed, checks=self.checks)
 
@@ -145,7 +145,7 @@ def subject_of(exercise: Exercise) -> Subject:
         raise CannotRun(str(error)) from error
 
 
-def work(grader: Grader, job: tuple[Subject, Alteration]) -> Trial:
+def work(grader: SandboxGrader, job: tuple[Subject, Alteration]) -> Trial:
     """One job, in a process of its own: the solution is measured once in each."""
     subject, alteration = job
     ready = _ready(grader, subject)
@@ -153,7 +153,7 @@ def work(grader: Grader, job: tuple[Subject, Alteration]) -> Trial:
 
 
 @cache
-def _ready(grader: Grader, subject: Subject) -> Subject | str:
+def _ready(grader: SandboxGrader, subject: Subject) -> Subject | str:
     """The subject as it is measured, or why it cannot be."""
     try:
         return measured(grader, subject)
@@ -177,7 +177,7 @@ def _held(trial: Trial, marks: Sequence[Mark]) -> Trial:
     return replace(trial, fate=Fate.EQUIVALENT if trial.fate is Fate.SURVIVED else Fate.MISMARKED)
 
 
-def measured(grader: Grader, subject: Subject) -> Subject:
+def measured(grader: SandboxGrader, subject: Subject) -> Subject:
     """The same, with its checks in the order of what they cost the solution, and time in proportion to it.
 
     Raises CannotRun where the solution itself fails: nothing can be said of its alterations.
@@ -194,7 +194,7 @@ def measured(grader: Grader, subject: Subject) -> Subject:
     return replace(subject, checks=tuple(sorted(subject.checks, key=lambda check: costs[check.id])), policy=policy)
 
 
-def tried(grader: Grader, subject: Subject, alteration: Alteration) -> Trial:
+def tried(grader: SandboxGrader, subject: Subject, alteration: Alteration) -> Trial:
     """What becomes of one alteration, marks left aside."""
     begun, fate, said = time.monotonic(), Fate.SURVIVED, ""
     try:

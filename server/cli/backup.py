@@ -33,7 +33,7 @@ def run(arguments: Namespace) -> int:
 
 def show(manifest: Manifest, path: Path, as_json: bool, said: str) -> None:
     if as_json:
-        print(json.dumps({"file": str(path), **manifest.told()}, ensure_ascii=False))
+        print(json.dumps({"file": str(path), **manifest.to_json()}, ensure_ascii=False))
         return
     width = max(map(len, manifest.tables), default=0)
     for table, saved in manifest.tables.items():

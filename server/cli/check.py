@@ -35,7 +35,7 @@ from server.course import Course, Exercise, Module, Problem, load
 from server.course.closure import Imports
 from server.course.models import SEED_BITS
 from server.figures import lessons
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.replays import faults as replays
 
 Judge = Callable[[Judgement], str]
@@ -73,7 +73,7 @@ class Examination:
 
 
 Told = Examination | Sequence[Problem]
-Job = Callable[[Grader], Told]
+Job = Callable[[SandboxGrader], Told]
 
 
 def run(arguments: Namespace) -> int:
@@ -176,7 +176,7 @@ def _tried(memory: Remembered, course: Course, parts: Sequence[Part]) -> int:
     return faults.total()
 
 
-def _do(grader: Grader, job: Job) -> Told:
+def _do(grader: SandboxGrader, job: Job) -> Told:
     return job(grader)
 
 
@@ -186,19 +186,19 @@ def _subject(job: Job) -> object:
     return job.args[0].id if job.func is _examination else id(job)
 
 
-def _figures(course: Course, _: Grader) -> Sequence[Problem]:
+def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*lessons.faults(course)]
 
 
-def _cells(course: Course, _: Grader) -> Sequence[Problem]:
+def _cells(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*cells.faults(course)]
 
 
-def _replays(course: Course, _: Grader) -> Sequence[Problem]:
+def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:
     return [*replays.faults(course)]
 
 
-def _examination(exercise: Exercise, case: Case, grader: Grader) -> Examination:
+def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Examination:
     """With a fresh seed."""
     return examine(grader, exercise, case, secrets.randbits(SEED_BITS))
 
@@ -256,7 +256,7 @@ def judge_of(known: Known) -> Judge:
     return lambda judgement: marks(judgement) or name(judgement)
 
 
-def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
+def examine(grader: SandboxGrader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
     policy = exercise.policy
     if case.endless:

@@ -74,9 +74,9 @@ def _impossible(settings: Settings) -> Iterator[str]:
     if find_spec("nats") is None or (settings.nats_nkey_file is not None and find_spec("nkeys") is None):
         yield f"{name} : NATS demande un paquet de plus, que pip install 'balise[nats]' installe"
         return
-    from server.queue.jetstream.access import UnfitError, options
+    from server.queue.jetstream.credentials import NatsConfigurationError, connect_options
 
     try:
-        options(settings)
-    except UnfitError as error:
+        connect_options(settings)
+    except NatsConfigurationError as error:
         yield str(error)

@@ -31,22 +31,24 @@ def _walls() -> int:
 def _cluster() -> int:
     settings = read_settings()
     try:
-        from server.grading.kinds import LANES
-        from server.health.cluster import Level, examine
+        from server.grading.job_lanes import JOB_LANES
+        from server.health.cluster_check import FindingLevel, check_cluster
     except ModuleNotFoundError as error:
         raise CannotRun(f"il y faut un paquet de plus, que pip install 'balise[nats]' installe ({error}).") from error
 
-    marks = {Level.good: "✓", Level.doubtful: "!", Level.bad: "✗"}
-    worst = Level.good
-    for finding in examine(settings, LANES):
-        print(f"  {marks[finding.level]} {finding.about} : {finding.told}", flush=True)
-        if finding.mend:
-            print(f"      remède : {finding.mend}")
+    marks = {FindingLevel.good: "✓", FindingLevel.doubtful: "!", FindingLevel.bad: "✗"}
+    worst = FindingLevel.good
+    for finding in check_cluster(settings, JOB_LANES):
+        print(f"  {marks[finding.level]} {finding.subject} : {finding.message}", flush=True)
+        if finding.remedy:
+            print(f"      remède : {finding.remedy}")
         worst = max(worst, finding.level, key=lambda level: level.value)
-    if worst is Level.bad:
+    if worst is FindingLevel.bad:
         print("Ce que les machines partagent ne va PAS : voyez les lignes marquées ✗.")
         return UNSAFE
     print(
-        "Ce que les machines partagent va bien." if worst is Level.good else "Cela marche, à surveiller : lignes « ! »."
+        "Ce que les machines partagent va bien."
+        if worst is FindingLevel.good
+        else "Cela marche, à surveiller : lignes « ! »."
     )
     return 0

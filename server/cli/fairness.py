@@ -22,7 +22,7 @@ from graders.core.contract.verdict import Verdict
 from server.cli import CannotRun
 from server.cli.report import number
 from server.course import Course, Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 
 #: The first of the seeds that follow one another: the same at each run, so that two runs compare.
 FIRST_SEED = 2026
@@ -96,7 +96,7 @@ class Finding:
         return NONE not in self.given and not self.misnamed
 
 
-def run(course: Course, grader: Grader, folder: Path, seeds: int, only: Collection[str] = ()) -> int:
+def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: Collection[str] = ()) -> int:
     """Grades and tells; 1 when a right program is refused, a wrong one accepted, or a mark depends on the seed.
 
     `only` holds the exercises to which it is restricted, if any.
@@ -148,7 +148,7 @@ def _submission(exercise: Exercise, path: Path, *, right: bool) -> Submission:
     return Submission(exercise, path, right, first.lstrip("# ").strip(), names)
 
 
-def graded(grader: Grader, submission: Submission, seeds: int) -> Finding:
+def graded(grader: SandboxGrader, submission: Submission, seeds: int) -> Finding:
     source = submission.source
     verdicts = [
         grader.grade(submission.exercise.id, source, seed).verdict for seed in range(FIRST_SEED, FIRST_SEED + seeds)

@@ -15,7 +15,7 @@ from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise
 from server.course.models import SEED_BITS
 from server.course.reuse import NOTHING_OWN, Own
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 
 
@@ -35,7 +35,7 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
     if probing is not None:
         require_safe_sandbox(probing)
         walls.keep()
-    grader = Grader(course, sandbox.result())
+    grader = SandboxGrader(course, sandbox.result())
     return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
 
 

@@ -10,7 +10,7 @@ from server.cli import CannotRun
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise, load
 from server.course.memory import Memory
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 
 #: What the files that decide of a verdict import, by their contents: read once.
@@ -52,9 +52,9 @@ def _known(course: Course) -> str:
 
 
 @contextmanager
-def local_grader(course: Course, probing: Probing | None) -> Iterator[Grader]:
+def local_grader(course: Course, probing: Probing | None) -> Iterator[SandboxGrader]:
     """A grader with its own sandbox; refuses where the walls do not stand. None: nothing is going to run in it."""
     if probing is not None:
         require_safe_sandbox(probing)
     with Sandbox(course.kits) as sandbox:
-        yield Grader(course, sandbox)
+        yield SandboxGrader(course, sandbox)

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from server.cli import CannotRun
 from server.cli.progress import Progress
 from server.course import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 
 JobT = TypeVar("JobT")
@@ -30,10 +30,10 @@ class _Here:
     """What a process works on: all but the grader is there before it is forked."""
 
     course: Course
-    work: Callable[[Grader, Any], Any]
+    work: Callable[[SandboxGrader, Any], Any]
     jobs: Sequence[Any]
     shares: _Shares
-    grader: Grader
+    grader: SandboxGrader
 
 
 class _Shares:
@@ -80,7 +80,7 @@ class _Done:
 
 def in_order(
     course: Course,
-    work: Callable[[Grader, JobT], ResultT],
+    work: Callable[[SandboxGrader, JobT], ResultT],
     jobs: Sequence[JobT],
     what: str,
     together: Callable[[JobT], Hashable] | None = None,
@@ -138,7 +138,7 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sandbox = Sandbox(_Here.course.kits)
     Finalize(None, sandbox.close, exitpriority=1)
-    _Here.grader = Grader(_Here.course, sandbox)
+    _Here.grader = SandboxGrader(_Here.course, sandbox)
 
 
 def _done() -> _Done:

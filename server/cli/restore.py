@@ -19,7 +19,7 @@ def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data)
     try:
         if arguments.check:
-            show(service.check(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
+            show(service.verify(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
             return 0
         with alone(settings):
             manifest, kept = service.restore(settings, arguments.file, OURS, replace=arguments.replace, now=utc_now())

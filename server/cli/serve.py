@@ -30,12 +30,12 @@ from server.course.memory import MEMORY, Memory
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
-from server.grading.supervisor import Supervisor
-from server.health.metrics import Metrics
+from server.grading.supervisor import WorkerSupervisor
+from server.health.metrics import PrometheusMetrics
 from server.identity import links
 from server.reading.ahead import read_ahead
 from server.sandbox import WallStatus, safe_to_serve
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 
 log = logging.getLogger(__name__)
 
@@ -164,9 +164,11 @@ def _serve(
     walls: Gate,
 ) -> None:
     """Pages are served while the walls are tried; where they do not stand, it ends before any student's code ran."""
-    end_streams = get_service(app, Events).close  # open, they would keep it from ending
-    server = Server(configuration(app, settings), ready, get_service(app, Supervisor).expect_the_end, end_streams)
-    open_once_tried(probing, walls, get_service(app, Metrics), server.leave)
+    end_streams = get_service(app, JobEvents).close  # open, they would keep it from ending
+    server = Server(
+        configuration(app, settings), ready, get_service(app, WorkerSupervisor).expect_shutdown, end_streams
+    )
+    open_once_tried(probing, walls, get_service(app, PrometheusMetrics), server.leave)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
@@ -174,14 +176,14 @@ def _serve(
         require_safe_sandbox(probing)
 
 
-def open_once_tried(probing: Probing, walls: Gate, metrics: Metrics, leave: Callable[[], None]) -> None:
+def open_once_tried(probing: Probing, walls: Gate, metrics: PrometheusMetrics, leave: Callable[[], None]) -> None:
     """Lets students' code run once the walls are known to stand; has the service end where they do not."""
 
     def tried(done: Probing) -> None:
         if done.exception() is not None or not safe_to_serve(done.result()):
             leave()
             return
-        metrics.tell_walls({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
+        metrics.set_walls({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
         walls.open()
 
     probing.add_done_callback(tried)

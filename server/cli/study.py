@@ -13,7 +13,7 @@ from server.cli.database import opened
 from server.cli.local import find, load_course, local_grader
 from server.cli.sandboxes import start_probing
 from server.course import Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 
 
 def run(arguments: Namespace) -> int:
@@ -38,7 +38,7 @@ def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[Found]:
         return study.groups(db, exercise.id, arguments.most)
 
 
-def _tell(found: Found, exercise: Exercise, grader: Grader, *, write: bool) -> None:
+def _tell(found: Found, exercise: Exercise, grader: SandboxGrader, *, write: bool) -> None:
     try:
         program = study.program_of(found, exercise, grader)
     except Invalid as refused:

@@ -62,11 +62,11 @@ def _remote(arguments: Namespace) -> Read:
 def _local(database: Any) -> Read:
     """Of the database alone: visitors, walls and the logs' errors are the service's, which tells them over HTTP."""
     from server.cli.database import in_words
-    from server.health import overview
+    from server.health import service_status
 
     def read() -> Json:
         with in_words(), database.read() as db:
-            return overview.to_json(overview.read(db))
+            return service_status.to_json(service_status.load_status(db))
 
     return read
 

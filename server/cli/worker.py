@@ -13,12 +13,11 @@ from server.cli.configuration import read_settings, start_traces
 from server.cli.database import opened
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.database import STARTUP_TIMEOUT
-from server.grading.process import run as run_worker
-from server.grading.process import stop_on_signals
-from server.health.counts import Counts
-from server.queue.polling import Polling
-from server.queue.port import NoSignals
-from server.queue.stopping import Stop
+from server.grading.worker_process import run_worker, stop_on_signals
+from server.health.event_counter import EventCounter
+from server.queue.graceful_stop import StopRequested
+from server.queue.interfaces import NullNotifier
+from server.queue.polling import PollingSource
 
 ALONE = (
     "Une base de données ne prévient personne : le travail y est cherché dix fois par seconde. Sur plusieurs machines, "
@@ -40,8 +39,8 @@ def run(_arguments: Namespace) -> int:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)
             print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-            run_worker(settings, Polling(), NoSignals(), Counts(database).renewed)
-    except Stop:
+            run_worker(settings, PollingSource(), NullNotifier(), EventCounter(database).count_template_renewal)
+    except StopRequested:
         return 0
     finally:
         traces.stop_tracing()

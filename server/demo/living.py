@@ -13,8 +13,8 @@ from server.database import Database, utc_now
 from server.demo.loading import Loaded, source_of
 from server.demo.story import Step
 from server.identity import repository as identity
-from server.submissions.deals import seed_of
 from server.submissions.service import Submissions
+from server.submissions.variants import get_or_create_seed
 
 log = logging.getLogger(__name__)
 ADDRESS = "198.51.100.1"  # of documentation: nobody's
@@ -58,7 +58,7 @@ class Lesson:
                     text = source_of(step, self._loaded.seeds[step.exercise], code=True).decode()
                     self._store.submit(db, account, step.exercise, text, address=ADDRESS)
                 else:
-                    answers = read_answers(step.known.write(seed_of(db, account, step.exercise)))
+                    answers = read_answers(step.known.write(get_or_create_seed(db, account, step.exercise)))
                     self._store.submit_answers(db, account, step.exercise, answers, address=ADDRESS)
         except ServiceError as refused:
             log.warning("the lesson goes on without an attempt at %s: %s", step.exercise, refused.detail)

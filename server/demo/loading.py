@@ -25,9 +25,9 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity import secrets
 from server.identity.models import Account, Role
-from server.submissions.deals import seed_of
 from server.submissions.models import Submission
-from server.submissions.service import digest
+from server.submissions.service import code_digest
+from server.submissions.variants import get_or_create_seed
 
 CLASS_NAME = "MPSI 2 (démonstration)"
 TEACHER = ("martin", "Claire Martin")
@@ -145,7 +145,7 @@ def _history(
             for step in steps[start : start + AT_ONCE]:
                 exercise, account = course.exercises[step.exercise], db.get_one(Account, accounts[step.pupil])
                 code = exercise.kind == "code"
-                seed = seeds[step.exercise] if code else seed_of(db, account, step.exercise)
+                seed = seeds[step.exercise] if code else get_or_create_seed(db, account, step.exercise)
                 source = source_of(step, seed, code=code)
                 key = (step.exercise, source, seed)
                 if key not in judged:
@@ -160,7 +160,7 @@ def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, j
         account_id=account.id,
         exercise=step.exercise,
         source=source,
-        digest=digest(text),
+        digest=code_digest(text),
         seed=seed,
         created_at=step.sent_at,
     )

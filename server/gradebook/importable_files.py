@@ -15,10 +15,10 @@ from server.database import utc_now
 from server.gradebook.models import Grading
 from server.sandbox.values import LIBRARY_MENTION
 from server.submissions.models import Submission
-from server.submissions.repository import Sent
+from server.submissions.repository import GradingRow
 
 
-def load_importable_files(db: Session, course: Course, submission: Submission | Sent) -> Own:
+def load_importable_files(db: Session, course: Course, submission: Submission | GradingRow) -> Own:
     """Load the files that an attempt may import, as of when it was sent; none where it does not mention any."""
     return _load_files(db, course, submission.account_id, submission.exercise, submission.source, submission.created_at)
 

@@ -7,7 +7,7 @@ from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import repository
 from server.submissions import repository as stored
-from server.submissions.service import UNKNOWN, Submissions, parse_id
+from server.submissions.service import UNKNOWN_SUBMISSION, Submissions, parse_submission_id
 
 NOTHING_TO_DO = "L’essai {name} a son verdict : une recorrection, depuis la classe, le corrige à nouveau."
 
@@ -20,11 +20,11 @@ def requeue(database: Database, submissions: Submissions, *, failed: bool, names
     with database.read() as db:
         rows = (*stored.ungraded(db), *(repository.list_failed_submissions(db) if failed or names else ()))
         grading_by_submission = {submission.id: submission.grading_id for submission in rows}
-    wanted = list(map(parse_id, names))
+    wanted = list(map(parse_submission_id, names))
     for submission_id in sorted(set(wanted) - grading_by_submission.keys()):
         with database.read() as db:
             unknown = stored.by_id(db, submission_id) is None
-        raise NotFound(UNKNOWN if unknown else NOTHING_TO_DO.format(name=submission_id))
+        raise NotFound(UNKNOWN_SUBMISSION if unknown else NOTHING_TO_DO.format(name=submission_id))
     return [
         submission_id
         for submission_id in wanted or grading_by_submission

@@ -21,10 +21,10 @@ from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, GradingR
 from server.gradebook.standings import CountedAttempt, StandingTotals
 from server.identity.models import Account
 from server.sandbox.values import LIBRARY_MENTION
-from server.submissions import deals
 from server.submissions import repository as stored
+from server.submissions import variants
 from server.submissions.models import Submission
-from server.submissions.service import UNKNOWN, digest, may_see, parse_id
+from server.submissions.service import UNKNOWN_SUBMISSION, code_digest, may_view, parse_submission_id
 
 
 def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID | None:
@@ -52,7 +52,7 @@ def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> 
     """Make another of a submission's gradings count. Raise NotFound."""
     row = repository.lock_submission(db, submission_id)
     if row is None or not repository.is_grading_of(db, grading_id, submission_id):
-        raise NotFound(UNKNOWN)
+        raise NotFound(UNKNOWN_SUBMISSION)
     repository.set_counting_grading(db, submission_id, grading_id)
     recount_standings(db, row[0], row[1])
 
@@ -88,17 +88,17 @@ def rebuild_all_standings(database: Database) -> tuple[int, int]:
 def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's attempts and variants to the account that the same person has just opened."""
     standings.lock_accounts(db, [guest_id, account_id])
-    stored.move(db, guest_id, account_id)
-    deals.adopt(db, guest_id, account_id)
+    stored.move_submissions(db, guest_id, account_id)
+    variants.adopt_guest_variants(db, guest_id, account_id)
     for owner in (guest_id, account_id):
         recount_standings(db, owner)
 
 
 def find_attempt(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
     """Return an attempt that this account may see (`server.rights`). Raise NotFound for any other, existing or not."""
-    attempt = load_attempt(db, parse_id(submission_id))
-    if attempt is None or account is None or not may_see(db, account, attempt.submission):
-        raise NotFound(UNKNOWN)
+    attempt = load_attempt(db, parse_submission_id(submission_id))
+    if attempt is None or account is None or not may_view(db, account, attempt.submission):
+        raise NotFound(UNKNOWN_SUBMISSION)
     return _attempt_seen_by(db, account.id, attempt)
 
 
@@ -151,7 +151,7 @@ def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, v
     holds = feedback.load_holds(db, account.id, exercise_id)
     if holds.refusal or LIBRARY_MENTION in source:
         return None
-    file = repository.SentFile(account.id, exercise_id, digest(code), source)
+    file = repository.SentFile(account.id, exercise_id, code_digest(code), source)
     return repository.find_duplicate(db, file, version, holds.held_since)
 
 
@@ -220,5 +220,5 @@ def count_distinct_failures(
     if account is None:
         return 0
     held_since = feedback.load_holds(db, account.id, exercise_id).held_since
-    excluded_digest = "" if besides is None else digest(besides)
+    excluded_digest = "" if besides is None else code_digest(besides)
     return repository.count_distinct_failures(db, account.id, exercise_id, excluded_digest, held_since)

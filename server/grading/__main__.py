@@ -14,20 +14,20 @@ def main(channel_fd: int, parent: int) -> None:
     die_with_parent(parent)
     gc.disable()  # what is imported and read stays: `run` has it left alone, then lets garbage be collected again
     from server.base.settings import Settings
-    from server.grading.process import run, stop_on_signals
-    from server.queue.channel import Channel
-    from server.queue.stopping import Stop
+    from server.grading.worker_process import run_worker, stop_on_signals
+    from server.queue.graceful_stop import StopRequested
+    from server.queue.worker_channel import WorkerChannel
 
     stop_on_signals()
 
     os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
-    channel = Channel(socket.socket(fileno=channel_fd))
+    channel = WorkerChannel(socket.socket(fileno=channel_fd))
     settings = Settings()
     logs.configure_logging(f"worker[{channel_fd}]", settings.log_format, logging.INFO)
     traces.start_tracing(f"worker[{channel_fd}]")
     try:
-        run(settings, channel, channel, channel.renewed)
-    except Stop:
+        run_worker(settings, channel, channel, channel.template_renewed)
+    except StopRequested:
         sys.exit(0)
     finally:
         traces.stop_tracing()

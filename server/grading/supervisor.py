@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from server.base.concurrency import Gate, GateClosed
 from server.base.processes import child_environment
 from server.base.settings import Settings
-from server.queue.owner import Owner, owner_of
-from server.queue.switchboard import Switchboard
+from server.queue.lease_owner import LeaseOwner, process_owner
+from server.queue.wakeups import WakeupDispatcher
 
 log = logging.getLogger(__name__)
 
@@ -25,8 +25,8 @@ PAUSE = 1.0
 LAST_WORDS = 0.5
 
 
-class Wire:
-    """Fills the port `server.queue.switchboard.Line`: few bytes now and then, on a socket that never waits."""
+class WorkerSocket:
+    """Fills the port `server.queue.wakeups.Line`: few bytes now and then, on a socket that never waits."""
 
     def __init__(self, ours: socket.socket) -> None:
         self._ours = ours
@@ -41,17 +41,17 @@ class Wire:
 
 
 @dataclass(frozen=True)
-class Running:
+class WorkerProcess:
     """A worker process and what leads to it; `writer` keeps the socket that `wire` has a second name of."""
 
     process: asyncio.subprocess.Process
-    owner: Owner
+    owner: LeaseOwner
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
-    wire: Wire
+    wire: WorkerSocket
 
 
-class Supervisor:
+class WorkerSupervisor:
     """Keeps `settings.workers` processes alive, once the walls are known to stand.
 
     `on_death` is called in a thread with the dead worker's lease name.
@@ -60,34 +60,34 @@ class Supervisor:
     def __init__(
         self,
         settings: Settings,
-        switchboard: Switchboard,
-        on_death: Callable[[Owner], None],
+        dispatcher: WakeupDispatcher,
+        on_death: Callable[[LeaseOwner], None],
         command: Sequence[str] = WORKER_COMMAND,
         walls: Gate | None = None,
     ) -> None:
         self._walls = walls or Gate(opened=True)
-        self._settings, self._switchboard, self._on_death, self._command = settings, switchboard, on_death, command
-        self._running: dict[int, Running] = {}
+        self._settings, self._switchboard, self._on_death, self._command = settings, dispatcher, on_death, command
+        self._running: dict[int, WorkerProcess] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._stopping = False
 
-    async def __aenter__(self) -> "Supervisor":
+    async def __aenter__(self) -> "WorkerSupervisor":
         self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
         return self
 
     @property
-    def wanted(self) -> int:
+    def target_count(self) -> int:
         return self._settings.workers
 
     @property
     def stopping(self) -> bool:
         return self._stopping
 
-    def alive(self) -> int:
+    def alive_count(self) -> int:
         """How many workers stand at this moment."""
         return sum(running.process.returncode is None for running in list(self._running.values()))
 
-    def expect_the_end(self) -> None:
+    def expect_shutdown(self) -> None:
         """The server has been told to stop: workers that end now, having been told too, are missed by nobody."""
         self._stopping = True
 
@@ -117,12 +117,12 @@ class Supervisor:
             await asyncio.to_thread(self._on_death, running.owner)
             await self._pause(code, born)
 
-    async def _until_death(self, running: Running) -> int:
+    async def _until_death(self, running: WorkerProcess) -> int:
         listening = asyncio.create_task(self._listen(running))
         code = await running.process.wait()
         await asyncio.wait([listening], timeout=LAST_WORDS)  # what it said before dying is still in the socket
         listening.cancel()
-        self._switchboard.gone(running.wire)  # from here on, nobody writes to it
+        self._switchboard.remove_worker(running.wire)  # from here on, nobody writes to it
         running.wire.close()
         running.writer.close()
         return code
@@ -134,7 +134,7 @@ class Supervisor:
         if asyncio.get_running_loop().time() - born < QUICK_DEATH:
             await asyncio.sleep(PAUSE)
 
-    async def _start(self) -> Running:
+    async def _start(self) -> WorkerProcess:
         ours, theirs = socket.socketpair()
         with theirs:
             arguments = [*self._command, str(theirs.fileno()), str(os.getpid())]
@@ -144,11 +144,11 @@ class Supervisor:
                 env=child_environment(self._settings),
                 stdin=asyncio.subprocess.DEVNULL,
             )
-        owner, wire = owner_of(process.pid), Wire(ours.dup())
+        owner, wire = process_owner(process.pid), WorkerSocket(ours.dup())
         reader, writer = await asyncio.open_connection(sock=ours)  # which has neither of its names wait
-        return Running(process, owner, reader, writer, wire)
+        return WorkerProcess(process, owner, reader, writer, wire)
 
-    async def _listen(self, running: Running) -> None:
+    async def _listen(self, running: WorkerProcess) -> None:
         with suppress(ConnectionError):
             while line := await running.reader.readline():
-                self._switchboard.heard(running.wire, line.decode().rstrip("\n"))
+                self._switchboard.handle_message(running.wire, line.decode().rstrip("\n"))

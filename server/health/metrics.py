@@ -16,9 +16,9 @@ from uuid import UUID
 
 from server.base.counters import DROPPED_NOTIFICATIONS, REFUSED_LOGINS, TEMPLATE_RENEWALS
 from server.database import Database, utc_now
-from server.grading.supervisor import Supervisor
+from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
-from server.health.counts import RENEWALS
+from server.health.event_counter import RENEWALS
 
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Histogram
@@ -29,10 +29,10 @@ SECONDS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 60.0, 300.0)
 WAITING, RUNNING = "waiting", "running"
 
 
-class Metrics:
+class PrometheusMetrics:
     """For several threads."""
 
-    def __init__(self, database: Database, supervisor: Supervisor) -> None:
+    def __init__(self, database: Database, supervisor: WorkerSupervisor) -> None:
         self._database, self._supervisor = database, supervisor
         self._walls: Mapping[str, bool] = {}
         self._since = utc_now()
@@ -41,7 +41,7 @@ class Metrics:
         self._registry: CollectorRegistry | None = None
         self._histograms: tuple[Histogram, Histogram] | None = None
 
-    def tell_walls(self, walls: Mapping[str, bool]) -> None:
+    def set_walls(self, walls: Mapping[str, bool]) -> None:
         """The walls of the sandbox as they were probed: whether each stands."""
         self._walls = dict(walls)
 
@@ -49,7 +49,7 @@ class Metrics:
     def walls(self) -> Mapping[str, bool]:
         return self._walls
 
-    def exposed(self) -> tuple[bytes, str]:
+    def render(self) -> tuple[bytes, str]:
         """The text that Prometheus reads, and its media type."""
         from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 
@@ -91,34 +91,34 @@ class Metrics:
         self._since = max(self._since, now - OVERLAP)
         self._seen = {name: when for name, when in self._seen.items() if when >= self._since}
 
-    def now(self) -> Iterator[Metric]:
+    def collect(self) -> Iterator[Metric]:
         """What is read as it stands."""
         from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 
         jobs = GaugeMetricFamily("balise_queue_jobs", "Jobs in the queue", labels=["kind", "state"])
         oldest = GaugeMetricFamily("balise_queue_oldest_seconds", "Age of the oldest job that waits", labels=["kind"])
         with self._database.read() as db:
-            rows, renewals = repository.queue(db), Counter(repository.counted(db, RENEWALS))
+            rows, renewals = repository.queue_depths(db), Counter(repository.counts_by_reason(db, RENEWALS))
         for kind, begun, count, since in rows:
             jobs.add_metric([kind, RUNNING if begun else WAITING], count)
             if not begun:
                 oldest.add_metric([kind], max(0.0, (utc_now() - since).total_seconds()))
         yield jobs
         yield oldest
-        yield GaugeMetricFamily("balise_workers", "Grading processes of this machine", self._supervisor.alive())
+        yield GaugeMetricFamily("balise_workers", "Grading processes of this machine", self._supervisor.alive_count())
         walls = GaugeMetricFamily("balise_wall_standing", "Walls of the sandbox, as probed", labels=["wall"])
         for name, stands in self._walls.items():
             walls.add_metric([name], float(stands))
         yield walls
         elsewhere = {TEMPLATE_RENEWALS: renewals}
-        for name, told, counted in COUNTED:
+        for name, told, counted in COUNTERS:
             family = CounterMetricFamily(name, told, labels=["why"])
             for why, count in (Counter(counted.read()) + elsewhere.get(counted, Counter())).items():
                 family.add_metric([why], count)
             yield family
 
 
-COUNTED = (
+COUNTERS = (
     ("balise_refused_logins", "Log-ins and API tokens that were refused", REFUSED_LOGINS),
     ("balise_unposted", "What was not given to NATS, and is made up for later", DROPPED_NOTIFICATIONS),
     ("balise_template_renewals", "Templates of the sandbox that were replaced", TEMPLATE_RENEWALS),
@@ -128,11 +128,11 @@ COUNTED = (
 class _Now:
     """A collector for the library: it asks when it is read."""
 
-    def __init__(self, metrics: Metrics) -> None:
+    def __init__(self, metrics: PrometheusMetrics) -> None:
         self._metrics = metrics
 
     def collect(self) -> Iterator[Metric]:
-        return self._metrics.now()
+        return self._metrics.collect()
 
     def describe(self) -> list[Metric]:
         return []

@@ -6,7 +6,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 from server.database.base import Base
 
 
-class Count(Base):
+class EventCount(Base):
     """How often something happened, by its name and by why, in the workers of other machines: of nobody."""
 
     __tablename__ = "count"

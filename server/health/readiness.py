@@ -7,11 +7,11 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.concurrency import Gate
 from server.database import Database
-from server.grading.supervisor import Supervisor
+from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 
 #: Without what carries the work between machines all goes on, more slowly: visitors may come.
-CARRIER = "nats"
+BROKER_CHECK = "nats"
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,9 @@ class Readiness:
     """`carrier` says how what carries the work between machines is, where something does."""
 
     database: Database
-    supervisor: Supervisor
+    supervisor: WorkerSupervisor
     walls: Gate
-    carrier: Callable[[], str] | None = None
+    broker_status: Callable[[], str] | None = None
 
     def checks(self) -> Mapping[str, str]:
         """By what is looked at, `ok` or what is amiss."""
@@ -31,20 +31,20 @@ class Readiness:
             "walls": walls,
             "workers": self._workers(),
             "service": self._service(),
-            **({} if self.carrier is None else {CARRIER: self.carrier()}),
+            **({} if self.broker_status is None else {BROKER_CHECK: self.broker_status()}),
         }
 
     def _database(self) -> str:
         try:
             with self.database.read() as db:
-                repository.answers(db)
+                repository.ping(db)
         except SQLAlchemyError:
             return "unreachable"
         return "ok"
 
     def _workers(self) -> str:
         """One is enough: what dies is started again. With none to start, others grade."""
-        return "ok" if self.supervisor.alive() or not self.supervisor.wanted else "none"
+        return "ok" if self.supervisor.alive_count() or not self.supervisor.target_count else "none"
 
     def _service(self) -> str:
         return "stopping" if self.supervisor.stopping else "ok"

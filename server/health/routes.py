@@ -12,20 +12,20 @@ from server.base.errors import Forbidden, NotFound, Unauthorised
 from server.base.logs import RECENT_ERRORS
 from server.base.settings import Settings
 from server.database.dependencies import Db
-from server.grading.supervisor import Supervisor
-from server.health import overview
-from server.health.metrics import Metrics
-from server.health.overview import Fault, Process
-from server.health.readiness import CARRIER, Readiness
+from server.grading.supervisor import WorkerSupervisor
+from server.health import service_status
+from server.health.metrics import PrometheusMetrics
+from server.health.readiness import BROKER_CHECK, Readiness
+from server.health.service_status import RecentError, WebProcessStatus
 from server.identity.dependencies import ApiAccount
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 
 router = APIRouter(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
-MetricsOf = Annotated[Metrics, Depends(app_service(Metrics))]
-EventsOf = Annotated[Events, Depends(app_service(Events))]
-SupervisorOf = Annotated[Supervisor, Depends(app_service(Supervisor))]
+MetricsOf = Annotated[PrometheusMetrics, Depends(app_service(PrometheusMetrics))]
+EventsOf = Annotated[JobEvents, Depends(app_service(JobEvents))]
+SupervisorOf = Annotated[WorkerSupervisor, Depends(app_service(WorkerSupervisor))]
 ReadinessOf = Annotated[Readiness, Depends(app_service(Readiness))]
 NO_STORE = {"Cache-Control": "no-store"}
 SCHEME = "bearer"
@@ -42,7 +42,7 @@ def ready(readiness: ReadinessOf) -> Response:
     """Whether to send visitors here: 503 where not, with what is amiss. `degraded`: they may come all the same."""
     checks = readiness.checks()
     amiss = {name for name, state in checks.items() if state != "ok"}
-    status = "ok" if not amiss else "degraded" if amiss == {CARRIER} else "unready"
+    status = "ok" if not amiss else "degraded" if amiss == {BROKER_CHECK} else "unready"
     body = {"status": status, "checks": checks}
     return JSONResponse(body, status_code=503 if status == "unready" else 200, headers=NO_STORE)
 
@@ -54,17 +54,17 @@ def status(
     """What the service does now, for an administrator's token: what `balise top` shows."""
     if not account.is_administrator:
         raise Forbidden("L’état du service se lit avec le jeton d’un administrateur.")
-    process = Process(
+    process = WebProcessStatus(
         visitors=VISITS.visitors(),
         requests_per_minute=VISITS.last_minute(),
-        following=events.following(),
-        workers=supervisor.alive(),
-        wanted=supervisor.wanted,
+        following=events.count_watchers(),
+        workers=supervisor.alive_count(),
+        wanted=supervisor.target_count,
         walls=measured.walls,
         checks=readiness.checks(),
     )
-    faults = [Fault(at, where, message) for at, where, message in RECENT_ERRORS.read()]
-    return JSONResponse(overview.to_json(overview.read(db, process, faults)), headers=NO_STORE)
+    faults = [RecentError(at, where, message) for at, where, message in RECENT_ERRORS.read()]
+    return JSONResponse(service_status.to_json(service_status.load_status(db, process, faults)), headers=NO_STORE)
 
 
 @router.get("/metrics")
@@ -75,5 +75,5 @@ def metrics(request: Request, settings: SettingsOf, measured: MetricsOf) -> Resp
     scheme, _, token = request.headers.get("authorization", "").partition(" ")
     if scheme.lower() != SCHEME or not compare_digest(token.encode(), settings.metrics_token.encode()):
         raise Unauthorised("Le jeton de BALISE_METRICS_TOKEN est attendu dans l’en-tête « Authorization: Bearer … ».")
-    content, media_type = measured.exposed()
+    content, media_type = measured.render()
     return Response(content, media_type=media_type, headers=NO_STORE)

@@ -21,7 +21,7 @@ from server.identity.models import Account
 from server.pages import talk
 from server.pages.routes import attempt_page, exercise_page, note_seen
 from server.pages.talk import Aim
-from server.submissions import deals
+from server.submissions import variants
 from server.web.dependencies import CurrentReader
 from server.web.forms import Field, local_path, redirect
 from server.web.rendering import render_page
@@ -111,7 +111,7 @@ def ask(
         thread = service.begin_exercise_thread(reader.db, account, account.id, exercise.id, texte, settings)
     except REFUSALS as refused:
         reader.db.rollback()
-        seed = None if exercise.answers is None else deals.seed_of(reader.db, account, exercise.id)
+        seed = None if exercise.answers is None else variants.get_or_create_seed(reader.db, account, exercise.id)
         draft = Draft(texte, refused.detail)
         return exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
     return redirect(f"{exercise_href(exercise)}#fil-{thread.id}")

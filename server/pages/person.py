@@ -19,8 +19,8 @@ from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import BUCKET_RETENTION
 from server.pages import retention
-from server.personal.dependencies import PersonalOf
-from server.personal.service import headers_of_archive
+from server.personal.dependencies import PersonalDataOf
+from server.personal.service import archive_headers
 from server.web.forms import Field, account_form, redirect
 
 router = APIRouter(include_in_schema=False)
@@ -108,10 +108,8 @@ async def change_password(
 
 
 @router.get("/compte/donnees")
-def take_away(person: SignedIn, personal: PersonalOf) -> StreamingResponse:
-    return StreamingResponse(
-        personal.export(person), headers=headers_of_archive(utc_now()), media_type="application/zip"
-    )
+def take_away(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
+    return StreamingResponse(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.get("/compte/supprimer")
@@ -125,7 +123,7 @@ def erase_form(request: Request, account: OptionalAccount) -> Response:
 
 @router.post("/compte/supprimer")
 async def erase(
-    request: Request, person: SignedIn, accounts: AccountServiceOf, personal: PersonalOf, password: Field = ""
+    request: Request, person: SignedIn, accounts: AccountServiceOf, personal: PersonalDataOf, password: Field = ""
 ) -> Response:
     try:
         await accounts.require_password(person, password, address=client_address(request))

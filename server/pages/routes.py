@@ -35,11 +35,11 @@ from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
 from server.pages.waiting import Watched, waiting_text
-from server.submissions import deals
-from server.submissions.dependencies import EventsOf, SubmissionsOf
-from server.submissions.events import STREAM_HEADERS, as_sse
+from server.submissions import variants
+from server.submissions.dependencies import JobEventsOf, SubmissionsOf
+from server.submissions.job_events import STREAM_HEADERS, stream_sse
 from server.submissions.models import Submission
-from server.submissions.service import Submissions, key_of, parse_id
+from server.submissions.service import Submissions, job_key, parse_submission_id
 from server.web import assets
 from server.web.dependencies import CurrentReader
 from server.web.forms import FormFields
@@ -85,7 +85,7 @@ def exercise(
     exercise, database = find_exercise(reader.course, module, slug), _database(request.app)
     if exercise.answers is not None:
         account = account_or_guest(request, reader.account, _accounts(request.app))
-        seed = deals.seed_on_page(reader.db, database, account, exercise.id)
+        seed = variants.seed_while_reading(reader.db, database, account, exercise.id)
         taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
         return exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
     taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
@@ -187,7 +187,7 @@ def submit(
 def _first_words(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
     """What there is to say until there is more; of what a test holds back, always the same."""
     held = gradebook.attempt_seen_by(db, account.id, submission, None)
-    return held.held_text or waiting_text(store.place(db, submission))
+    return held.held_text or waiting_text(store.progress(db, submission))
 
 
 @router.post("/{module:module}/exercices/{slug}/brouillon")
@@ -204,10 +204,10 @@ def save(
     """Keeps what is written while one sits a test; what is there at its end is sent. A script is told when it was."""
     exercise = find_exercise(course, module, slug)
     if exercise.answers is not None:
-        source = store.source_of_answers(answers.read_form(exercise, fields))
+        source = store.encode_answers(answers.read_form(exercise, fields))
     else:
-        source = store.source_of(_code(fields))
-    saved_at = store.save(db, account, exercise.id, source)
+        source = store.encode_code(_code(fields))
+    saved_at = store.save_work(db, account, exercise.id, source)
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(f"{exercise_href(exercise)}#essai", MOVES_ON)
     return JSONResponse({"saved_at": iso_moment(saved_at)})
@@ -271,13 +271,13 @@ def verdict(submission_id: str, reader: CurrentReader, deja: bool = False) -> HT
 
 @router.get("/soumissions/{submission_id}/evenements")
 async def events(
-    submission_id: str, account: OptionalAccount, store: SubmissionsOf, database: DatabaseOf, hub: EventsOf
+    submission_id: str, account: OptionalAccount, store: SubmissionsOf, database: DatabaseOf, hub: JobEventsOf
 ) -> StreamingResponse:
-    identity = parse_id(submission_id)
+    identity = parse_submission_id(submission_id)
     watch = Watched(account, store, database, identity)
     await run_in_threadpool(watch.look)  # a 404 must come before the stream begins
-    snapshots = hub.follow(key_of(identity), watch.look)
-    lines: AsyncIterator[str] = as_sse(
+    snapshots = hub.follow(job_key(identity), watch.look)
+    lines: AsyncIterator[str] = stream_sse(
         snapshots, lambda snapshot: json.dumps({"status": snapshot.status, "text": snapshot.text})
     )
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)

@@ -32,8 +32,8 @@ from server.pages.schemas import (
 )
 from server.pages.shown import shown
 from server.pages.waiting import waiting_text
-from server.submissions.models import State
-from server.submissions.service import Place
+from server.submissions.models import SubmissionState
+from server.submissions.service import GradingProgress
 from server.web import deadlines, regraded, verdicts
 from server.web.views import (
     Reader,
@@ -237,7 +237,9 @@ def _work(
         return None
     submission, verdict = attempt.submission, behaviour.load_verdict(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
-    place = Place(State.done) if attempt.held else reader.submissions.place(reader.db, submission)
+    place = (
+        GradingProgress(SubmissionState.done) if attempt.held else reader.submissions.progress(reader.db, submission)
+    )
     work = WorkView(
         id=str(submission.id),
         number=number,

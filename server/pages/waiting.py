@@ -8,14 +8,14 @@ from uuid import UUID
 from server.database import Database
 from server.gradebook import service as gradebook
 from server.identity.models import Account
-from server.submissions.models import State
-from server.submissions.service import Place, Submissions
+from server.submissions.models import SubmissionState
+from server.submissions.service import GradingProgress, Submissions
 from server.web.words import plural
 
 
-def waiting_text(place: Place) -> str:
+def waiting_text(place: GradingProgress) -> str:
     """What to say while there is no verdict."""
-    if place.state is State.running:
+    if place.state is SubmissionState.running:
         return "Correction en cours…"
     if place.position is None:
         return ""
@@ -38,7 +38,7 @@ class Waiting:
 
     @property
     def done(self) -> bool:
-        return self.status == State.done
+        return self.status == SubmissionState.done
 
 
 @dataclass
@@ -55,11 +55,11 @@ class Watched:
     def look(self) -> Waiting:
         """Raises NotFound."""
         with self.database.read() as db:
-            place = self.store.place_of_job(db, self.submission) if self.waits else None
+            place = self.store.progress_while_waiting(db, self.submission) if self.waits else None
             if place is None:
                 attempt = gradebook.find_attempt(db, self.account, self.submission)
                 if attempt.held:
-                    return Waiting(State.done, "")
-                place = self.store.place(db, attempt.submission)
-            self.waits = place.state is not State.done
+                    return Waiting(SubmissionState.done, "")
+                place = self.store.progress(db, attempt.submission)
+            self.waits = place.state is not SubmissionState.done
             return Waiting(place.state, waiting_text(place))

@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.app_services import app_service
-from server.personal.service import Personal
+from server.personal.service import PersonalData
 
-PersonalOf = Annotated[Personal, Depends(app_service(Personal))]
+PersonalDataOf = Annotated[PersonalData, Depends(app_service(PersonalData))]

@@ -58,7 +58,7 @@ aussi ce que le code a fait.
 File = tuple[str, bytes]
 
 
-def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
+def export_files(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
     """Path and content of each; one transaction a file, so that a slow reader holds nothing open.
 
     What the account sends or erases meanwhile may be in it or not.
@@ -77,7 +77,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
     last: UUID | None = None
     while True:
         with database.read() as db:
-            names = repository.submissions_of(db, account_id, after=last, most=AT_ONCE)
+            names = repository.submission_ids(db, account_id, after=last, most=AT_ONCE)
         for name in names:
             yield from _attempt(database, course, name)
         if len(names) < AT_ONCE:
@@ -147,7 +147,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
         ],
         "deals": [
             {"exercise": one.exercise, "seed": one.seed, "created_at": _time(one.created_at)}
-            for one in repository.deals_of(db, account_id)
+            for one in repository.variants_of(db, account_id)
         ],
         "lesson_answers": [
             {
@@ -162,7 +162,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
         ],
         "solutions_opened": [
             {"exercise": one.exercise, "opened_at": _time(one.opened_at)}
-            for one in repository.openings_by(db, account_id)
+            for one in repository.solution_openings_by(db, account_id)
         ],
         "solutions_opened_to_classes": [
             {"exercise": opening.exercise, "class": name, "opened_at": _time(opening.opened_at)}

@@ -11,14 +11,16 @@ from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.gradebook.models import ClassOpening, SolutionOpening
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.polls.models import PollAnswer
-from server.submissions.models import Deal, Submission
+from server.submissions.models import Submission, Variant
 
 
-def deals_of(db: Session, account_id: UUID) -> Sequence[Deal]:
-    return db.execute(select(Deal).where(Deal.account_id == account_id).order_by(Deal.exercise)).scalars().all()
+def variants_of(db: Session, account_id: UUID) -> Sequence[Variant]:
+    return (
+        db.execute(select(Variant).where(Variant.account_id == account_id).order_by(Variant.exercise)).scalars().all()
+    )
 
 
-def openings_by(db: Session, account_id: UUID) -> Sequence[SolutionOpening]:
+def solution_openings_by(db: Session, account_id: UUID) -> Sequence[SolutionOpening]:
     query = select(SolutionOpening).where(SolutionOpening.opened_by == account_id)
     return db.execute(query.order_by(SolutionOpening.exercise)).scalars().all()
 
@@ -30,7 +32,7 @@ def class_openings_by(db: Session, account_id: UUID) -> Sequence[tuple[ClassOpen
     return [(opening, name) for opening, name in db.execute(query)]
 
 
-def submissions_of(db: Session, account_id: UUID, *, after: UUID | None, most: int) -> Sequence[UUID]:
+def submission_ids(db: Session, account_id: UUID, *, after: UUID | None, most: int) -> Sequence[UUID]:
     """The names of some of an account's submissions, in the order of their names."""
     query = select(Submission.id).where(_sent_by(account_id))
     query = query if after is None else query.where(Submission.id > after)
@@ -47,7 +49,7 @@ def _sent_by(account_id: UUID) -> ColumnElement[bool]:
     return Submission.account_id == account_id
 
 
-def lost_guests(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+def unreachable_guest_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
     """Some of the guests from before that time whom no browser and no token leads to any more."""
     query = select(Account.id).where(
         Account.role == Role.guest,
@@ -80,13 +82,13 @@ def _idle_guest(before: datetime) -> ColumnElement[bool]:
     )
 
 
-def silent_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+def inactive_student_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
     """Some of the students of whom nothing was heard since, whatever they are in."""
     query = select(Account.id).where(Account.role == Role.student, _silent(before), ~_staff())
     return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
 
 
-def gone_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+def departed_student_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
     """Some of those whom a class's list has made an account, who had left every class by then, and were silent since.
 
     A class ends for a student when they leave it, or when it is archived.
@@ -107,7 +109,7 @@ def gone_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
     return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
 
 
-def names(db: Session, accounts: Sequence[UUID]) -> Sequence[Account]:
+def accounts_by_name(db: Session, accounts: Sequence[UUID]) -> Sequence[Account]:
     """These accounts, by their names."""
     query = select(Account).where(Account.id.in_(accounts)).order_by(Account.name, Account.id)
     return db.execute(query).scalars().all()

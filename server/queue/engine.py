@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 from server.base.settings import Settings
 
 if TYPE_CHECKING:
-    from server.queue.jetstream.engine import Engine
+    from server.queue.jetstream.engine import NatsEngine
 
 
-def engine_of(settings: Settings, lanes: Mapping[str, str], here: Callable[[str], None] | None = None) -> Engine | None:
+def create_nats_engine(
+    settings: Settings, lanes: Mapping[str, str], on_changed: Callable[[str], None] | None = None
+) -> NatsEngine | None:
     """The engine between machines; None where this one does all, which loads nothing of it."""
     if not settings.nats_url:
         return None
-    from server.queue.jetstream.engine import Engine
+    from server.queue.jetstream.engine import NatsEngine
 
-    return Engine(settings, lanes, here)
+    return NatsEngine(settings, lanes, on_changed)

@@ -1,4 +1,4 @@
-"""A job, from its putting to its end."""
+"""The table of waiting and leased jobs."""
 
 from datetime import datetime
 from typing import Any
@@ -11,12 +11,12 @@ from server.database.base import Base, UtcDateTime, utc_now
 
 
 class Job(Base):
-    """Work to be done once, outside of any request. `kind` says by whom, `key` on what; lower `priority` runs first.
+    """Work to do once, outside of any request: `kind` names its task, `key` its subject; lower `priority` runs first.
 
-    `sender`, `address` and `line` are `server.queue.port.Sender`'s; `turn` is the line's among those of its priority,
-    and `own_turn` the sender's within the line (`server.queue.turns`). `needs` and `refused_at` are of workers of
-    several versions (see `server.queue.port.Able`). While it is leased, only the lease's holder may end it. The row
-    goes with the job's end.
+    `sender`, `address` and `flow` come from `server.queue.interfaces.Sender`; `turn` orders flows of one priority and
+    `own_turn` the senders of one flow (`server.queue.fair_queueing`). `required_version` and `refused_at` serve workers
+    of several versions (`server.queue.interfaces.WorkerCapabilities`). Only the holder of its lease ends a leased job;
+    the row is deleted as the job ends.
     """
 
     __tablename__ = "job"
@@ -28,12 +28,12 @@ class Job(Base):
     priority: Mapped[int] = mapped_column(default=0)
     sender: Mapped[str] = mapped_column(String(300))
     address: Mapped[str] = mapped_column(String(300))
-    line: Mapped[str] = mapped_column(String(300))
+    flow: Mapped[str] = mapped_column("line", String(300))
     turn: Mapped[int] = mapped_column(BigInteger)
     own_turn: Mapped[int] = mapped_column(BigInteger)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
-    needs: Mapped[str | None] = mapped_column(String(300))
+    required_version: Mapped[str | None] = mapped_column("needs", String(300))
     refused_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     tries: Mapped[int] = mapped_column(default=0)

@@ -3,8 +3,8 @@
 import time
 
 
-class Polling:
-    owes = False
+class PollingSource:
+    buffers_wakeups = False
 
     def __init__(self, every: float = 0.1) -> None:
         self._every = every

@@ -27,9 +27,9 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, ask, change, table_of, utc_now
+from server.queue.fair_queueing import APART, Crowd, Turn
+from server.queue.interfaces import Lease, Sender, WorkerCapabilities
 from server.queue.models import Job
-from server.queue.port import Able, Lease, Sender
-from server.queue.turns import APART, Crowd, Turn
 
 #: The key of PostgreSQL's lock for putting.
 PUTTING = 0x7475726E
@@ -151,13 +151,13 @@ def begin_leasing(db: Session) -> datetime:
 
 
 def crowd(db: Session, sender: Sender) -> Crowd:
-    whose = {"rank": sender.rank, "line": sender.line, "sender": sender.name, "address": sender.address}
+    whose = {"rank": sender.rank, "line": sender.flow, "sender": sender.name, "address": sender.address}
     return Crowd(*ask(db, CROWD, whose).one())
 
 
 def push(db: Session, sender: Sender, own_turn: int) -> int:
     """Has what waits in this line after that own turn come one turn of the line later; returns the turn left free."""
-    moved: Sequence[int] = db.execute(PUSH, {"in_line": sender.line, "after": own_turn}).scalars().all()
+    moved: Sequence[int] = db.execute(PUSH, {"in_line": sender.flow, "after": own_turn}).scalars().all()
     return min(moved) - APART
 
 
@@ -167,14 +167,21 @@ def put(
     """The new job's name."""
     name = uuid4()
     what = {"id": name, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
-    whose = {"sender": sender.name, "address": sender.address, "line": sender.line}
+    whose = {"sender": sender.name, "address": sender.address, "line": sender.flow}
     when = {"turn": turn.line, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
     change(db, PUT, {**what, **whose, **when})
     return name
 
 
 def claim(
-    db: Session, kinds: Collection[str], *, owner: str, token: UUID, now: datetime, until: datetime, able: Able | None
+    db: Session,
+    kinds: Collection[str],
+    *,
+    owner: str,
+    token: UUID,
+    now: datetime,
+    until: datetime,
+    able: WorkerCapabilities | None,
 ) -> Lease | None:
     """Leases the next waiting job."""
     lease = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
@@ -184,21 +191,21 @@ def claim(
         row = ask(db, CLAIM_ABLE, {**lease, **_ability(able, now)}).one_or_none()
     if row is None:
         return None
-    return Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, followed=row.followed)
+    return Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, more_waiting=row.followed)
 
 
-def refuse(db: Session, kinds: Collection[str], able: Able) -> bool:
+def refuse(db: Session, kinds: Collection[str], able: WorkerCapabilities) -> bool:
     """Notes the first refusal of what waits for another worker; False where nothing does."""
     now = clock(db)
-    asked = {"kinds": list(kinds), "having": list(able.having)}
+    asked = {"kinds": list(kinds), "having": list(able.versions)}
     if not db.execute(NOT_HAD, asked).scalar_one():
         return False
     db.execute(REFUSE, {**asked, "now": now})
     return True
 
 
-def _ability(able: Able, now: datetime) -> dict[str, Any]:
-    return {"having": list(able.having), "before": now - timedelta(seconds=able.patience)}
+def _ability(able: WorkerCapabilities, now: datetime) -> dict[str, Any]:
+    return {"having": list(able.versions), "before": now - timedelta(seconds=able.refusal_timeout)}
 
 
 def extend(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:

@@ -16,9 +16,19 @@ from sqlalchemy.orm import Session
 from server.base import logs, traces
 from server.base.settings import Settings
 from server.database import Database, is_lock_timeout, is_unavailable, utc_now
-from server.queue.owner import Owner, owner_of
-from server.queue.port import REQUEST, Able, GiveUp, Lease, Queue, Tasks, Ticket, Tickets, WorkSource
-from server.queue.stopping import Stop, Stopping
+from server.queue.graceful_stop import GracefulStop, StopRequested
+from server.queue.interfaces import (
+    REQUEST_ID_KEY,
+    GiveUpHandler,
+    Lease,
+    Queue,
+    Tasks,
+    WorkerCapabilities,
+    WorkMessage,
+    WorkSource,
+    WorkSubscription,
+)
+from server.queue.lease_owner import LeaseOwner, process_owner
 
 log = logging.getLogger(__name__)
 
@@ -38,20 +48,22 @@ def _pauses() -> Iterator[float]:
         pause = min(2.0 * pause, LONGEST_PAUSE)
 
 
-class Heartbeat:
+class LeaseHeartbeat:
     """Extends the lease of what is being done, from a thread of its own.
 
     Work longer than `grading_seconds` is a fault of ours that nothing else would end: the job is given up, for it would
     take as long again, and the process ends itself.
     """
 
-    def __init__(self, database: Database, queue: Queue, settings: Settings, give_ups: Mapping[str, GiveUp]) -> None:
+    def __init__(
+        self, database: Database, queue: Queue, settings: Settings, give_ups: Mapping[str, GiveUpHandler]
+    ) -> None:
         self._database, self._queue, self._settings, self._give_ups = database, queue, settings, give_ups
         self._current: tuple[Lease, float, Callable[[], None]] | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
 
-    def __enter__(self) -> "Heartbeat":
+    def __enter__(self) -> "LeaseHeartbeat":
         self._thread.start()
         return self
 
@@ -59,11 +71,11 @@ class Heartbeat:
         self._stopping.set()
         self._thread.join()
 
-    def hold(self, lease: Lease, keep: Callable[[], None]) -> None:
+    def watch(self, lease: Lease, keep_alive: Callable[[], None]) -> None:
         """`keep` is called too, each time that the lease is extended."""
-        self._current = (lease, time.monotonic() + self._settings.grading_seconds, keep)
+        self._current = (lease, time.monotonic() + self._settings.grading_seconds, keep_alive)
 
-    def leave(self) -> None:
+    def unwatch(self) -> None:
         self._current = None
 
     def _run(self) -> None:
@@ -100,18 +112,18 @@ class Worker:
         queue: Queue,
         settings: Settings,
         tasks: Tasks,
-        owner: Owner | None = None,
+        owner: LeaseOwner | None = None,
         *,
-        able: Able | None = None,
-        stopping: Stopping | None = None,
+        capabilities: WorkerCapabilities | None = None,
+        graceful_stop: GracefulStop | None = None,
     ) -> None:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
-        self._able, self._stopping = able, stopping or Stopping()
+        self._able, self._stopping = capabilities, graceful_stop or GracefulStop()
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
-        self._owner = owner or owner_of(os.getpid())
-        self._heartbeat = Heartbeat(database, queue, settings, self._give_ups)
+        self._owner = owner or process_owner(os.getpid())
+        self._heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups)
 
-    def step(self) -> bool:
+    def run_one(self) -> bool:
         """Does one job; False when none waits."""
         return self._step(self._tasks.keys(), lambda: None) is not None
 
@@ -124,7 +136,7 @@ class Worker:
         keep()
         lease, work = begun
         if work is not None:
-            told = logs.request_context(str(lease.payload.get(REQUEST, "")))
+            told = logs.request_context(str(lease.payload.get(REQUEST_ID_KEY, "")))
             with told, traces.job_span(lease.payload, lease.kind, lease.tries, since):
                 self._do(lease, work, keep)
         return lease
@@ -153,23 +165,23 @@ class Worker:
             return None
 
     def _do(self, lease: Lease, work: Any, keep: Callable[[], None]) -> None:
-        self._heartbeat.hold(lease, keep)
+        self._heartbeat.watch(lease, keep)
         try:
-            with traces.span("run"), self._stopping.open():
+            with traces.span("run"), self._stopping.interruptible():
                 result = self._tasks[lease.kind].run(work)
             with traces.span("record"):
                 self._write(lambda db: self._record(db, lease, work, result), patiently=True)
             seconds = (utc_now() - lease.started_at).total_seconds()
             logs.log_event("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
-        except Stop:
+        except StopRequested:
             with self._database.write() as db:
-                self._queue.give_back(db, lease)
+                self._queue.requeue_untried(db, lease)
             raise
         except Exception:
             log.exception("job %s %s has failed, try %d", lease.kind, lease.key, lease.tries)
             self._write(lambda db: self._queue.fail(db, lease, self._give_ups), patiently=True)
         finally:
-            self._heartbeat.leave()
+            self._heartbeat.unwatch()
 
     def _record(self, db: Session, lease: Lease, work: Any, result: Any) -> None:
         if self._queue.finish(db, lease):
@@ -193,62 +205,62 @@ class Worker:
                     raise
                 what, rest = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
                 log.warning("the database %s, trying again in %g s", what, rest)
-            with self._stopping.open():
+            with self._stopping.interruptible():
                 time.sleep(rest)
         raise AssertionError("pauses have no end")
 
     def run(self, work: WorkSource) -> None:
         """Until `work` says that it is over, or Stop is raised."""
-        with self._heartbeat, self._stopping.held():
+        with self._heartbeat, self._stopping.deferred():
             going = True
             while going:
                 self._work_off(work)
-                with self._stopping.open():
+                with self._stopping.interruptible():
                     going = work.wait(self._settings.poll_seconds)
 
     def _work_off(self, work: WorkSource) -> None:
         """Until nothing waits. What came after a claim that nothing followed has been told to `work`, which owes it:
         the database need not be asked, as it would be after each job of somebody who sends alone."""
         while (lease := self._step(self._tasks.keys(), lambda: None)) is not None:
-            self._stopping.check()
-            if work.owes and not lease.followed:
+            self._stopping.raise_if_requested()
+            if work.buffers_wakeups and not lease.more_waiting:
                 return
 
-    def run_on(self, tickets: Tickets) -> None:
+    def run_on_messages(self, tickets: WorkSubscription) -> None:
         """Until Stop is raised. A database that does not answer is asked again later."""
-        with self._heartbeat, self._stopping.held():
+        with self._heartbeat, self._stopping.deferred():
             while True:
-                with self._stopping.open():
+                with self._stopping.interruptible():
                     tickets.wait(self._settings.poll_seconds)
-                ticket = tickets.take()
+                ticket = tickets.take_message()
                 if ticket is not None:
                     self._use_or_wait(ticket)
 
-    def _use_or_wait(self, ticket: Ticket) -> None:
+    def _use_or_wait(self, ticket: WorkMessage) -> None:
         try:
             self._use(ticket)
         except DBAPIError as error:
             if not is_unavailable(error) and not isinstance(error, OperationalError):
                 raise
             log.error("the database does not answer, trying again in %g s: %s", DATABASE_PAUSE, error.orig)
-            with self._stopping.open():
+            with self._stopping.interruptible():
                 time.sleep(DATABASE_PAUSE)
 
-    def _use(self, ticket: Ticket) -> None:
+    def _use(self, ticket: WorkMessage) -> None:
         """A ticket is over with its job, whatever comes of it: a job that waits again has a new one."""
         over = False
         try:
-            if ticket.again:
-                self._write(lambda db: self._queue.recover(db, self._owner, self._give_ups))
-            used = self._step(ticket.kinds, ticket.keep) is not None
+            if ticket.redelivered:
+                self._write(lambda db: self._queue.recover_lost(db, self._owner, self._give_ups))
+            used = self._step(ticket.kinds, ticket.in_progress) is not None
             over = used or not self._refuses(ticket.kinds)
             if over:
-                ticket.spend(used=used)
+                ticket.ack(job_done=used)
         finally:
             if not over:
-                ticket.give_back(later=not self._stopping.told.is_set())
+                ticket.nak(delayed=not self._stopping.requested.is_set())
 
     def _refuses(self, kinds: Collection[str]) -> bool:
         """Whether what waits is for other workers."""
         able = self._able
-        return able is not None and self._write(lambda db: self._queue.refuse(db, kinds, able))
+        return able is not None and self._write(lambda db: self._queue.mark_refused(db, kinds, able))

@@ -33,7 +33,7 @@ from server.database import utc_now
 from server.gradebook import repository as gradings
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
-from server.queue.port import Queue, Sender
+from server.queue.interfaces import Queue, Sender
 from server.regrades import repository
 from server.regrades.differences import FAILED, VerdictDifference, compare_verdicts
 from server.regrades.models import Regrade, RegradePolicy, RegradeScope
@@ -48,11 +48,11 @@ from server.regrades.schemas import (
     RegradeProgress,
     RegradeState,
 )
-from server.submissions.service import needs_of
+from server.submissions.service import version_requirement
 
 #: The kind of the job that grades the next attempt of a regrade; its key is the regrade's id.
 REGRADE_JOB = "regrade"
-#: After all that anybody waits for: see `server.submissions.senders`.
+#: After all that anybody waits for: see `server.submissions.queue_senders`.
 REGRADE_RANK = 9
 MAX_ATTEMPTS = 5000
 HISTORY = 50
@@ -88,7 +88,7 @@ class RegradeService:
         db.add(made)
         db.flush()
         repository.add_items(db, made.id, rows)
-        needs = needs_of(made.exercise, self.course.version_of(made.exercise))
+        needs = version_requirement(made.exercise, self.course.version_of(made.exercise))
         enqueue_next(db, self.queue, made.id, made.class_id, needs)
         return made
 
@@ -106,7 +106,9 @@ class RegradeService:
 def enqueue_next(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, needs: str | None) -> None:
     """Has the next attempt graded, in the class's turn, by a worker that `needs` fits (see `needs_of`)."""
     whose = f"class {class_id}"
-    queue.put(db, REGRADE_JOB, str(regrade_id), sender=Sender(whose, line=whose, rank=REGRADE_RANK), needs=needs)
+    queue.enqueue(
+        db, REGRADE_JOB, str(regrade_id), sender=Sender(whose, flow=whose, rank=REGRADE_RANK), required_version=needs
+    )
 
 
 def _made(db: Session, school_class: SchoolClass, by: UUID, wanted: RegradeInput) -> Regrade:

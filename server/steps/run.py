@@ -13,7 +13,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, same_value
-from server.grading.joint import SandboxPrograms
+from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import FaultKind, Kit, Policy, ProgramFault, Sandbox, TraceResult, Value
 from server.steps import calls, marks, replaying, trace_messages, values
 from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question

@@ -24,7 +24,7 @@ from server.steps import calls
 from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question
 from server.steps.replayable import can_replay
 from server.steps.schemas import NewCall, NewCell, NewReplay
-from server.submissions.service import UNKNOWN
+from server.submissions.service import UNKNOWN_SUBMISSION
 
 TOO_FAST = "Vous avez suivi beaucoup de programmes en peu de temps : le prochain est possible dans {seconds} s."
 NO_MODULE = "Ce module n’existe pas."
@@ -76,7 +76,7 @@ class Steps:
         """The case that a failed check of an attempt shows. Raises NotFound for an attempt that is not theirs to see,
         Invalid for what cannot be replayed, and for what a test holds back. NotNow as `sittings.require_no_help`."""
         if account is None:
-            raise NotFound(UNKNOWN)
+            raise NotFound(UNKNOWN_SUBMISSION)
 
         def asked(db: Session) -> Asked:
             attempt = gradebook.find_attempt(db, account, submission_id)

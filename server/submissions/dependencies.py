@@ -5,10 +5,10 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.app_services import app_service
-from server.submissions.collecting import Collecting
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 from server.submissions.service import Submissions
+from server.submissions.sitting_collector import SittingCollector
 
-EventsOf = Annotated[Events, Depends(app_service(Events))]
-CollectingOf = Annotated[Collecting, Depends(app_service(Collecting))]
+JobEventsOf = Annotated[JobEvents, Depends(app_service(JobEvents))]
+SittingCollectorOf = Annotated[SittingCollector, Depends(app_service(SittingCollector))]
 SubmissionsOf = Annotated[Submissions, Depends(app_service(Submissions))]

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 from server.database.base import Base, UtcDateTime, utc_now
 
 
-class State(StrEnum):
+class SubmissionState(StrEnum):
     queued = "queued"
     running = "running"
     done = "done"
@@ -62,7 +62,7 @@ Index(
 )
 
 
-class Deal(Base):
+class Variant(Base):
     """The seed of what one account was given in an exercise answered without code: it does not change."""
 
     __tablename__ = "deal"

@@ -9,10 +9,10 @@ from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_
 from sqlalchemy.orm import Session, defer
 
 from server.database import ask, change, loaded, prepared, table_of, upsert_statement, utc_now
-from server.submissions.models import Deal, Submission
+from server.submissions.models import Submission, Variant
 
 
-class Sent(NamedTuple):
+class GradingRow(NamedTuple):
     """What grading asks of a submission."""
 
     id: UUID
@@ -26,7 +26,9 @@ class Sent(NamedTuple):
 _submissions = table_of(Submission)
 ADD = insert(_submissions)
 #: On the way to a verdict: made once, and for no object.
-SENT = select(*(_submissions.c[name] for name in Sent._fields)).where(_submissions.c.id == bindparam("submission"))
+SENT = select(*(_submissions.c[name] for name in GradingRow._fields)).where(
+    _submissions.c.id == bindparam("submission")
+)
 
 
 @prepared
@@ -38,9 +40,9 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
     return db.execute(*_by_id(submission_id)).scalar_one_or_none()
 
 
-def sent(db: Session, submission_id: UUID) -> Sent | None:
+def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
     row = ask(db, SENT, {"submission": submission_id}).one_or_none()
-    return None if row is None else Sent(*row)
+    return None if row is None else GradingRow(*row)
 
 
 def add(db: Session, **values: Any) -> Submission:
@@ -98,33 +100,35 @@ def latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
     return db.execute(query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1)).scalar_one_or_none()
 
 
-def move(db: Session, old: UUID, new: UUID) -> None:
+def move_submissions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
 
 
 @prepared
 def _seed(account_id: UUID, exercise: str) -> Select[int]:
-    return select(Deal.seed).where(Deal.account_id == account_id, Deal.exercise == exercise)
+    return select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
 
 
 def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
     return ask(db, *_seed(account_id, exercise)).scalar_one_or_none()
 
 
-def dealt_seed(db: Session, account_id: UUID, exercise: str) -> int:
+def load_seed(db: Session, account_id: UUID, exercise: str) -> int:
     """The seed that is known to be kept."""
     found: int = ask(db, *_seed(account_id, exercise)).scalar_one()
     return found
 
 
-def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
+def insert_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
     """Keeps a seed, unless there is one already: of two requests at once, the first one's stays."""
     row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
-    db.execute(upsert_statement(db, Deal).on_conflict_do_nothing(), row)
+    db.execute(upsert_statement(db, Variant).on_conflict_do_nothing(), row)
 
 
-def move_deals(db: Session, old: UUID, new: UUID) -> None:
+def move_variants(db: Session, old: UUID, new: UUID) -> None:
     """Moves the deals of exercises for which `new` has none."""
-    already_dealt = select(Deal.exercise).where(Deal.account_id == new)
-    moved = update(Deal).where(Deal.account_id == old, Deal.exercise.not_in(already_dealt)).values(account_id=new)
+    already_dealt = select(Variant.exercise).where(Variant.account_id == new)
+    moved = (
+        update(Variant).where(Variant.account_id == old, Variant.exercise.not_in(already_dealt)).values(account_id=new)
+    )
     db.execute(moved.execution_options(synchronize_session=False))

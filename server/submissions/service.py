@@ -20,15 +20,15 @@ from server.course.models import SEED_BITS, Exercise
 from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
-from server.queue.port import HeapError, Most, Queue
+from server.queue.interfaces import BacklogLimits, Queue, QueueFullError
 from server.rights import service as rights
-from server.submissions import deals, repository
-from server.submissions.models import State, Submission
-from server.submissions.senders import sender_of
+from server.submissions import repository, variants
+from server.submissions.models import Submission, SubmissionState
+from server.submissions.queue_senders import queue_sender
 
 #: The kind of the job that grades a submission; its key is `key_of` the submission.
 GRADE = "grade"
-UNKNOWN = "Cette soumission n’existe pas."
+UNKNOWN_SUBMISSION = "Cette soumission n’existe pas."
 OTHER_SENDING = "Cette clé (Idempotency-Key) a déjà servi à un autre envoi : choisissez-en une nouvelle."
 TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
@@ -43,33 +43,33 @@ FULL = {
 }
 FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
 FULL_SECONDS = 10
-OUTDATED = (
+OUTDATED_NOTICE = (
     "En attente : cet exercice vient de changer, et votre envoi attend un correcteur de la même version. Il est gardé, "
     "et sera corrigé dans quelques minutes au plus tard."
 )
-UNATTENDED = (
+STALLED_NOTICE = (
     "En attente : plus rien n’est corrigé depuis un moment. Votre envoi est gardé, et sera corrigé dès que la "
     "correction reprendra. Si cela dure, prévenez votre enseignant."
 )
 
 
 @dataclass(frozen=True)
-class Place:
+class GradingProgress:
     """Where a submission is on its way; `position` is 1 for the next to be graded, None once it no longer waits.
 
     Newcomers may come before it, so that its position may go up. `unattended`: nobody grades at present. `outdated`:
     those who do have another version of the exercise.
     """
 
-    state: State
+    state: SubmissionState
     position: int | None = None
-    unattended: bool = False
+    stalled: bool = False
     outdated: bool = False
 
     @property
     def notice(self) -> str | None:
         """What to say of it besides its place."""
-        return OUTDATED if self.outdated else UNATTENDED if self.unattended else None
+        return OUTDATED_NOTICE if self.outdated else STALLED_NOTICE if self.stalled else None
 
 
 class Submissions:
@@ -79,14 +79,14 @@ class Submissions:
         self,
         settings: Settings,
         queue: Queue,
-        unattended: Callable[[], bool] = lambda: False,
+        is_stalled: Callable[[], bool] = lambda: False,
         version_of: Callable[[str], str] | None = None,
-        reused: Callable[[str], Sequence[Exercise]] = lambda _: (),
+        reused_exercises: Callable[[str], Sequence[Exercise]] = lambda _: (),
     ) -> None:
         """`version_of` the exercises, as they are shown here: a submission is for graders of the same. `reused`: the
         exercises whose functions the programs of one may import."""
-        self._settings, self._queue, self._unattended, self._version_of = settings, queue, unattended, version_of
-        self._reused = reused
+        self._settings, self._queue, self._is_stalled, self._version_of = settings, queue, is_stalled, version_of
+        self._reused = reused_exercises
 
     def submit(
         self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
@@ -95,7 +95,7 @@ class Submissions:
 
         Sent again under the same `key`, which is the account's own, it is the one that is there.
         """
-        return self._submit(db, account, address, exercise_id, self.source_of(code), key, answers=False)
+        return self._submit(db, account, address, exercise_id, self.encode_code(code), key, answers=False)
 
     def submit_answers(
         self,
@@ -108,7 +108,7 @@ class Submissions:
         key: str | None = None,
     ) -> Submission:
         """Stores answers given without code, to this account's deal, as canonical JSON. Otherwise as `submit` does."""
-        return self._submit(db, account, address, exercise_id, self.source_of_answers(answers), key, answers=True)
+        return self._submit(db, account, address, exercise_id, self.encode_answers(answers), key, answers=True)
 
     def submit_saved(
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
@@ -116,18 +116,18 @@ class Submissions:
         """Stores what a student had saved when their test ended, as if they had sent it then. No limit holds it up."""
         return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers)
 
-    def save(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
+    def save_work(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
         """Keeps what is written in a test, to be sent at its end; when. Raises NotNow or TooMany."""
         now = utc_now()
         sittings.save_work(db, account.id, exercise_id, source, now)
         limits.take_token(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
         return now
 
-    def source_of(self, code: str) -> bytes:
+    def encode_code(self, code: str) -> bytes:
         """The file as it is stored. Raises TooLarge or Invalid."""
         return encode_bounded(code, self._settings.code_bytes)
 
-    def source_of_answers(self, answers: Mapping[str, Any]) -> bytes:
+    def encode_answers(self, answers: Mapping[str, Any]) -> bytes:
         """Raises TooLarge or Invalid."""
         try:
             text = canonical(answers)
@@ -155,10 +155,10 @@ class Submissions:
         if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
             limits.give_back_token(db, bucket)  # another process was first: it held the bucket until it had committed
             return before
-        most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
+        most = BacklogLimits(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
             return self._store(db, account, address, exercise_id, source, now, name, answers=answers, most=most)
-        except HeapError as error:
+        except QueueFullError as error:
             raise RateLimited(_full(error, account, most), retry_after=FULL_SECONDS) from error
 
     def _store(
@@ -172,42 +172,44 @@ class Submissions:
         name: UUID,
         *,
         answers: bool,
-        most: Most | None = None,
+        most: BacklogLimits | None = None,
     ) -> Submission:
-        seed = deals.seed_of(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
-        values = {"source": source, "digest": digest(source.decode()), "seed": seed, "created_at": sent_at}
+        seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
+        values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
         submission = repository.add(db, id=name, account_id=account.id, exercise=exercise_id, **values)
-        sender = sender_of(account, address, member=classes.is_member(db, account.id, seen=True))
-        needs = None if self._version_of is None else needs_of(exercise_id, self._version_of(exercise_id))
-        self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most, needs=needs)
+        sender = queue_sender(account, address, member=classes.is_member(db, account.id, seen=True))
+        needs = None if self._version_of is None else version_requirement(exercise_id, self._version_of(exercise_id))
+        self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender, limits=most, required_version=needs)
         return submission
 
     def requeue(self, db: Session, submission: Submission, account: Account) -> bool:
         """Has it graded (again); False where a job does that already."""
-        if self._queue.position(db, GRADE, key_of(submission.id)) is not None:
+        if self._queue.position(db, GRADE, job_key(submission.id)) is not None:
             return False
-        sender = sender_of(account, "", member=classes.is_member(db, account.id))
-        self._queue.put(db, GRADE, key_of(submission.id), sender=sender)
+        sender = queue_sender(account, "", member=classes.is_member(db, account.id))
+        self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender)
         return True
 
-    def place(self, db: Session, submission: Submission) -> Place:
+    def progress(self, db: Session, submission: Submission) -> GradingProgress:
         if submission.grading_id is not None:
-            return Place(State.done)
-        return self.place_of_job(db, submission.id) or Place(State.queued, None, self._unattended())
+            return GradingProgress(SubmissionState.done)
+        return self.progress_while_waiting(db, submission.id) or GradingProgress(
+            SubmissionState.queued, None, self._is_stalled()
+        )
 
-    def place_of_job(self, db: Session, submission_id: UUID) -> Place | None:
+    def progress_while_waiting(self, db: Session, submission_id: UUID) -> GradingProgress | None:
         """By one question, of a submission that is known not to be graded yet; None where its job is there no more."""
-        found = self._queue.whereabouts(db, GRADE, key_of(submission_id))
+        found = self._queue.status(db, GRADE, job_key(submission_id))
         if found is None:
             return None
         if found.position == 0:
-            return Place(State.running)
-        return Place(State.queued, found.position, self._unattended(), found.refused)
+            return GradingProgress(SubmissionState.running)
+        return GradingProgress(SubmissionState.queued, found.position, self._is_stalled(), found.refused)
 
 
-def _full(error: HeapError, account: Account, most: Most) -> str:
-    hint = FULL_FOR_GUESTS if error.whose == "address" and account.is_guest else ""
-    return FULL[error.whose].format(each=most.each) + hint
+def _full(error: QueueFullError, account: Account, most: BacklogLimits) -> str:
+    hint = FULL_FOR_GUESTS if error.scope == "address" and account.is_guest else ""
+    return FULL[error.scope].format(each=most.per_sender) + hint
 
 
 def _name(account: Account, key: str | None) -> UUID:
@@ -223,27 +225,27 @@ def _sent_as(db: Session, account: Account, name: UUID, exercise_id: str, source
     return found
 
 
-def needs_of(exercise_id: str, version: str) -> str:
+def version_requirement(exercise_id: str, version: str) -> str:
     """What a worker must have to grade it: that exercise, in that version."""
     return f"{exercise_id}@{version}"
 
 
-def key_of(submission_id: UUID) -> str:
+def job_key(submission_id: UUID) -> str:
     """By which its job is known, and whoever waits for it."""
     return str(submission_id)
 
 
-def digest(code: str) -> str:
+def code_digest(code: str) -> str:
     """What identifies a changed attempt: blank lines, whole-line comments and trailing spaces do not count."""
     lines = (line.rstrip() for line in code.removeprefix("\ufeff").splitlines())
     code_lines = "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
     return hashlib.sha256(code_lines.encode("utf-8", errors="replace")).hexdigest()
 
 
-def parse_id(text: UUID | str) -> UUID:
+def parse_submission_id(text: UUID | str) -> UUID:
     """Raises NotFound."""
-    return parse_uuid(text, UNKNOWN)
+    return parse_uuid(text, UNKNOWN_SUBMISSION)
 
 
-def may_see(db: Session, account: Account | None, submission: Submission) -> bool:
+def may_view(db: Session, account: Account | None, submission: Submission) -> bool:
     return rights.may_read_work(db, account, submission.account_id, submission.exercise, submission.created_at)

@@ -26,10 +26,10 @@ from server.base.helpers import HelperError
 from server.base.settings import Settings
 from server.course import Course
 from server.figures.service import Figures
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
 from server.identity.models import Role
-from server.queue.port import Able
-from server.submissions.service import GRADE, OUTDATED, Submissions, needs_of
+from server.queue.interfaces import WorkerCapabilities
+from server.submissions.service import GRADE, OUTDATED_NOTICE, Submissions, version_requirement
 from tests.support.service import EXERCISE, Site
 
 BODY = {"exercise": EXERCISE, "code": "pass\n"}
@@ -82,7 +82,7 @@ def test_a_submission_from_sending_to_verdict(site: Site) -> None:
     assert second["position"] == 2
     assert first["url"] == f"/api/v1/submissions/{first['id']}"
     assert site.client.get(first["url"], headers=headers).json() == first
-    while site.worker.step():
+    while site.worker.run_one():
         pass
     done = site.client.get(second["url"], headers=headers).json()
     assert (done["status"], done["position"]) == ("done", None)
@@ -94,10 +94,10 @@ def test_waiting_gives_the_verdict_or_says_that_it_is_not_there(site: Site) -> N
     headers = site.token()
     late = site.client.post("/api/v1/submissions?wait=0.05", json=BODY, headers=headers)
     assert (late.status_code, late.json()["status"]) == (202, "queued")
-    site.worker.step()
+    site.worker.run_one()
 
     def grade_later() -> None:
-        while not site.worker.step():
+        while not site.worker.run_one():
             time.sleep(0.01)
 
     thread = threading.Thread(target=grade_later)
@@ -134,7 +134,7 @@ def test_no_verdict_is_read_or_written_on_the_loop(site: Site, monkeypatch: pyte
     """Whoever else is served waits for what is done there."""
     heavy = "m" * 200_000
 
-    def grade(sent: SentFile) -> Judgement:
+    def grade(sent: GradingInput) -> Judgement:
         check = CheckResult("a", "Une", False, 0, 20, heavy)
         return Judgement(Verdict(EXERCISE, "v1", Outcome.WRONG_ANSWER, sent.seed, [check]))
 
@@ -156,7 +156,7 @@ def test_no_verdict_is_read_or_written_on_the_loop(site: Site, monkeypatch: pyte
     spy(json, "dumps")
     spy(json, "loads")
     with site.client.stream("GET", f"{sent['url']}/events", headers=headers) as answer:
-        site.worker_with(grade).step()
+        site.worker_with(grade).run_one()
         told = "".join(answer.iter_text())
     assert heavy in told
     assert heavy in site.client.get(sent["url"], headers=headers).text
@@ -179,7 +179,7 @@ def test_events_tell_each_change_and_end(site: Site) -> None:
 
     def grade() -> None:
         for _ in range(2):
-            site.worker.step()
+            site.worker.run_one()
 
     with site.client.stream("GET", f"{sent['url']}/events", headers=headers) as answer:
         assert answer.headers["content-type"].startswith("text/event-stream")
@@ -301,7 +301,7 @@ def test_a_heap_that_waits_says_when_to_come_back_and_costs_nothing(site: Site) 
     assert "Vos 2 dernières propositions attendent" in problem(answer, 429)["detail"]
     assert int(answer.headers["retry-after"]) >= 1
     site.submit(site.token())
-    assert site.worker.step()
+    assert site.worker.run_one()
     site.submit(headers)
     site.tighten(waiting_from_address=1)
     answer = site.client.post("/api/v1/submissions", json=BODY, headers=site.token())
@@ -313,11 +313,11 @@ def test_what_nobody_takes_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) 
     headers = site.token()
     sent = site.submit(headers)
     assert sent["notice"] is None
-    monkeypatch.setattr(get_service(site.app, Submissions), "_unattended", lambda: True)
+    monkeypatch.setattr(get_service(site.app, Submissions), "_is_stalled", lambda: True)
     told = site.client.get(sent["url"], headers=headers).json()
     assert told["notice"].startswith("En attente : plus rien n’est corrigé")
     assert told["position"] == 1
-    assert site.worker.step()
+    assert site.worker.run_one()
     assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
 
 
@@ -327,10 +327,12 @@ def test_what_waits_for_a_worker_of_its_version_is_told(site: Site) -> None:
     with site.database.write() as db:
         version = get_service(site.app, Course).version_of(EXERCISE)
         queue = get_service(site.app, Submissions)._queue
-        assert not queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, version)], 60.0)), "as the page has it"
-        assert queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, "another")], 60.0))
-    assert site.client.get(sent["url"], headers=headers).json()["notice"] == OUTDATED
-    assert site.worker.step(), "one machine has one version"
+        assert not queue.mark_refused(
+            db, [GRADE], WorkerCapabilities([version_requirement(EXERCISE, version)], 60.0)
+        ), "as the page has it"
+        assert queue.mark_refused(db, [GRADE], WorkerCapabilities([version_requirement(EXERCISE, "another")], 60.0))
+    assert site.client.get(sent["url"], headers=headers).json()["notice"] == OUTDATED_NOTICE
+    assert site.worker.run_one(), "one machine has one version"
     assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
 
 
@@ -354,7 +356,7 @@ def test_figures_are_drawn_once_when_they_are_looked_at(site: Site) -> None:
     headers = site.token()
     sent = site.submit(headers)
     problem(site.client.get(f"{sent['url']}/figures/b.svg", headers=headers), 404)
-    site.worker.step()
+    site.worker.run_one()
     assert drawer.asked == []
     for _ in range(2):
         answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
@@ -375,7 +377,7 @@ def test_a_figure_that_is_remembered_is_shown_to_nobody_else(site: Site) -> None
     draws(site.app, drawer)
     mine, another, teacher = site.token(), site.token(), site.token(Role.administrator)
     sent = site.submit(mine)
-    site.worker.step()
+    site.worker.run_one()
     path = f"{sent['url']}/figures/b.svg"
     assert site.client.get(path, headers=mine).status_code == 200
     problem(site.client.get(path, headers=another), 404)
@@ -390,7 +392,7 @@ def test_nobody_holds_a_connection_to_the_database_while_a_figure_is_drawn(site:
     draws(site.app, Drawer(before=lambda: held.append(site.database.engine.pool.checkedout())))  # type: ignore[attr-defined]
     headers = site.token()
     sent = site.submit(headers)
-    site.worker.step()
+    site.worker.run_one()
     assert site.client.get(f"{sent['url']}/figures/b.svg", headers=headers).status_code == 200
     assert held == [0]
 
@@ -403,7 +405,7 @@ def test_a_figure_that_cannot_be_drawn_is_a_problem_each_time(site: Site) -> Non
     draws(site.app, drawer)
     headers = site.token()
     sent = site.submit(headers)
-    site.worker.step()
+    site.worker.run_one()
     for _ in range(2):
         answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
         assert "dessinée" in problem(answer, 500)["detail"]

@@ -24,7 +24,7 @@ def people(site: Site) -> tuple[Person, Person]:
 
 def send(site: Site, by: Person, code: str = CODE) -> str:
     sent = site.submit(by.headers, code)
-    assert site.worker.step()
+    assert site.worker.run_one()
     return f"/api/v1/submissions/{sent['id']}/comments"
 
 

@@ -12,7 +12,7 @@ from server.assignments.stages import AssignmentStage
 from server.classes import repository as classes
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from tests.support.classes import new_class, seat
 from tests.support.quick import the_course
 from tests.support.service import new_account
@@ -38,7 +38,7 @@ def test_a_guest_s_exemption_follows_them_and_opens_earlier_for_them_alone(datab
             one.stage for one in student_assignments.load_assignments_for_student(db, made.id, bob.id, (), now)
         ] == [AssignmentStage.upcoming]
     with database.write() as db:
-        adopt(db, guest.id, ada.id)
+        adopt_guest_data(db, guest.id, ada.id)
         db.delete(db.get_one(Account, guest.id))
     with database.read() as db:
         (found,) = student_assignments.load_open_assignments(db, ada.id, now)

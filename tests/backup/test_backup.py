@@ -59,7 +59,7 @@ def busy(database: Database, settings: Settings, writers: int = 3) -> Iterator[d
         worker = worker_of(database, settings)
         started.wait()
         while not over.is_set():
-            worker.step()
+            worker.run_one()
 
     accounts = [new_account(database, name=f"{AWKWARD} {number}"[:90]) for number in range(writers)]
     threads = [threading.Thread(target=send, args=(account,)) for account in accounts] + [
@@ -145,7 +145,7 @@ def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both:
     assert {name for name, saved in first.tables.items() if saved.rows} == {"account", "alembic_version"}
     assert first.tables.keys() == OURS | {"alembic_version"}
     if both.url.startswith("sqlite"):
-        assert service.check(both, tmp_path / "1.zip") == first
+        assert service.verify(both, tmp_path / "1.zip") == first
     with database.write() as db:
         db.execute(text("UPDATE account SET name = 'Eve'"))
     changed = service.back_up(both, tmp_path / "2.zip", OURS)
@@ -191,7 +191,7 @@ def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tm
             service.restore(both, path, OURS, replace=True, now=utc_now())
     newer = altered(file, tmp_path / "newer.zip", MANIFEST, _from_the_future)
     with pytest.raises(BackupError, match="plus récente"):
-        service.check(both, newer)
+        service.verify(both, newer)
     with pytest.raises(BackupError, match="--replace"):
         service.restore(both, file, OURS, replace=False, now=utc_now())
     with database.read() as db:
@@ -206,7 +206,7 @@ def test_a_backup_of_another_engine_is_refused(sqlite: Database, settings: Setti
     service.back_up(settings, tmp_path / "save.zip", OURS)
     elsewhere = settings.model_copy(update={"database_url": "postgresql://localhost/nulle-part"})
     with pytest.raises(BackupError, match="sqlite"):
-        service.check(elsewhere, tmp_path / "save.zip")
+        service.verify(elsewhere, tmp_path / "save.zip")
 
 
 def test_the_commands_save_and_restore_beside_what_was_there(

@@ -23,7 +23,7 @@ from server.base.settings import Settings
 from server.board.live import LiveBoards
 from server.database import Database
 from server.figures.service import Figures
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
 from server.identity.models import Role
 from tests.contract.rights.test_routes import FORMS, Drawer, Stage, expected
 from tests.support.classes import assign, new_class, person, seat
@@ -153,7 +153,7 @@ def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, peop
     assert client.attributes >= {"href", "src", "action", "data-action", "data-hands", "data-answers", "data-stream"}
 
 
-def wrong(sent: SentFile) -> Judgement:
+def wrong(sent: GradingInput) -> Judgement:
     check = CheckResult("a", "Première", False, 0, 20, "On attend 4.", figure="a")
     return Judgement(Verdict(EXERCISE, "v1", Outcome.WRONG_ANSWER, sent.seed, [check]), {"a": {"kind": "fake"}})
 
@@ -169,7 +169,7 @@ def test_nor_does_what_is_looked_at_while_something_goes_on(site: Site) -> None:
     sent = student.post(f"{page}/soumissions", data={"code": "x = 1"}, headers=asks_json).json()
     student.get(sent["page"])
     student.get(page)
-    assert site.worker_with(wrong).step()
+    assert site.worker_with(wrong).run_one()
     for one in (sent["page"], sent["verdict"], sent["events"], page):
         assert student.get(one).status_code == 200, one
     assert student.post(f"/classes/{made.id}/devoirs/{sitting.id}/commencer").status_code == 303

@@ -44,7 +44,7 @@ def test_a_submission_is_one_trace_from_its_request_to_its_verdict(site: Site, t
     headers = site.token()
     told.clear()
     stored = site.submit(headers, SECRET)
-    assert site.worker.step()
+    assert site.worker.run_one()
     site.client.get(f"{stored['url']}/events", headers=headers)
     spans = told.get_finished_spans()
     root = next(span for span in spans if span.name == "POST /api/v1/submissions")

@@ -19,13 +19,13 @@ from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweepe
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import ClassRole, SchoolClass, Status
 from server.database import Database, utc_now
-from server.grading.joint import SandboxPrograms
+from server.grading.sandbox_grader import SandboxPrograms
 from server.identity.models import Account, Role
 from server.queue.models import Job
 from server.queue.service import MAX_TRIES
 from server.sandbox import Policy, Sandbox
 from server.submissions.models import Submission
-from server.submissions.senders import GUEST_RANK
+from server.submissions.queue_senders import GUEST_RANK
 from server.submissions.service import GRADE, Submissions
 from tests.support.behaviour import (
     DIFFERENCE,
@@ -118,10 +118,10 @@ def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
     sweeper.look()
     seat(database, made, late)  # and what was sent before belongs to the class
     sweeper.look()
-    assert not asking_worker(database, both).step()
+    assert not asking_worker(database, both).run_one()
     now[0] += timedelta(minutes=31)
     sweeper.look()
-    assert asking_worker(database, both).step()
+    assert asking_worker(database, both).run_one()
 
 
 def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
@@ -136,7 +136,7 @@ def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
     sent(database, ada, SUM)
     FingerprintSweeper(database, QUIET, the_course()).look()
     worker = asking_worker(database, both, start=forgetting)
-    assert [worker.step(), worker.step()] == [True, False]
+    assert [worker.run_one(), worker.run_one()] == [True, False]
     assert fingerprints(database) == 0
 
 
@@ -151,7 +151,7 @@ def test_an_exercise_that_changed_meanwhile_is_not_asked_with_other_questions(
     others = tuple(changed if one.id == EXERCISE else one for one in module.exercises)
     newer = replace(course, modules={**course.modules, "l20": replace(module, exercises=others)})
     worker = asking_worker(database, both, newer)
-    assert [worker.step(), worker.step()] == [True, False]
+    assert [worker.run_one(), worker.run_one()] == [True, False]
     assert fingerprints(database) == 0
 
 

@@ -24,9 +24,9 @@ from sqlalchemy.orm import Session
 from server.base.settings import Settings
 from server.database import Database, run_after_commit
 from server.database.migrate import upgrade
-from server.queue.jetstream.engine import Engine
-from server.queue.polling import Polling
-from server.queue.port import INTERACTIVE, Able, Lease, NoSignals, Sender
+from server.queue.interfaces import INTERACTIVE, Lease, NullNotifier, Sender, WorkerCapabilities
+from server.queue.jetstream.engine import NatsEngine
+from server.queue.polling import PollingSource
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from tests.benchmarks.measure import figure, median, p95, table
@@ -59,14 +59,16 @@ def work(settings: Settings) -> None:
     database = Database(settings.url)
     if not settings.nats_url:
         print("ready", flush=True)
-        Worker(database, TableQueue(NoSignals()), settings, tasks).run(Polling())
+        Worker(database, TableQueue(NullNotifier()), settings, tasks).run(PollingSource())
         return
-    engine = Engine(settings, LANES)
+    engine = NatsEngine(settings, LANES)
     with engine.connection:
         engine.connection.wait_ready(20)
         print("ready", flush=True)
-        worker = Worker(database, TableQueue(engine.signals), settings, tasks, able=Able([], 60.0))
-        worker.run_on(engine.tickets())
+        worker = Worker(
+            database, TableQueue(engine.notifier), settings, tasks, capabilities=WorkerCapabilities([], 60.0)
+        )
+        worker.run_on_messages(engine.subscribe())
 
 
 @contextmanager
@@ -94,8 +96,8 @@ def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[floa
         settings.nats_url,
     ]
     started = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(workers)]
-    engine = Engine(settings, LANES) if settings.nats_url else None
-    queue = TableQueue(engine.signals if engine else NoSignals())
+    engine = NatsEngine(settings, LANES) if settings.nats_url else None
+    queue = TableQueue(engine.notifier if engine else NullNotifier())
     database, committed = Database(settings.url), dict[str, float]()
     try:
         for one in started:
@@ -107,7 +109,7 @@ def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[floa
         time.sleep(0.5)
         for number in range(jobs):
             with database.write() as db:
-                queue.put(db, KIND, str(number), sender=Sender(f"s{number % 7}", line=f"s{number % 7}"))
+                queue.enqueue(db, KIND, str(number), sender=Sender(f"s{number % 7}", flow=f"s{number % 7}"))
                 run_after_commit(db, lambda key=str(number): committed.update({key: time.monotonic()}))  # type: ignore[misc]
             if (number + 1) % burst == 0:
                 time.sleep(PAUSE * burst)
@@ -136,7 +138,7 @@ def begun(database: Database, started: list[subprocess.Popen[str]]) -> Iterator[
 
 
 def calibration(settings: Settings) -> Iterator[tuple[str, list[float]]]:
-    database, engine = Database(settings.url), Engine(settings, LANES)
+    database, engine = Database(settings.url), NatsEngine(settings, LANES)
     with database.write() as db:
         db.execute(text("CREATE TABLE IF NOT EXISTS bench (n int)"))
 
@@ -152,11 +154,14 @@ def calibration(settings: Settings) -> Iterator[tuple[str, list[float]]]:
         connection.wait_ready(20)
         yield "a question to PostgreSQL", timed(question)
         yield "a commit", timed(commit)
-        yield "a round trip to NATS, from another thread", timed(lambda: connection.ask(connection.client.flush, 5))
-        publish = connection.context.publish
-        subject = connection.layout.desks[0].subject
-        yield "a publication, acknowledged", timed(lambda: connection.ask(lambda: publish(subject, b""), 5))
-        connection.ask(lambda: connection.context.purge_stream("work"), 5)
+        yield (
+            "a round trip to NATS, from another thread",
+            timed(lambda: connection.run_blocking(connection.client.flush, 5)),
+        )
+        publish = connection.jetstream.publish
+        subject = connection.layout.consumers[0].subject
+        yield "a publication, acknowledged", timed(lambda: connection.run_blocking(lambda: publish(subject, b""), 5))
+        connection.run_blocking(lambda: connection.jetstream.purge_stream("work"), 5)
     database.close()
 
 

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 from graders.core.code.grading import CodeGrader
 from server.course import load
 from server.course.models import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from server.sandbox.process import Child
 from server.sandbox.session import Session
@@ -91,7 +91,7 @@ class Watch:
 
 
 def contenders(course: Course, sandbox: Sandbox, exercises: Sequence[str]) -> list[Counted]:
-    grader = Grader(course, sandbox)
+    grader = SandboxGrader(course, sandbox)
 
     def limit(seed: int) -> None:
         with sandbox.open(EMPTY) as session:

@@ -19,13 +19,13 @@ from sqlalchemy import delete
 from server.base.settings import Settings
 from server.database import Database
 from server.database.migrate import upgrade
+from server.queue.interfaces import Lease, NullNotifier, Sender
+from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.owner import owner_of
-from server.queue.port import Lease, NoSignals, Sender
 from server.queue.service import TableQueue
 
 KIND, ROUNDS = "bench", 200
-QUEUE, HERE = TableQueue(NoSignals()), owner_of(os.getpid())
+QUEUE, HERE = TableQueue(NullNotifier()), process_owner(os.getpid())
 
 
 def median(action: Callable[[int], object]) -> float:
@@ -40,19 +40,19 @@ def median(action: Callable[[int], object]) -> float:
 
 def sender(number: int, of: str) -> Sender:
     """Guests, ten of each address."""
-    return Sender(f"{of}{number % 300}", f"{of}{number % 30}", line=f"{of}{number % 30}", rank=1)
+    return Sender(f"{of}{number % 300}", f"{of}{number % 30}", flow=f"{of}{number % 30}", rank=1)
 
 
 def measure(database: Database, waiting: int) -> dict[str, float]:
     with database.write() as db:
         db.execute(delete(Job))
         for number in range(waiting):
-            QUEUE.put(db, KIND, f"waiting {number}", {}, sender(number, "a"))
+            QUEUE.enqueue(db, KIND, f"waiting {number}", {}, sender(number, "a"))
     leases: list[Lease | None] = []
 
     def put(number: int) -> None:
         with database.write() as db:
-            QUEUE.put(db, KIND, str(number), {}, sender(number, "b"))
+            QUEUE.enqueue(db, KIND, str(number), {}, sender(number, "b"))
 
     def place(number: int) -> None:
         with database.read() as db:

@@ -12,7 +12,7 @@ from multiprocessing.synchronize import Barrier
 import numpy as np
 
 from server.course import load
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy, Sandbox
 from tests.benchmarks.programs import PROGRAMS
 
@@ -37,7 +37,7 @@ def gradings(stack: ExitStack, threads: int) -> Task:
     """A right answer to a small exercise, with its checks: one session, some dozens of calls, comparisons."""
     course = load(render=False)
     sandbox = stack.enter_context(Sandbox(course.kits, spares=threads))
-    grader = Grader(course, sandbox)
+    grader = SandboxGrader(course, sandbox)
     source = course.exercises[EXERCISE].solution.encode()
 
     def grade() -> None:

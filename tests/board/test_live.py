@@ -18,7 +18,7 @@ from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 from tests.support.classes import new_class, seat
 from tests.support.crowd import Sent, seated, store
 from tests.support.quick import in_a_loop
@@ -35,7 +35,7 @@ class Watched:
         self.teacher = new_account(database, Role.teacher)
         self.made = new_class(database, self.teacher)
         (self.student,) = seated(database, self.made, 1)
-        self.events = Events()
+        self.events = JobEvents()
         self.boards = LiveBoards(database, course, self.events)
         self.readings = 0
 
@@ -52,7 +52,7 @@ class Watched:
 
     def grade(self, score: float = 0.5) -> None:
         store(self.database, [Sent(self.student, EXERCISE, utc_now(), score)])
-        self.events.changed(str(uuid4()))
+        self.events.job_changed(str(uuid4()))
 
 
 @pytest.fixture
@@ -91,7 +91,7 @@ def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
         async with aclosing(watched.follow()) as first, aclosing(watched.follow()) as second:  # type: ignore[type-var]
             assert (await news(first)).counts.started == (await news(second)).counts.started == 0
             await asyncio.to_thread(store, watched.database, [Sent(watched.student, EXERCISE, utc_now(), 0.5)])
-            watched.events.changed("a submission")
+            watched.events.job_changed("a submission")
             told = await asyncio.gather(news(first), news(second))
             assert [one.counts.started for one in told] == [1, 1]
             assert told[0] is told[1]
@@ -112,7 +112,7 @@ def test_who_may_see_it_no_more_is_told_nothing_more(watched: Watched) -> None:
                 seat, watched.database, watched.made, helper, ClassRole.assistant, status=Status.left, left_at=utc_now()
             )
             await asyncio.to_thread(store, watched.database, [Sent(watched.student, EXERCISE, utc_now(), 1.0)])
-            watched.events.changed("a submission")
+            watched.events.job_changed("a submission")
             assert await ended(stream)
 
     in_a_loop(scene())
@@ -130,7 +130,7 @@ def test_streams_end_with_their_time_their_class_and_the_server(watched: Watched
         async with aclosing(watched.follow()) as stream:  # type: ignore[type-var]
             await news(stream)
             end()
-            watched.events.changed("whatever")
+            watched.events.job_changed("whatever")
             assert await ended(stream)
 
     def erase() -> None:

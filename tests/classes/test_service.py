@@ -18,7 +18,7 @@ from server.classes.schemas import GuestName
 from server.classes.service import ClassService
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from server.rights import service as rights
 from tests.support.classes import new_class, seat
 from tests.support.service import ADDRESS, EXERCISE, new_account
@@ -70,7 +70,7 @@ def test_a_guest_joins_with_the_work_in_progress(sqlite: Database, classes: Clas
     ada = new_account(sqlite, Role.student, "Ada L.")
     with sqlite.write() as db:
         assert db.get_one(Account, guest.id).name == "Ada Lovelace"
-        adopt(db, guest.id, ada.id)
+        adopt_guest_data(db, guest.id, ada.id)
     with sqlite.read() as db:
         (member,) = [one for one in repository.load_members(db, made.id) if one.role is ClassRole.student]
     assert (member.id, member.name) == (ada.id, "Ada Lovelace")
@@ -83,7 +83,7 @@ def test_a_guest_who_is_in_the_class_twice_is_in_it_once(
     classes.join_class(str(made.join_code), guest, address=ADDRESS, named=GuestName("Ada", "L"))
     seat(sqlite, made, ada, status=Status.left)
     with sqlite.write() as db:
-        adopt(db, guest.id, ada.id)
+        adopt_guest_data(db, guest.id, ada.id)
     assert status(sqlite, made, ada) == Status.active
     assert len(names(sqlite, made)) == 1
 

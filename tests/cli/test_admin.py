@@ -155,7 +155,7 @@ def test_guests_without_work_go_and_the_others_stay(site: Site, admin: Admin) ->
 def test_what_nothing_grades_is_queued_again(site: Site, admin: Admin) -> None:
     headers = site.token()
     lost, failed, graded = (site.submit(headers, code)["id"] for code in ("pass", "outcome: internal_error", "x = 1"))
-    while site.worker.step():
+    while site.worker.run_one():
         pass
     with site.database.write() as db:
         db.execute(update(Submission).where(Submission.id == UUID(lost)).values(grading_id=None))
@@ -165,7 +165,7 @@ def test_what_nothing_grades_is_queued_again(site: Site, admin: Admin) -> None:
     assert admin("requeue", "--failed")["requeued"] == [failed]
     assert "a son verdict" in admin("requeue", graded)["refused"]
     assert "n’existe pas" in admin("requeue", "zut")["refused"]
-    while site.worker.step():
+    while site.worker.run_one():
         pass
     assert outcomes(site.database, lost) == [Outcome.OK, Outcome.OK]
     assert outcomes(site.database, failed) == [Outcome.INTERNAL_ERROR] * 2

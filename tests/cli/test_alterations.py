@@ -18,7 +18,7 @@ from graders.l20 import world
 from server.cli import CannotRun, alterations, main
 from server.cli.alterations import Fate
 from server.course import Course, Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy, Sandbox, WallReport, WallStatus
 
 SOLUTION = "def decale(x):\n    if x < 0:\n        return -x\n    return x + 2\n"
@@ -150,7 +150,7 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
     looping = "def decale(x):\n    while x < 0:\n        return -x\n    return x + 2\n"
     endless = looping.replace("return -x", "x += 0")
     one = exercise(course, tmp_path, check(10, 1.0), check(10, -1.0), solution=looping)
-    grader = Grader(course, course_sandbox)
+    grader = SandboxGrader(course, course_sandbox)
     subject = alterations.measured(grader, alterations.subject_of(one))
     assert subject.policy.cpu_seconds < one.policy.cpu_seconds
     assert subject.first_failed(grader, looping, 1) is None

@@ -21,7 +21,7 @@ from graders.core.contract.verdict import CheckResult, Verdict
 from server.cli import check, main, report
 from server.cli.files import read_text
 from server.course import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox, WallReport, WallStatus
 from tests.support.live import balise, environment
 from tests.support.service import EXERCISE, fake_verdict
@@ -171,7 +171,7 @@ def test_numbers_are_french(value: float, text: str) -> None:
 class Shifted:
     """A grader that grades something else than what it is given: what `check` must notice."""
 
-    def __init__(self, grader: Grader, source: str) -> None:
+    def __init__(self, grader: SandboxGrader, source: str) -> None:
         self.grader, self.source = grader, source.encode()
 
     def grade(self, exercise: str, source: bytes, seed: int, **options: Any) -> Any:
@@ -185,7 +185,7 @@ def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
     exercise = course.exercises[EXERCISE]
     known = [case.subject for case in check.cases(exercise)]
     assert len(known) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
-    grader = Grader(course, course_sandbox)
+    grader = SandboxGrader(course, course_sandbox)
     good, all_right, all_wrong = (
         {case.subject: check.examine(tried, exercise, case, 2026).fault for case in islice(check.cases(exercise), 3)}  # type: ignore[arg-type]
         for tried in (grader, Shifted(grader, exercise.solution), Shifted(grader, "x = 1\n"))
@@ -338,6 +338,6 @@ def test_an_exchange_that_is_cut_off_is_made_again_under_the_same_name(
 def test_what_is_printed_has_the_bound_of_what_is_recorded(right: Path, monkeypatch: Any, capsys: Any) -> None:
     check = CheckResult("a", "Une", False, 0, 20.0, "m" * 900_000)
     heavy = Judgement(Verdict(EXERCISE, "v1", Outcome.WRONG_ANSWER, 1, [check]))
-    monkeypatch.setattr("server.grading.joint.Grader.grade", lambda *_, **__: heavy)
+    monkeypatch.setattr("server.grading.sandbox_grader.SandboxGrader.grade", lambda *_, **__: heavy)
     assert main(["grade", EXERCISE, str(right), "--json"]) == 1
     assert len(capsys.readouterr().out) <= VERDICT_BYTES

@@ -9,7 +9,7 @@ import pytest
 
 from server.cli import fairness, main
 from server.course import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox, WallReport, WallStatus
 
 RIGHT = """# juste
@@ -36,16 +36,16 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def graders(course: Course, course_sandbox: Sandbox) -> Grader:
-    return Grader(course, course_sandbox)
+def graders(course: Course, course_sandbox: Sandbox) -> SandboxGrader:
+    return SandboxGrader(course, course_sandbox)
 
 
-def run(course: Course, grader: Grader, folder: Path, capsys: Any) -> tuple[int, list[str]]:
+def run(course: Course, grader: SandboxGrader, folder: Path, capsys: Any) -> tuple[int, list[str]]:
     status = fairness.run(course, grader, folder, 2)
     return status, capsys.readouterr().out.splitlines()
 
 
-def test_programs_are_counted_and_listed(course: Course, graders: Grader, folder: Path, capsys: Any) -> None:
+def test_programs_are_counted_and_listed(course: Course, graders: SandboxGrader, folder: Path, capsys: Any) -> None:
     status, lines = run(course, graders, folder, capsys)
     assert (status, lines[-1]) == (0, "refused=0/1 accepted=0/1 named=1/1 varying=0/2")
     assert "✓ poses right/complexes.py : accepté, 20 points — juste" in lines
@@ -53,7 +53,7 @@ def test_programs_are_counted_and_listed(course: Course, graders: Grader, folder
 
 
 def test_a_readers_judgement_is_counted_where_there_is_one(
-    course: Course, graders: Grader, folder: Path, capsys: Any
+    course: Course, graders: SandboxGrader, folder: Path, capsys: Any
 ) -> None:
     first, rest = WRONG.split("\n", 1)
     for names, misnamed, named in (("rotation_a_l_envers, autre", 0, 1), ("aucun", 1, 0)):
@@ -62,7 +62,7 @@ def test_a_readers_judgement_is_counted_where_there_is_one(
         assert lines[-2:] == [f"misnamed={misnamed}/1", f"refused=0/1 accepted=0/1 named={named}/1 varying=0/2"]
 
 
-def test_what_is_unfair_fails(course: Course, graders: Grader, folder: Path, capsys: Any) -> None:
+def test_what_is_unfair_fails(course: Course, graders: SandboxGrader, folder: Path, capsys: Any) -> None:
     (folder / "poses/right/faux.py").write_text(WRONG)
     (folder / "poses/wrong/juste.py").write_text(RIGHT)
     (folder / "poses/wrong/hasard.py").write_text(

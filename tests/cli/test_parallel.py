@@ -13,7 +13,7 @@ import pytest
 from server.cli import CannotRun, parallel
 from server.cli.progress import Progress
 from server.course import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 
 NONE = Course({}, ())
 
@@ -23,7 +23,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def squared(grader: Grader, number: int) -> tuple[int, int]:
+def squared(grader: SandboxGrader, number: int) -> tuple[int, int]:
     time.sleep(0.02 if number == 0 else 0.0)
     if number == 99:
         raise ValueError("un défaut de chez nous")
@@ -45,7 +45,7 @@ def test_jobs_need_not_travel() -> None:
     assert list(parallel.in_order(NONE, lambda _, job: job(), jobs, "Essai")) == [1, 2, 3]
 
 
-def placed(grader: Grader, job: tuple[str, int]) -> tuple[tuple[str, int], int]:
+def placed(grader: SandboxGrader, job: tuple[str, int]) -> tuple[tuple[str, int], int]:
     time.sleep(0.002)
     return job, os.getpid()
 

@@ -24,9 +24,9 @@ from server.gradebook import student_work
 from server.gradebook.schemas import Attempt, GradingResult
 from server.identity import repository as identity
 from server.identity.models import Account, Role
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
-from server.submissions.service import digest
+from server.submissions.service import code_digest
 from tests.support.classes import new_class, seat
 from tests.support.service import EXERCISE, fake_verdict, new_account
 
@@ -50,7 +50,7 @@ class Room:
             verdict = replace(verdict, diagnosis=Diagnosis(diagnosis, "Erreur", "Pourquoi."))
         with self.database.write() as db:
             author = by or self.ada
-            row = {"source": code.encode(), "digest": digest(code), "seed": 1}
+            row = {"source": code.encode(), "digest": code_digest(code), "seed": 1}
             sent = Submission(account_id=author.id, exercise=EXERCISE, **row)
             db.add(sent)
             db.flush()
@@ -255,7 +255,7 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
     room.reply(room.teacher, thread)
     with room.database.write() as db:
         notes.send_note(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
-        adopt(db, guest.id, room.ada.id)
+        adopt_guest_data(db, guest.id, room.ada.id)
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]

@@ -9,7 +9,7 @@ from graders.core.contract.program import KitSettings
 from graders.discovery import Discovery
 from server.course import Course
 from server.course.reuse import shelves
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.small_course import EXERCISE, CourseFolder
 
@@ -67,7 +67,7 @@ def test_ones_own_function_is_run_before_the_courses(course_folder: CourseFolder
     source = b"from mes_fonctions import double_a\ndef double_b(x):\n    return double_a(x)\n"
     own = {"m9/a": b"print('la mienne')\ndef double_a(x):\n    return x + x\n"}
     with Sandbox(course.kits) as sandbox:
-        grader = Grader(course, sandbox)
+        grader = SandboxGrader(course, sandbox)
         mine, theirs = (grader.grade("m9/b", source, 1, own=files).verdict for files in (own, {}))
     assert (mine.outcome, theirs.outcome) == (Outcome.OK, Outcome.OK)
     assert (mine.stdout, theirs.stdout) == ("la mienne\n", "")

@@ -19,7 +19,7 @@ from server.course.models import Exercise
 from server.course.schemas import ExerciseFile
 from server.course.toml_file import read
 from server.course.version import grading_files, version
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.quick import the_course
 from tests.support.small_course import EXERCISE, CourseFolder
@@ -240,7 +240,7 @@ def test_what_runs_to_grade_a_submission_is_in_the_closure(exercise: Exercise, c
     """Also what is imported only then, for a right submission and for a mistake that has a name."""
     known = list(exercise.grader.known())
     submissions = [known[0], next(one for one in known if one.diagnosis)] if exercise.kind == "code" else known[:4]
-    grader, before, running = Grader(the_course(), course_sandbox), set(sys.modules), set()
+    grader, before, running = SandboxGrader(the_course(), course_sandbox), set(sys.modules), set()
     for submission in submissions:
         sys.setprofile(lambda frame, _event, _value: running.add(frame.f_globals.get("__name__", "")))
         try:

@@ -19,11 +19,11 @@ from server.database import Database, is_unavailable
 from server.database import engine as engines
 from server.queue import repository as queue
 from server.queue import worker as workers
-from server.queue.owner import owner_of
-from server.queue.port import Lease
+from server.queue.interfaces import Lease
+from server.queue.lease_owner import process_owner
 from server.queue.worker import Worker
-from server.submissions import events as events_module
-from server.submissions.events import Events
+from server.submissions import job_events as events_module
+from server.submissions.job_events import JobEvents
 from tests.support.quick import in_a_loop
 from tests.support.service import QUIET, Site, opened
 
@@ -71,7 +71,7 @@ def test_who_is_frozen_with_everybody_s_lock_is_undone(
         def freeze() -> None:
             try:
                 with database.write() as db:
-                    QUIET.put(db, "bake", "frozen")
+                    QUIET.enqueue(db, "bake", "frozen")
                     frozen.set()
                     thawed.wait(30)
                     db.execute(text("SELECT 1"))
@@ -82,7 +82,7 @@ def test_who_is_frozen_with_everybody_s_lock_is_undone(
         thread.start()
         assert frozen.wait(30)
         with database.write() as db:
-            QUIET.put(db, "bake", "next")
+            QUIET.enqueue(db, "bake", "next")
         thawed.set()
         thread.join(30)
         assert undone == [True]
@@ -99,9 +99,9 @@ def test_every_transaction_has_its_bound(postgres_url: str, settings: Settings) 
                 queue.one_at_a_time(db)
                 assert db.execute(text("SHOW idle_in_transaction_session_timeout")).scalar_one() == "5s"
             with database.write() as db:
-                QUIET.put(db, "bake", "a")
+                QUIET.enqueue(db, "bake", "a")
             with database.write() as db:
-                lease = QUIET.claim(db, owner_of(os.getpid()), ["bake"], 60.0)
+                lease = QUIET.claim(db, process_owner(os.getpid()), ["bake"], 60.0)
             assert lease is not None
             with database.write() as db:
                 assert QUIET.finish(db, lease)
@@ -160,7 +160,7 @@ def test_who_follows_meanwhile_goes_on_afterwards(monkeypatch: pytest.MonkeyPatc
             return Step(step)
 
         async def follow() -> list[int]:
-            return [step.number async for step in Events().follow("a", read)]
+            return [step.number async for step in JobEvents().follow("a", read)]
 
         return in_a_loop(asyncio.wait_for(follow(), 30))
 
@@ -196,8 +196,8 @@ def test_a_result_waits_for_the_database(sqlite: Database, settings: Settings, m
     monkeypatch.setattr(workers, "DATABASE_PAUSE", 0.001)
     task = Once(away(), away())
     with sqlite.write() as db:
-        QUIET.put(db, "bake", "a")
+        QUIET.enqueue(db, "bake", "a")
     worker = Worker(sqlite, QUIET, settings, {"bake": task})  # type: ignore[dict-item]
-    assert worker.step()
+    assert worker.run_one()
     assert (task.runs, task.recorded) == (1, 1)
-    assert not worker.step()
+    assert not worker.run_one()

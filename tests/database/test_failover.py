@@ -122,7 +122,7 @@ def test_a_standby_takes_over(pair: Pair, settings: Settings) -> None:
         def grade() -> None:
             worker = worker_of(database, settings)
             while not ended.is_set():
-                patiently(worker.step)
+                patiently(worker.run_one)
                 time.sleep(0.01)
 
         grading = threading.Thread(target=grade)

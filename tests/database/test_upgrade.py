@@ -26,9 +26,9 @@ from server.gradebook.models import Grading, SolutionOpening
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.gradebook.solutions import AccessReason
 from server.identity.models import Account, ApiToken, Role
+from server.queue.interfaces import Lease
 from server.queue.models import Job
-from server.queue.port import Lease
-from server.submissions.models import Deal, Submission
+from server.submissions.models import Submission, Variant
 from server.submissions.service import GRADE
 from tests.support.client import TestClient
 from tests.support.quick import standing_app
@@ -103,11 +103,11 @@ def test_every_row_is_kept(upgraded: Upgraded) -> None:
     with upgraded.database.read() as db:
         counts = {
             table: db.execute(select(func.count()).select_from(table)).scalar_one()
-            for table in (Account, Submission, Grading, Job, Deal, SolutionOpening)
+            for table in (Account, Submission, Grading, Job, Variant, SolutionOpening)
         }
-        seeds = set(db.execute(select(Deal.seed)).scalars())
+        seeds = set(db.execute(select(Variant.seed)).scalars())
     graded = len(landed.sent) - 2
-    assert counts == {Account: 4, Submission: graded + 2, Grading: graded, Job: 2, Deal: 2, SolutionOpening: 1}
+    assert counts == {Account: 4, Submission: graded + 2, Grading: graded, Job: 2, Variant: 2, SolutionOpening: 1}
     assert graded == MANY + 6
     assert seeds == {77, 78}
 

@@ -226,7 +226,7 @@ def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
     school.martin.post(f"{href}/amenagements", data=grant)
     ada, bob = school.ada.browser(school.site), school.bob.browser(school.site)
     school.site.submit(school.ada.headers, code="x  # outcome: wrong_answer")
-    assert worker_of(school.site.database, school.site.settings).step()
+    assert worker_of(school.site.database, school.site.settings).run_one()
 
     page = read(ada, school.href)
     assert f"À rendre avant {long_moment(later)}" in page
@@ -278,7 +278,7 @@ def test_what_is_due_soon_is_told_where_one_works(school: School) -> None:
 def test_who_has_worked_ahead_has_done_it(school: School) -> None:
     ada = school.ada.browser(school.site)
     ada.post("/l20/exercices/poses/soumissions", data={"code": "x = 1"})
-    while worker_of(school.site.database, school.site.settings).step():
+    while worker_of(school.site.database, school.site.settings).run_one():
         pass
     with school.site.database.write() as db:
         db.query(Submission).one().created_at = NOW - 2 * DAY

@@ -24,10 +24,10 @@ from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments import notes
 from server.database import utc_now
 from server.gradebook import service as gradebook
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
 from server.identity.models import Role
-from server.submissions.collecting import Collecting
 from server.submissions.models import Submission
+from server.submissions.sitting_collector import SittingCollector
 from server.web import school_time
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.client import TestClient
@@ -74,10 +74,10 @@ class Room:
         return who.browser(self.site).post(f"{PAGE}/brouillon", data={"code": code}, headers=FORM)
 
     def grade(self) -> None:
-        def judged(sent: SentFile) -> Judgement:
+        def judged(sent: GradingInput) -> Judgement:
             return Judgement(fake_verdict(f"outcome: {self.outcome}", sent.seed), {"b": {"kind": "fake"}})
 
-        while self.site.worker_with(judged).step():
+        while self.site.worker_with(judged).run_one():
             pass
 
     def let_time_pass(self, minutes: int = 120) -> None:
@@ -89,7 +89,7 @@ class Room:
                     setattr(row, column.key, getattr(row, column.key) - earlier)
 
     def collect(self, now: datetime | None = None) -> int:
-        return get_service(self.site.app, Collecting).collect(self.site.database, now or utc_now())
+        return get_service(self.site.app, SittingCollector).collect_expired(self.site.database, now or utc_now())
 
     def sent(self, who: Person) -> list[Submission]:
         query = select(Submission).where(Submission.account_id == who.id).order_by(Submission.created_at)
@@ -428,7 +428,7 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
         db.execute(update(Assignment).values(mode=Mode.practice, due_at=utc_now() + 60 * MINUTE, **shown))
     ada = room.student(begins=False)
 
-    def judged(sent: SentFile) -> Judgement:
+    def judged(sent: GradingInput) -> Judgement:
         verdict = fake_verdict(f"outcome: {room.outcome}", sent.seed)
         named = Diagnosis("secrete", "Une erreur nommée", "Voici.") if room.outcome != "ok" else None
         return Judgement(type(verdict)(**{**vars(verdict), "diagnosis": named}), {})
@@ -436,7 +436,7 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
     room.outcome = "wrong_answer"
     worker = room.site.worker_with(judged)
     sent = room.send(ada, "x = 1").json()
-    assert worker.step()
+    assert worker.run_one()
     browser = ada.browser(room.site)
     verdict = room.site.client.get(sent["url"], headers=ada.headers).json()["verdict"]
     assert (verdict["points"], verdict["diagnosis"]) == (10, None)
@@ -449,7 +449,7 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
     assert "garde les indices fermés jusqu’au" in page
     room.outcome = "ok"
     room.send(ada, "x = 2")
-    assert worker.step()
+    assert worker.run_one()
     assert "garde le corrigé fermé." in told(browser.get(PAGE))
     assert "Corrigé commenté" not in browser.get(PAGE).text
     with room.site.database.write() as db:
@@ -586,7 +586,7 @@ def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Ro
     ada = room.student()
     judged = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis("signe", "Signe", "…"))
     room.send(ada)
-    while room.site.worker_with(lambda _: Judgement(judged)).step():
+    while room.site.worker_with(lambda _: Judgement(judged)).run_one():
         pass
 
     def tell() -> int:

@@ -349,7 +349,7 @@ def test_waiting_attempts_count_among_those_sent(database: Database, ada: Accoun
     with database.read() as db:
         assert service.load_progress(db, ada) == {EXERCISE: Progress(0.5, 2), "m/b": Progress(None, 1)}
         assert service.load_progress(db, ada, EXERCISE) == {EXERCISE: Progress(0.5, 2)}
-    assert not worker_of(database, both).step(), "these were never queued"
+    assert not worker_of(database, both).run_one(), "these were never queued"
 
 
 def test_an_account_s_end_is_the_end_of_its_gradings(database: Database, ada: Account) -> None:

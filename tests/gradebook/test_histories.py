@@ -16,7 +16,7 @@ from server.gradebook import service
 from server.gradebook.histories import AccountHistory, AttemptHistories, GradedAttempt, Revision, load_revisions
 from server.gradebook.models import Grading
 from server.identity.models import Account
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
 from tests.gradebook.test_gradebook import graded, record, sent
 from tests.support.service import new_account
@@ -98,7 +98,7 @@ def test_every_change_is_loaded_at_once(database: Database, ada: UUID) -> None:
 
     def adopted() -> None:
         with database.write() as db:
-            adopt(db, ada, alan)
+            adopt_guest_data(db, ada, alan)
 
     def erased() -> None:
         with database.write() as db:

@@ -6,7 +6,7 @@ from threading import Event
 
 import pytest
 
-from server.grading.calm import CALM_AFTER, Calm
+from server.grading.idle_monitor import IDLE_AFTER, IdleMonitor
 
 
 class Clock:
@@ -35,32 +35,32 @@ class Stopping(Event):
 
 def test_a_worker_is_calm_from_the_start_and_a_while_after_a_job() -> None:
     clock = Clock()
-    calm = Calm(clock)
-    assert calm.now
-    with calm.disturbed():
+    calm = IdleMonitor(clock)
+    assert calm.is_idle
+    with calm.busy():
         clock.now += 60
-        assert not calm.now, "however long it takes"
-    assert not calm.now, "another may follow"
-    clock.now += CALM_AFTER
-    assert calm.now
+        assert not calm.is_idle, "however long it takes"
+    assert not calm.is_idle, "another may follow"
+    clock.now += IDLE_AFTER
+    assert calm.is_idle
 
 
 def test_a_job_that_fails_is_over_too() -> None:
     clock = Clock()
-    calm = Calm(clock)
-    with pytest.raises(ValueError, match="no"), calm.disturbed():
+    calm = IdleMonitor(clock)
+    with pytest.raises(ValueError, match="no"), calm.busy():
         raise ValueError("no")
-    clock.now += CALM_AFTER
-    assert calm.now
+    clock.now += IDLE_AFTER
+    assert calm.is_idle
 
 
 def test_what_waits_for_calm_goes_on_after_the_job_or_leaves_with_the_worker() -> None:
     clock = Clock()
-    calm = Calm(clock)
-    with calm.disturbed():
-        assert not calm.wait(Stopping(clock, 3)), "it is to stop"
-    assert calm.wait(Stopping(clock, 1000))
-    assert calm.now
+    calm = IdleMonitor(clock)
+    with calm.busy():
+        assert not calm.wait_idle(Stopping(clock, 3)), "it is to stop"
+    assert calm.wait_idle(Stopping(clock, 1000))
+    assert calm.is_idle
     told = Event()
     told.set()
-    assert not calm.wait(told)
+    assert not calm.wait_idle(told)

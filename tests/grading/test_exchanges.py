@@ -6,7 +6,7 @@ import pytest
 
 from graders.core.code.grading import CodeGrader
 from server.course.models import Course
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from server.sandbox.wire import Wire
 
@@ -30,7 +30,7 @@ def test_a_right_answer_is_asked_few_questions(
     course_sandbox: Sandbox, course: Course, asked: list[int], exercise: str, most: int
 ) -> None:
     source = course.exercises[exercise].solution.encode()
-    assert Grader(course, course_sandbox).grade(exercise, source, 5).verdict.score == 1
+    assert SandboxGrader(course, course_sandbox).grade(exercise, source, 5).verdict.score == 1
     assert len(asked) == most
 
 
@@ -39,7 +39,7 @@ def test_a_wrong_answer_is_asked_few_more(course_sandbox: Sandbox, course: Cours
     grader = course.exercises["l20/poses"].grader
     assert isinstance(grader, CodeGrader)
     mistake = grader.misconceptions[0]
-    verdict = Grader(course, course_sandbox).grade("l20/poses", mistake.source.encode(), 5).verdict
+    verdict = SandboxGrader(course, course_sandbox).grade("l20/poses", mistake.source.encode(), 5).verdict
     assert verdict.diagnosis is not None
     assert verdict.diagnosis.id == mistake.id
     assert len(asked) <= 8

@@ -22,7 +22,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Blame, Outcome
 from graders.core.contract.verdict import Verdict
 from server.course import Course, Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.service import EXERCISE
 
@@ -64,8 +64,8 @@ def attacking(exercise: Exercise, program: Path, functions: Sequence[str]) -> by
 
 
 @pytest.fixture(scope="module")
-def grader(course: Course, course_sandbox: Sandbox) -> Grader:
-    return Grader(course, course_sandbox)
+def grader(course: Course, course_sandbox: Sandbox) -> SandboxGrader:
+    return SandboxGrader(course, course_sandbox)
 
 
 @cache
@@ -75,7 +75,7 @@ def rehearsed(exercise: Exercise) -> Exercise:
     return exercise
 
 
-def judged(grader: Grader, exercise: Exercise, source: bytes) -> tuple[Judgement, Cost]:
+def judged(grader: SandboxGrader, exercise: Exercise, source: bytes) -> tuple[Judgement, Cost]:
     with costed() as cost:
         found = grader.grade(exercise.id, source, SEED)
         recorded = bounded(found)
@@ -93,7 +93,7 @@ def assert_affordable(exercise: Exercise, recorded: Judgement, cost: Cost) -> No
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_a_program_that_attacks_the_judge_gets_its_outcome_at_a_bounded_cost(
-    grader: Grader, course: Course, program: Path
+    grader: SandboxGrader, course: Course, program: Path
 ) -> None:
     """What one function does costs the others nothing."""
     exercise = rehearsed(course.exercises[EXERCISE])
@@ -107,7 +107,7 @@ def test_a_program_that_attacks_the_judge_gets_its_outcome_at_a_bounded_cost(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: f"{path.parent.name}-{path.stem}")
-def test_whatever_the_exercise(grader: Grader, course: Course, program: Path) -> None:
+def test_whatever_the_exercise(grader: SandboxGrader, course: Course, program: Path) -> None:
     for exercise in course.exercises.values():
         if exercise.kind == "code":
             functions = [function.name for function in exercise.functions]
@@ -116,7 +116,7 @@ def test_whatever_the_exercise(grader: Grader, course: Course, program: Path) ->
     assert_affordable(exercise, recorded, cost)
 
 
-def test_the_judge_is_none_the_worse(grader: Grader, course: Course) -> None:
+def test_the_judge_is_none_the_worse(grader: SandboxGrader, course: Course) -> None:
     exercise = course.exercises[EXERCISE]
     assert grader.grade(EXERCISE, exercise.solution.encode(), SEED).verdict.outcome is Outcome.OK
 

@@ -10,9 +10,9 @@ import pytest
 
 from server.base.concurrency import Gate
 from server.base.settings import Settings
-from server.grading.supervisor import Supervisor, Wire
-from server.queue.owner import Owner
-from server.queue.switchboard import Switchboard
+from server.grading.supervisor import WorkerSocket, WorkerSupervisor
+from server.queue.lease_owner import LeaseOwner
+from server.queue.wakeups import WakeupDispatcher
 from tests.support.quick import in_a_loop
 
 SLEEPS = ("sleep", "600")  # and as many more as its line's number and our own
@@ -25,15 +25,15 @@ def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
     monkeypatch.setattr("server.grading.supervisor.QUICK_DEATH", 0.0)
     dead = list[int]()
 
-    def bury(owner: Owner) -> None:
+    def bury(owner: LeaseOwner) -> None:
         dead.append(owner.pid)
 
     async def scene() -> None:
-        supervisor = Supervisor(settings.model_copy(update={"workers": 1}), Switchboard(print), bury, SLEEPS)
+        supervisor = WorkerSupervisor(settings.model_copy(update={"workers": 1}), WakeupDispatcher(print), bury, SLEEPS)
         async with supervisor:
             first = await worker_besides(supervisor, None)
             if told:
-                supervisor.expect_the_end()
+                supervisor.expect_shutdown()
             first.terminate()
             if told:
                 await asyncio.wait_for(asyncio.gather(*supervisor._tasks), 20)
@@ -47,7 +47,7 @@ def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
 
 
 async def worker_besides(
-    supervisor: Supervisor, other: asyncio.subprocess.Process | None
+    supervisor: WorkerSupervisor, other: asyncio.subprocess.Process | None
 ) -> asyncio.subprocess.Process:
     async with asyncio.timeout(20):
         while True:
@@ -61,17 +61,17 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
     async def scene() -> None:
         walls = Gate()
         wanted = settings.model_copy(update={"workers": 1})
-        async with Supervisor(wanted, Switchboard(print), lambda _owner: None, SLEEPS, walls) as supervisor:
+        async with WorkerSupervisor(wanted, WakeupDispatcher(print), lambda _owner: None, SLEEPS, walls) as supervisor:
             await asyncio.sleep(0.01)
-            assert supervisor.alive() == 0
+            assert supervisor.alive_count() == 0
             walls.open()
             await worker_besides(supervisor, None)
-            assert supervisor.alive() == 1
+            assert supervisor.alive_count() == 1
         walls = Gate()
-        async with Supervisor(wanted, Switchboard(print), lambda _owner: None, SLEEPS, walls) as supervisor:
-            supervisor.expect_the_end()
+        async with WorkerSupervisor(wanted, WakeupDispatcher(print), lambda _owner: None, SLEEPS, walls) as supervisor:
+            supervisor.expect_shutdown()
             walls.close()
-        assert supervisor.alive() == 0
+        assert supervisor.alive_count() == 0
 
     in_a_loop(scene())
 
@@ -79,7 +79,7 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
 def test_who_wakes_a_worker_waits_neither_for_one_that_reads_nothing_nor_for_a_dead_one() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        wire = Wire(ours.dup())
+        wire = WorkerSocket(ours.dup())
         ours.setblocking(False)  # as the loop does, after which neither name of it waits
         wire.write(b"work\n")
         assert theirs.recv(100) == b"work\n"

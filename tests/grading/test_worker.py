@@ -28,16 +28,16 @@ from server.course import Course
 from server.database import Database
 from server.gradebook.models import Grading
 from server.gradebook.schemas import GradingResult
-from server.grading import joint as grading
-from server.grading.joint import Grader, SandboxPrograms
-from server.grading.task import GradingTask, SentFile, give_ups
+from server.grading import sandbox_grader as grading
+from server.grading.grading_task import GradingInput, GradingTask, give_up_handlers
+from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.identity.models import Account
+from server.queue.graceful_stop import GracefulStop, StopRequested
+from server.queue.interfaces import Lease, Sender
+from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.owner import owner_of
-from server.queue.polling import Polling
-from server.queue.port import Lease, Sender
-from server.queue.stopping import Stop, Stopping
-from server.queue.worker import Heartbeat, Worker, _pauses
+from server.queue.polling import PollingSource
+from server.queue.worker import LeaseHeartbeat, Worker, _pauses
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
@@ -65,10 +65,10 @@ def none(database: Database, table: type[Row]) -> bool:
 
 def test_a_step_grades_one_and_says_whether_it_found_work(database: Database, ada: Account, both: Settings) -> None:
     worker = worker_of(database, both)
-    assert not worker.step()
+    assert not worker.run_one()
     submitted(database, both, ada)
-    assert worker.step()
-    assert not worker.step()
+    assert worker.run_one()
+    assert not worker.run_one()
     submission, grading = only(database, Submission), only(database, Grading)
     assert (submission.grading_id, grading.submission_id) == (grading.id, submission.id)
     assert (grading.outcome, grading.score, grading.seed) == (Outcome.OK, 1.0, submission.seed)
@@ -78,12 +78,12 @@ def test_a_step_grades_one_and_says_whether_it_found_work(database: Database, ad
 
 
 def test_a_worker_told_to_stop_gives_its_work_back(database: Database, ada: Account, both: Settings) -> None:
-    def stopped(_sent: SentFile) -> Judgement:
-        raise Stop
+    def stopped(_sent: GradingInput) -> Judgement:
+        raise StopRequested
 
     submitted(database, both, ada)
-    with pytest.raises(Stop):
-        worker_of(database, both, stopped).step()
+    with pytest.raises(StopRequested):
+        worker_of(database, both, stopped).run_one()
     job = only(database, Job)
     assert (job.lease_token, job.tries) == (None, 0)
 
@@ -92,21 +92,21 @@ def test_a_worker_told_to_stop_as_it_claims_gives_its_work_back_too(
     database: Database, ada: Account, both: Settings
 ) -> None:
     """A transaction is not cut: what it has claimed would wait for the end of the lease."""
-    stopping, graded = Stopping(), list[SentFile]()
+    stopping, graded = GracefulStop(), list[GradingInput]()
 
     class Claiming(GradingTask):
-        def read(self, db: Session, lease: Lease) -> SentFile | None:
-            stopping.tell()
+        def read(self, db: Session, lease: Lease) -> GradingInput | None:
+            stopping.request()
             return super().read(db, lease)
 
-    def grade(sent: SentFile) -> Judgement:
+    def grade(sent: GradingInput) -> Judgement:
         graded.append(sent)
         return fake_grade(sent)
 
     submitted(database, both, ada)
-    worker = Worker(database, QUIET, both, {GRADE: Claiming(the_course(), grade)}, stopping=stopping)
-    with pytest.raises(Stop):
-        worker.run(Polling())
+    worker = Worker(database, QUIET, both, {GRADE: Claiming(the_course(), grade)}, graceful_stop=stopping)
+    with pytest.raises(StopRequested):
+        worker.run(PollingSource())
     job = only(database, Job)
     assert (job.lease_token, job.tries, graded) == (None, 0, [])
 
@@ -114,18 +114,18 @@ def test_a_worker_told_to_stop_as_it_claims_gives_its_work_back_too(
 def test_a_worker_told_to_stop_as_it_records_ends_what_it_has_done(
     database: Database, ada: Account, both: Settings
 ) -> None:
-    stopping = Stopping()
+    stopping = GracefulStop()
 
     class Recording(GradingTask):
-        def record(self, db: Session, work: SentFile, result: GradingResult) -> None:
-            stopping.tell()
+        def record(self, db: Session, work: GradingInput, result: GradingResult) -> None:
+            stopping.request()
             super().record(db, work, result)
 
     submitted(database, both, ada)
     submitted(database, both, ada)
-    worker = Worker(database, QUIET, both, {GRADE: Recording(the_course(), fake_grade)}, stopping=stopping)
-    with pytest.raises(Stop):
-        worker.run(Polling())
+    worker = Worker(database, QUIET, both, {GRADE: Recording(the_course(), fake_grade)}, graceful_stop=stopping)
+    with pytest.raises(StopRequested):
+        worker.run(PollingSource())
     assert only(database, Grading).outcome == Outcome.OK
     assert only(database, Job).lease_token is None
 
@@ -133,12 +133,12 @@ def test_a_worker_told_to_stop_as_it_records_ends_what_it_has_done(
 def test_what_fails_is_tried_again_then_given_up_as_our_error(
     database: Database, ada: Account, both: Settings, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def broken(_sent: SentFile) -> Judgement:
+    def broken(_sent: GradingInput) -> Judgement:
         raise RuntimeError("a disk is full")
 
     submitted(database, both, ada)
     worker = worker_of(database, both, broken)
-    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert [worker.run_one() for _ in range(4)] == [True, True, True, False]
     assert only(database, Grading).outcome == Outcome.INTERNAL_ERROR
     assert caplog.text.count("RuntimeError: a disk is full") == 3
 
@@ -174,14 +174,14 @@ def test_a_job_that_cannot_be_read_or_recorded_stops_nobody_for_ever(
     task = Broken()
     worker = Worker(database, QUIET, both, {"say": task})
     with database.write() as db:
-        QUIET.put(db, "say", "a", payload)
-    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+        QUIET.enqueue(db, "say", "a", payload)
+    assert [worker.run_one() for _ in range(4)] == [True, True, True, False]
     assert task.given_up == 1
     assert none(database, Job)
 
 
 def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account, both: Settings) -> None:
-    def forget(_sent: SentFile) -> Judgement:
+    def forget(_sent: GradingInput) -> Judgement:
         with database.write() as db:
             db.execute(delete(Account))
         return fake_grade(_sent)
@@ -189,17 +189,17 @@ def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account,
     submitted(database, both, ada)
     submitted(database, both, ada)
     worker = worker_of(database, both, forget)
-    assert [worker.step() for _ in range(3)] == [True, True, False]
+    assert [worker.run_one() for _ in range(3)] == [True, True, False]
     assert none(database, Job)
     assert none(database, Grading)
 
 
 def test_a_kind_that_nobody_here_can_do_is_left_alone(database: Database, ada: Account, both: Settings) -> None:
     with database.write() as db:
-        QUIET.put(db, "mail", "to Ada", {"subject": "hello"}, Sender(rank=-1))
+        QUIET.enqueue(db, "mail", "to Ada", {"subject": "hello"}, Sender(rank=-1))
     submitted(database, both, ada)
     worker = worker_of(database, both)
-    assert [worker.step() for _ in range(2)] == [True, False]
+    assert [worker.run_one() for _ in range(2)] == [True, False]
     job = only(database, Job)
     assert (job.kind, job.payload, job.tries) == ("mail", {"subject": "hello"}, 0)
 
@@ -219,7 +219,7 @@ def test_a_worker_outlives_a_locked_database(
         with sqlite.write() as db:
             db.add(Account(name="Bob"))
             db.flush()
-            graded = thread.submit(worker_of(impatient, settings).step)
+            graded = thread.submit(worker_of(impatient, settings).run_one)
             deadline = time.monotonic() + 20
             while "the database is locked" not in caplog.text and time.monotonic() < deadline:
                 time.sleep(0.01)
@@ -236,7 +236,7 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
     submitted(sqlite, settings, account)
     untils: list[Any] = []
 
-    def slow(sent: SentFile) -> Judgement:
+    def slow(sent: GradingInput) -> Judgement:
         first = only(sqlite, Job).lease_until
         deadline = time.monotonic() + 20
         while only(sqlite, Job).lease_until == first and time.monotonic() < deadline:
@@ -245,7 +245,7 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
         return fake_grade(sent)
 
     class Once:
-        owes = True
+        buffers_wakeups = True
 
         def wait(self, seconds: float) -> bool:
             return False
@@ -255,9 +255,9 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
     assert none(sqlite, Job)
 
 
-@pytest.mark.parametrize(("owes", "asked_again"), [(True, 0), (False, 1)])
+@pytest.mark.parametrize(("buffers_wakeups", "asked_again"), [(True, 0), (False, 1)])
 def test_only_who_is_owed_its_wake_ups_does_not_ask_after_a_job_that_nothing_followed(
-    sqlite: Database, settings: Settings, owes: bool, asked_again: int
+    sqlite: Database, settings: Settings, buffers_wakeups: bool, asked_again: int
 ) -> None:
     account = Account(name="Ada")
     with sqlite.write() as db:
@@ -267,7 +267,7 @@ def test_only_who_is_owed_its_wake_ups_does_not_ask_after_a_job_that_nothing_fol
 
     class Once:
         def __init__(self) -> None:
-            self.owes = owes
+            self.buffers_wakeups = buffers_wakeups
 
         def wait(self, seconds: float) -> bool:
             return False
@@ -280,18 +280,18 @@ def test_only_who_is_owed_its_wake_ups_does_not_ask_after_a_job_that_nothing_fol
 
 
 @pytest.fixture
-def grader(course: Course, course_sandbox: Sandbox) -> Grader:
-    return Grader(course, course_sandbox)
+def grader(course: Course, course_sandbox: Sandbox) -> SandboxGrader:
+    return SandboxGrader(course, course_sandbox)
 
 
-def test_the_reference_gets_full_marks_through_the_sandbox(grader: Grader, course: Course) -> None:
+def test_the_reference_gets_full_marks_through_the_sandbox(grader: SandboxGrader, course: Course) -> None:
     exercise = course.exercises[EXERCISE]
     verdict = grader.grade(EXERCISE, exercise.solution.encode(), seed=7).verdict
     assert (verdict.outcome, verdict.score, verdict.seed) == (Outcome.OK, 1.0, 7)
     assert verdict.exercise_version == exercise.version
 
 
-def test_the_same_seed_gives_the_same_verdict(grader: Grader, course: Course) -> None:
+def test_the_same_seed_gives_the_same_verdict(grader: SandboxGrader, course: Course) -> None:
     source = course.exercises[EXERCISE].grader.misconceptions[0].source.encode()
     one, two = (grader.grade(EXERCISE, source, seed=11).verdict.to_json() for _ in range(2))
     for verdict in (one, two):
@@ -309,7 +309,7 @@ def test_the_same_seed_gives_the_same_verdict(grader: Grader, course: Course) ->
     ],
 )
 def test_a_student_s_fault_keeps_its_kind_and_its_place(
-    grader: Grader, source: bytes, outcome: Outcome, told: str
+    grader: SandboxGrader, source: bytes, outcome: Outcome, told: str
 ) -> None:
     verdict = grader.grade(EXERCISE, source, seed=1).verdict
     assert (verdict.outcome, verdict.score) == (outcome, 0)
@@ -341,7 +341,7 @@ def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
     source = course.exercises[EXERCISE].solution.encode()
     with caplog.at_level(logging.ERROR):
         one = uuid4()
-        result = Grader(course, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
+        result = SandboxGrader(course, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
     assert result.verdict.outcome is outcome
     assert len(caplog.records) == min(failures, grading.TRIES)
     version, digest = course.exercises[EXERCISE].version, hashlib.sha256(source).hexdigest()
@@ -355,13 +355,13 @@ def asleep_when_told_to_stop() -> None:
 
 
 def test_sigterm_stops_a_worker_in_its_main_thread(monkeypatch: pytest.MonkeyPatch) -> None:
-    from server.grading import process
+    from server.grading import worker_process
 
-    monkeypatch.setattr(process, "_stopping", Stopping())  # others of this process are not told
+    monkeypatch.setattr(worker_process, "_stopping", GracefulStop())  # others of this process are not told
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
-        process.stop_on_signals()
-        with pytest.raises(Stop):
+        worker_process.stop_on_signals()
+        with pytest.raises(StopRequested):
             asleep_when_told_to_stop()
     finally:
         for number, handler in before.items():
@@ -381,12 +381,12 @@ def test_a_job_that_does_not_end_is_given_up_at_once_with_its_worker(
 
     monkeypatch.setattr("server.queue.worker.os._exit", end)
     submitted(sqlite, settings, new_account(sqlite))
-    owner = owner_of(os.getpid())
+    owner = process_owner(os.getpid())
     with sqlite.write() as db:
         lease = QUIET.claim(db, owner, [GRADE], 60)
     assert lease is not None
     with pytest.raises(Ended):
-        Heartbeat(sqlite, QUIET, settings, give_ups(course))._beat(lease, time.monotonic() - 1)
+        LeaseHeartbeat(sqlite, QUIET, settings, give_up_handlers(course))._beat(lease, time.monotonic() - 1)
     assert none(sqlite, Job)
     assert only(sqlite, Grading).outcome == Outcome.INTERNAL_ERROR
 
@@ -412,6 +412,6 @@ def test_a_judge_s_patience_may_end_between_two_answers(
     program = SandboxPrograms(course_sandbox, exercise.policy).open(exercise.solution.encode(), KitSettings("l20", {}))
     with closing(program):
         spent = iter([None, None, StudentFault(Outcome.OUTPUT_LIMIT, "assez", fatal=True)])
-        monkeypatch.setattr(program._patience, "spent", lambda: next(spent))
+        monkeypatch.setattr(program._patience, "exhausted_fault", lambda: next(spent))
         answers = list(program.call_many("inverse", [(np.zeros(3),)] * 9))
     assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]

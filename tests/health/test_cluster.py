@@ -11,8 +11,8 @@ from sqlalchemy import select
 from server.base.settings import Settings
 from server.cli import main
 from server.database import Database
-from server.health import cluster, repository
-from server.queue.port import Able
+from server.health import cluster_check, repository
+from server.queue.interfaces import WorkerCapabilities
 from server.submissions.service import GRADE
 from tests.support.cluster import Hand, Machine, until
 
@@ -24,8 +24,8 @@ def environment(shared_settings: Settings, monkeypatch: pytest.MonkeyPatch) -> S
     monkeypatch.setenv("BALISE_DATA_DIR", str(shared_settings.data_dir))
     monkeypatch.setenv("BALISE_DATABASE_URL", str(shared_settings.database_url))
     monkeypatch.setenv("BALISE_NATS_URL", shared_settings.nats_url)
-    monkeypatch.setattr(cluster, "SLOW_DATABASE", 1e6)  # how fast this machine is proves nothing
-    monkeypatch.setattr(cluster, "SLOW_NATS", 1e6)
+    monkeypatch.setattr(cluster_check, "SLOW_DATABASE", 1e6)  # how fast this machine is proves nothing
+    monkeypatch.setattr(cluster_check, "SLOW_NATS", 1e6)
     return shared_settings
 
 
@@ -53,8 +53,8 @@ def test_what_waits_for_another_version_is_told(environment: Settings, machines:
     machine = Machine(environment).start().up()
     machines.append(machine)
     with machine.database.write() as db:
-        machine.queue.put(db, GRADE, "a", needs="l20/poses@abc")
-        assert machine.queue.refuse(db, [GRADE], Able([], 60.0))
+        machine.queue.enqueue(db, GRADE, "a", required_version="l20/poses@abc")
+        assert machine.queue.mark_refused(db, [GRADE], WorkerCapabilities([], 60.0))
     status, text = told(capsys)
     assert status == 0
     assert "! versions : 1 travail attend un correcteur de l20/poses, version abc" in text
@@ -65,17 +65,17 @@ def test_a_database_that_is_nearly_full_is_told(
 ) -> None:
     machines.append(Machine(environment).start().up())
     with closing(Database(environment.url)) as database, database.read() as db:
-        opened, most = repository.connections(db)
+        opened, most = repository.connection_usage(db)
         with database.read() as other:
             other.execute(select(1))
-            assert repository.connections(db) == (opened, most), "in one transaction, PostgreSQL says the same"
+            assert repository.connection_usage(db) == (opened, most), "in one transaction, PostgreSQL says the same"
             assert opened >= 1
-    monkeypatch.setattr(repository, "connections", lambda _: (80, 97))
+    monkeypatch.setattr(repository, "connection_usage", lambda _: (80, 97))
     status, text = told(capsys)
     assert status == 0
     assert "! connexions à la base : 80 ouvertes, 97 au plus" in text
     assert "max_connections : 50 pour chaque serveur web" in text
-    monkeypatch.setattr(repository, "connections", lambda _: (77, 97))
+    monkeypatch.setattr(repository, "connection_usage", lambda _: (77, 97))
     assert "✓ connexions à la base" in told(capsys)[1]
 
 

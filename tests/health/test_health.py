@@ -21,13 +21,13 @@ from server.base.app_services import add_services, get_service
 from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
 from server.base.middleware import RequestLog
-from server.grading.supervisor import Supervisor
+from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
-from server.health.counts import Counts
-from server.health.metrics import Metrics
+from server.health.event_counter import EventCounter
+from server.health.metrics import PrometheusMetrics
 from server.health.readiness import Readiness
 from server.queue.models import Job
-from server.queue.switchboard import Switchboard
+from server.queue.wakeups import WakeupDispatcher
 from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site
 
@@ -41,16 +41,16 @@ def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch
     assert (ready.status_code, ready.json()["status"]) == (200, "ok")
     assert "set-cookie" not in ready.headers, "who asks is no visitor"
     with monkeypatch.context() as broken:
-        broken.setattr(repository, "answers", _fails)
+        broken.setattr(repository, "ping", _fails)
         amiss = site.client.get("/readyz")
         assert (amiss.status_code, amiss.json()["checks"]["database"]) == (503, "unreachable")
         assert site.client.get("/healthz").status_code == 200
-    supervisor = get_service(site.app, Supervisor)
-    monkeypatch.setattr(Supervisor, "wanted", 2)
+    supervisor = get_service(site.app, WorkerSupervisor)
+    monkeypatch.setattr(WorkerSupervisor, "target_count", 2)
     assert site.client.get("/readyz").json()["checks"]["workers"] == "none"
-    monkeypatch.setattr(supervisor, "alive", lambda: 1)
+    monkeypatch.setattr(supervisor, "alive_count", lambda: 1)
     assert site.client.get("/readyz").status_code == 200
-    supervisor.expect_the_end()
+    supervisor.expect_shutdown()
     assert site.client.get("/readyz").json()["checks"]["service"] == "stopping"
 
 
@@ -58,7 +58,7 @@ def test_without_what_carries_the_work_it_serves_and_says_so(site: Site) -> None
     assert "nats" not in site.client.get("/readyz").json()["checks"], "one machine has none"
     readiness = get_service(site.app, Readiness)
     for state, status in (("unreachable", "degraded"), ("ok", "ok")):
-        add_services(site.app, replace(readiness, carrier=lambda state=state: state))
+        add_services(site.app, replace(readiness, broker_status=lambda state=state: state))
         answer = site.client.get("/readyz")
         assert (answer.status_code, answer.json()["status"], answer.json()["checks"]["nats"]) == (200, status, state)
 
@@ -96,7 +96,7 @@ def test_metrics_tell_what_waits_and_each_first_verdict_once(site: Site, measure
     before = measured()
     assert before["balise_queue_jobs", waiting] == 2
     assert before["balise_queue_oldest_seconds", frozenset({("kind", "grade")})] >= 0
-    while site.worker.step():
+    while site.worker.run_one():
         pass
     for _ in range(2):
         after = measured()
@@ -120,13 +120,13 @@ def test_metrics_count_what_is_refused_and_what_is_renewed(site: Site, measured:
         site.client.post("/connexion", data={"login": "eve", "password": "au hasard"})
     assert {why: refused(why) - before[why] for why in before} == {"password": 2, "token": 1, "too_many": 1}
     known = TEMPLATE_RENEWALS.read().get("worn", 0)
-    Switchboard(lambda _key: None).heard(_Nowhere(), "renewed worn")
+    WakeupDispatcher(lambda _key: None).handle_message(_Nowhere(), "renewed worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 1
-    elsewhere = Counts(site.database)
+    elsewhere = EventCounter(site.database)
     for _ in range(2):
-        elsewhere.renewed("worn")
+        elsewhere.count_template_renewal("worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 3
-    get_service(site.app, Metrics).tell_walls({"seccomp": True, "cgroup": False})
+    get_service(site.app, PrometheusMetrics).set_walls({"seccomp": True, "cgroup": False})
     walls = {labels: value for (name, labels), value in measured().items() if name == "balise_wall_standing"}
     assert walls == {frozenset({("wall", "seccomp")}): 1, frozenset({("wall", "cgroup")}): 0}
 
@@ -156,7 +156,7 @@ def test_the_logs_follow_a_request_to_its_verdict_and_tell_nothing_of_its_author
     secret = "x_secret = 'mon adresse'"
     with told() as stream:
         answer = site.client.post("/l20/exercices/poses/soumissions", data={"code": secret})
-        site.worker.step()
+        site.worker.run_one()
         site.client.get("/bienvenue/jeton-secret")
     lines = [json.loads(line) for line in stream.getvalue().splitlines()]
     request = answer.headers["x-request-id"]

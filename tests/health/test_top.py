@@ -12,10 +12,10 @@ from server.base.app_services import get_service
 from server.base.counters import VisitCounter
 from server.base.logs import RECENT_ERRORS
 from server.cli import main, top
-from server.grading.kinds import LANES
-from server.health.metrics import Metrics
+from server.grading.job_lanes import JOB_LANES
+from server.health.metrics import PrometheusMetrics
 from server.identity.models import Role
-from server.queue.owner import owner_of
+from server.queue.lease_owner import process_owner
 from tests.support.client import TestClient
 from tests.support.service import EXERCISE, QUIET, Site
 
@@ -46,17 +46,17 @@ def test_it_tells_what_waits_who_grades_and_how_fast_and_nothing_of_what_was_sen
         site.submit(student, SECRET)
     assert state()["queue"] == [{"kind": "grade", "waiting": 2, "oldest": pytest.approx(0, abs=60), "running": 0}]
     with site.database.write() as db:
-        lease = QUIET.claim(db, owner_of(1), ["grade"], 30)
+        lease = QUIET.claim(db, process_owner(1), ["grade"], 30)
     assert lease is not None
     (busy,) = state()["workers"]
     assert (busy["pid"], busy["kind"], busy["exercise"], busy["tries"]) == (1, "grade", EXERCISE, 1)
     assert (state()["queue"][0]["waiting"], state()["queue"][0]["running"]) == (1, 1)
     with site.database.write() as db:
-        QUIET.give_back(db, lease)
-    while site.worker.step():
+        QUIET.requeue_untried(db, lease)
+    while site.worker.run_one():
         pass
     site.submit(student, "outcome: internal_error")
-    while site.worker.step():
+    while site.worker.run_one():
         pass
     told = state()
     assert told["verdicts"]["per_minute"] == pytest.approx(3 / 5)
@@ -99,7 +99,7 @@ def shown(site: Site, administrator: dict[str, str], monkeypatch: pytest.MonkeyP
 
 
 def test_the_screen_is_plain_and_fits_eighty_columns(site: Site, shown: Any) -> None:
-    get_service(site.app, Metrics).tell_walls({"seccomp": True, "cgroup-mémoire": False})
+    get_service(site.app, PrometheusMetrics).set_walls({"seccomp": True, "cgroup-mémoire": False})
     RECENT_ERRORS.handle(logging.LogRecord("server.x", logging.ERROR, "", 0, "\033[2J" + "long " * 60, (), None))
     site.submit(site.token())
     screen = shown("--once")
@@ -124,7 +124,7 @@ def test_it_is_read_in_the_database_too_and_told_where_there_is_none(
 
 
 def test_every_kind_of_job_has_its_words() -> None:
-    assert set(top.KINDS) == set(LANES)
+    assert set(top.KINDS) == set(JOB_LANES)
 
 
 def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:

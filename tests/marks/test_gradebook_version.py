@@ -37,7 +37,7 @@ from server.identity.models import Account
 from server.marks.loading import GradebookInputs, build_gradebook, load_inputs
 from server.marks.models import Override
 from server.marks.schemas import Gradebook, is_withheld
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
 from tests.support.caches import clear_caches
 from tests.support.marks import AFTER, DAY, ODOMETRY, OPENS, POSES, Term
@@ -157,7 +157,7 @@ def test_every_change_is_shown_at_once(database: Database, course: Course) -> No
         "due": setting(Assignment, of_given, due_at=OPENS, late=LatePolicy.penalty, late_per_day=1.0),
         "the last counts": setting(Assignment, of_given, counts=AttemptSelection.last),
         "asked no more": doing(lambda db: db.execute(delete(AssignedExercise).where(asks_poses))),
-        "adopted": doing(lambda db: adopt(db, guest.id, alan.id)),
+        "adopted": doing(lambda db: adopt_guest_data(db, guest.id, alan.id)),
         "purged": doing(lambda db: db.execute(delete(Submission).where(Submission.account_id == alan.id))),
         "archived": setting(SchoolClass, archived_at=OPENS),
         "back": setting(SchoolClass, archived_at=None),

@@ -13,14 +13,14 @@ import pytest
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
 from server.course import Course
-from server.grading.joint import Grader
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
+from server.grading.sandbox_grader import SandboxGrader
 from server.identity import links
 from server.pages import marks
 from server.pages.answers import FIELD, PLACE
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions.models import Deal, Submission
+from server.submissions.models import Submission, Variant
 from tests.submissions.test_answers import ODOMETRY, PROOF, QUIZ, stored
 from tests.support.service import Site
 
@@ -58,9 +58,9 @@ class Form(HTMLParser):
 
 @pytest.fixture
 def worker(site: Site, course: Course, course_sandbox: Sandbox) -> Any:
-    grader = Grader(course, course_sandbox)
+    grader = SandboxGrader(course, course_sandbox)
 
-    def grade(sent: SentFile) -> Judgement:
+    def grade(sent: GradingInput) -> Judgement:
         return grader.grade(sent.exercise, sent.source, sent.seed)
 
     return site.worker_with(grade)
@@ -85,7 +85,7 @@ def fields_of(name: str, answers: Mapping[str, Any]) -> dict[str, Any]:
 
 def right(site: Site, course: Course, name: str) -> dict[str, Any]:
     page(site, path_of(name))
-    deal = next(row for row in stored(site.database, Deal) if row.exercise == name)
+    deal = next(row for row in stored(site.database, Variant) if row.exercise == name)
     grader = course.exercises[name].answers
     assert grader is not None
     return dict(grader.right(deal.seed))
@@ -105,7 +105,7 @@ def test_a_form_without_script_is_sent_judged_and_put_back(
     fields = fields_of(name, answers)
     assert fields.keys() <= Form(page(site, path_of(name))).names
     attempt = sent(site, name, fields)
-    assert worker.step()
+    assert worker.run_one()
     assert "Exercice réussi" in page(site, attempt)
     (row,) = stored(site.database, Submission)
     again = Form(page(site, path_of(name))).fields
@@ -127,7 +127,7 @@ def test_an_attempt_at_one_exercise_is_not_taken_up_in_another(site: Site, cours
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
 def test_an_attempt_shows_its_answers_as_they_are_read(site: Site, worker: Worker, course: Course, name: str) -> None:
     attempt = sent(site, name, fields_of(name, right(site, course, name)))
-    worker.step()
+    worker.run_one()
     text = page(site, attempt).split("Réponses envoyées")[1]
     assert '{"' not in text
     assert {ODOMETRY: "Rotation du robot", QUIZ: "plusieurs bosses", PROOF: "formule de Bayes"}[name] in text
@@ -140,11 +140,11 @@ def test_the_correction_opens_with_success_and_not_before(
 ) -> None:
     answers = right(site, course, name)
     sent(site, name, {})
-    worker.step()
+    worker.run_one()
     before = page(site, path_of(name))
     assert "Corrigé commenté" not in before
     sent(site, name, fields_of(name, answers))
-    worker.step()
+    worker.run_one()
     after = page(site, path_of(name))
     told = {ODOMETRY: "mrad</strong>", QUIZ: "du graphe", PROOF: "Les intrus"}[name]
     assert told in after.split("Corrigé commenté")[1]
@@ -155,7 +155,7 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
 ) -> None:
     right(site, course, ODOMETRY)
     attempt = sent(site, ODOMETRY, {f"{FIELD}ds": "1"})
-    worker.step()
+    worker.run_one()
     seed = stored(site.database, Submission)[0].seed
     grader: Any = course.exercises[ODOMETRY].answers
     with site.database.write() as db:
@@ -171,7 +171,7 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
 def test_a_page_and_a_blank_verdict_tell_no_secret(site: Site, worker: Worker, course: Course, name: str) -> None:
     page(site, path_of(name))
     attempt = sent(site, name, {})
-    worker.step()
+    worker.run_one()
     grader: Any = course.exercises[name].answers
     pieces = [one for q in grader.questions for one in q.options] if name == QUIZ else grader.sheet.pieces
     public = {one.id for one in grader.questions} if name == QUIZ else set()
@@ -193,12 +193,12 @@ def beside(text: str, question: str) -> str:
 def test_each_question_is_marked_in_its_place(site: Site, worker: Worker, course: Course) -> None:
     answers = right(site, course, QUIZ)
     grader: Any = course.exercises[QUIZ].answers
-    seed = stored(site.database, Deal)[0].seed
+    seed = stored(site.database, Variant)[0].seed
     letters = {question.id: question.letters(seed).by_name for question in grader.questions}
     del answers["tf"]
     answers |= {"amcl": letters["amcl"]["precision"], "fermeture": answers["fermeture"][:1]}
     attempt = sent(site, QUIZ, fields_of(QUIZ, answers))
-    worker.step()
+    worker.run_one()
     for path in (path_of(QUIZ), attempt):
         text = page(site, path)
         for question, told in {
@@ -225,10 +225,10 @@ def test_each_question_is_marked_in_its_place(site: Site, worker: Worker, course
 
 def test_marks_go_where_the_next_verdict_says_nothing_of_a_question(site: Site, worker: Worker, course: Course) -> None:
     sent(site, QUIZ, fields_of(QUIZ, right(site, course, QUIZ)))
-    worker.step()
+    worker.run_one()
     assert 'class="question-mark question-mark-good"' in page(site, path_of(QUIZ))
     attempt = sent(site, QUIZ, {})
-    worker.step()
+    worker.run_one()
     for path in (path_of(QUIZ), f"{attempt}/verdict"):
         text = page(site, path)
         assert len(re.findall(r'data-part="mark-\w+"[^>]* class="question-mark" hidden>', text)) == 34
@@ -247,7 +247,7 @@ def test_another_deal_has_no_marks(site: Site, worker: Worker, course: Course) -
 def test_numbers_are_typed_by_hand_and_come_back_as_typed(site: Site, worker: Worker) -> None:
     page(site, path_of(ODOMETRY))
     attempt = sent(site, ODOMETRY, {f"{FIELD}ds": " 0,1 ", f"{FIELD}x": '"><script>alert(1)</script>', f"{FIELD}y": ""})
-    worker.step()
+    worker.run_one()
     (row,) = stored(site.database, Submission)
     assert row.code == '{"ds":"0,1","x":"\\"><script>alert(1)</script>"}'
     for path in (attempt, path_of(ODOMETRY)):
@@ -283,6 +283,6 @@ def test_a_file_in_place_of_a_field_is_no_answer(site: Site) -> None:
 def test_blank_answers_open_no_hint(site: Site, worker: Worker) -> None:
     page(site, path_of(QUIZ))
     sent(site, QUIZ, {})
-    worker.step()
+    worker.run_one()
     assert "(encore 1)" not in page(site, path_of(QUIZ))
     assert page(site, path_of(QUIZ)).count("hint-closed") == 3

@@ -12,7 +12,7 @@ import pytest
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
 from graders.plotting import counterexample
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from server.web import verdicts
 from server.web.rendering import jinja_environment
@@ -60,8 +60,8 @@ def attack(exercise: str, value: str) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def grader(course_sandbox: Sandbox) -> Grader:
-    return Grader(the_course(), course_sandbox)
+def grader(course_sandbox: Sandbox) -> SandboxGrader:
+    return SandboxGrader(the_course(), course_sandbox)
 
 
 class Tags(HTMLParser):
@@ -101,7 +101,7 @@ def shown(grading: Judgement) -> str:
         ("l20/boucles", "forged-summary"),
     ],
 )
-def test_an_odd_value_gets_a_verdict_that_can_be_shown(grader: Grader, exercise: str, value: str) -> None:
+def test_an_odd_value_gets_a_verdict_that_can_be_shown(grader: SandboxGrader, exercise: str, value: str) -> None:
     grading = grader.grade(exercise, attack(exercise, VALUES[value]), seed=3)
     outcomes = ("wrong_answer", "invalid_output", "output_limit", "runtime_error")
     assert grading.verdict.outcome in outcomes, grading.verdict
@@ -109,7 +109,7 @@ def test_an_odd_value_gets_a_verdict_that_can_be_shown(grader: Grader, exercise:
 
 
 @pytest.mark.parametrize("value", ["largest", "smallest", "not-numbers"])
-def test_odd_numbers_can_be_drawn(grader: Grader, value: str) -> None:
+def test_odd_numbers_can_be_drawn(grader: SandboxGrader, value: str) -> None:
     grading = grader.grade("l20/poses", attack("l20/poses", VALUES[value]), seed=3)
     assert grading.figures
     name, data = next(iter(grading.figures.items()))
@@ -118,7 +118,9 @@ def test_odd_numbers_can_be_drawn(grader: Grader, value: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["text", "keys", "raise-another"])
-def test_an_attack_is_stored_and_shown_on_the_whole_page(grader: Grader, small_site: SmallSite, value: str) -> None:
+def test_an_attack_is_stored_and_shown_on_the_whole_page(
+    grader: SandboxGrader, small_site: SmallSite, value: str
+) -> None:
     code = attack("l20/poses", VALUES[value])
     verdict = grader.grade("l20/poses", code, seed=3).verdict.to_json()
     page = small_site.get(small_site.attempt(code.decode(), verdict))

@@ -36,7 +36,7 @@ def test_a_guest_comes_back_to_the_exercise_with_the_work(site: Site) -> None:
     site.client.post("/inscription", data=FORM)
     site.client.post("/deconnexion")
     sent = site.client.post(f"{PAGE}/soumissions", data={"code": "pass"}, headers={"Accept": "application/json"}).json()
-    site.worker.step()
+    site.worker.run_one()
     assert suite(site.client.get(sent["verdict"]).text, "inscription") == PAGE, "the header that comes with a verdict"
     to_sign_up = site.client.get(f"/inscription?suite={suite(site.client.get(PAGE).text, 'inscription')}").text
     assert hidden(to_sign_up) == PAGE

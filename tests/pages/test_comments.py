@@ -36,7 +36,7 @@ class School:
     def send(self, code: str = CODE) -> str:
         """The address of the attempt's page."""
         answer = self.student.post(f"{PAGE}/soumissions", data={"code": code})
-        assert self.site.worker.step()
+        assert self.site.worker.run_one()
         return str(answer.headers["location"])
 
     def say(self, browser: TestClient, page: str, status: int = 303, **fields: str) -> str:
@@ -167,7 +167,7 @@ def test_what_concerns_somebody_else_is_not_there(school: School) -> None:
 def test_without_a_class_nobody_would_read_a_question(school: School) -> None:
     alone = person(school.site, name="Seule").browser(school.site)
     answer = alone.post(f"{PAGE}/soumissions", data={"code": CODE})
-    assert school.site.worker.step()
+    assert school.site.worker.run_one()
     for path in (PAGE, answer.headers["location"]):
         read = get(alone, path)
         assert "Je ne comprends pas" not in read

@@ -20,7 +20,7 @@ from server.figures.service import Figures
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.gradebook.schemas import GradingResult
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
 from server.identity.models import Role
 from server.submissions.models import Submission
 from tests.support.classes import Person, assign, new_class, person, seat
@@ -53,7 +53,7 @@ def draws(site: Site, **options: bool) -> Drawer:
     return drawer
 
 
-def judged(sent: SentFile) -> Judgement:
+def judged(sent: GradingInput) -> Judgement:
     verdict = replace(fake_verdict(sent.source.decode(), sent.seed), exercise=sent.exercise)
     return Judgement(verdict, {}, {"b": FILM, "zz": {"kind": "odd"}})
 
@@ -62,7 +62,7 @@ def sends(site: Site, who: Person, code: str = "x = 1  # outcome: wrong_answer")
     """The address of the attempt's page, once it is graded."""
     answer = site.client.post("/api/v1/submissions", json={"exercise": EXERCISE, "code": code}, headers=who.headers)
     assert answer.status_code == 202, answer.text
-    assert site.worker_with(judged).step()
+    assert site.worker_with(judged).run_one()
     return f"/soumissions/{answer.json()['id']}"
 
 

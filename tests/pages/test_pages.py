@@ -15,7 +15,7 @@ from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.identity.models import Account
 from server.pages.waiting import Watched
-from server.queue.port import Able
+from server.queue.interfaces import WorkerCapabilities
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
 from tests.support.counting import Counted
@@ -241,7 +241,7 @@ def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) 
 
 def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypatch: pytest.MonkeyPatch) -> None:
     app: Any = small_site.client.app
-    monkeypatch.setattr(get_service(app, Submissions), "_unattended", lambda: True)
+    monkeypatch.setattr(get_service(app, Submissions), "_is_stalled", lambda: True)
     href = small_site.submit()
     for path in (f"{href}/verdict", PAGE):
         assert "plus rien n’est corrigé depuis un moment" in small_site.get(path)
@@ -253,7 +253,7 @@ def test_what_waits_for_a_worker_of_its_version_is_told_to_who_waits(small_site:
     app: Any = small_site.client.app
     href = small_site.submit()
     with get_service(app, Database).write() as db:
-        assert get_service(app, Submissions)._queue.refuse(db, [GRADE], Able([], 60.0))
+        assert get_service(app, Submissions)._queue.mark_refused(db, [GRADE], WorkerCapabilities([], 60.0))
     for path in (f"{href}/verdict", PAGE):
         assert "attend un correcteur de la même version" in small_site.get(path)
     small_site.grade(verdict())

@@ -47,7 +47,7 @@ class Ada:
             code = f"x = {number}  # outcome: {'ok' if number % 7 == 3 else 'wrong_answer'}"
             with self.site.database.write() as db:
                 self.sent.append(store.submit(db, self.account, EXERCISE, code, address=ADDRESS))
-            assert not graded or worker.step()
+            assert not graded or worker.run_one()
 
     @property
     def pages(self) -> dict[str, str]:

@@ -16,7 +16,7 @@ PAGE, ASK = "/l20/exercices/poses", "Je ne comprends pas cette vérification"
 def send(site: Site, headers: dict[str, str], code: str) -> str:
     answer = site.client.post("/api/v1/submissions", json={"exercise": EXERCISE, "code": code}, headers=headers)
     assert answer.status_code == 202, answer.text
-    assert site.worker.step()
+    assert site.worker.run_one()
     return f"/soumissions/{answer.json()['id']}"
 
 

@@ -34,11 +34,11 @@ from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.marks import service as marks
 from server.marks.models import Override
 from server.personal import service
-from server.personal.joining import adopt
-from server.personal.service import Personal
-from server.personal.zipping import PIECE, zipped
+from server.personal.guest_adoption import adopt_guest_data
+from server.personal.service import PersonalData
+from server.personal.zip_stream import PIECE, stream_zip
 from server.queue.models import Job
-from server.submissions.models import Deal, Submission
+from server.submissions.models import Submission, Variant
 from server.submissions.service import Submissions
 from tests.support.classes import new_class, seat
 from tests.support.client import TestClient
@@ -54,7 +54,7 @@ def ada(site: Site) -> Site:
     """Somebody who has signed up, sent a file that was graded and answers that wait, and made a token."""
     site.client.post("/inscription", data=FORM)
     site.client.post(f"{POSES}/soumissions", data={"code": CODE})
-    assert site.worker.step()
+    assert site.worker.run_one()
     site.client.get(ANSWERS)
     site.client.post(f"{ANSWERS}/soumissions", data={"ds": "0,1"})
     site.client.post("/compte/jetons", data={"label": "portable"})
@@ -79,7 +79,7 @@ def counts(database: Database) -> dict[type, int]:
     with database.read() as db:
         return {
             table: db.execute(select(func.count()).select_from(table)).scalar_one()
-            for table in (Account, BrowserSession, ApiToken, Submission, Grading, Standing, Deal)
+            for table in (Account, BrowserSession, ApiToken, Submission, Grading, Standing, Variant)
         }
 
 
@@ -112,7 +112,7 @@ def test_it_is_given_to_its_owner_alone_and_not_too_often(ada: Site, course: Cou
     assert nobody.get("/compte/donnees").status_code == 401
     assert nobody.get("/api/v1/me/export").status_code == 401
     slow = ada.settings.model_copy(update={"export_burst": 1, "export_refill_seconds": 1000.0})
-    add_services(ada.app, Personal(ada.database, slow, course))
+    add_services(ada.app, PersonalData(ada.database, slow, course))
     assert ada.client.get("/compte/donnees").status_code == 200
     assert ada.client.get("/compte/donnees").status_code == 429
 
@@ -134,7 +134,7 @@ def test_an_archive_is_sent_while_it_is_made() -> None:
             made.append(number)
             yield f"{number}", Random(number).randbytes(PIECE)
 
-    pieces = zipped(files(), utc_now())
+    pieces = stream_zip(files(), utc_now())
     first = next(pieces)
     assert len(made) < 10
     rest = list(pieces)
@@ -147,7 +147,7 @@ def test_an_archive_is_sent_while_it_is_made() -> None:
 def test_erasing_asks_for_the_password_and_leaves_nothing(ada: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service, "ERASED_AT_ONCE", 1)
     before = counts(ada.database)
-    assert before == {Account: 1, BrowserSession: 1, ApiToken: 1, Submission: 2, Grading: 1, Standing: 1, Deal: 1}
+    assert before == {Account: 1, BrowserSession: 1, ApiToken: 1, Submission: 2, Grading: 1, Standing: 1, Variant: 1}
     assert ada.client.get("/compte/supprimer").status_code == 200
     refused = ada.client.post("/compte/supprimer", data={"password": "au hasard"})
     assert (refused.status_code, 'id="password-probleme"' in refused.text) == (422, True)
@@ -157,7 +157,7 @@ def test_erasing_asks_for_the_password_and_leaves_nothing(ada: Site, monkeypatch
     assert ada.client.get("/compte/efface").status_code == 200
     assert set(counts(ada.database).values()) == {0}
     assert ada.client.post("/connexion", data=FORM).status_code == 422
-    while ada.worker.step():  # what waited is of nobody any more
+    while ada.worker.run_one():  # what waited is of nobody any more
         pass
     with ada.database.read() as db:
         assert db.execute(select(Job)).first() is None
@@ -194,9 +194,9 @@ def test_what_a_teacher_opened_stays_open_without_a_name(database: Database, bot
         db.add(SolutionOpening(exercise=EXERCISE, opened_by=teacher.id))
         for account in (teacher, ada):
             store.submit(db, account, EXERCISE, "pass", address="192.0.2.1")
-    while worker_of(database, both).step():
+    while worker_of(database, both).run_one():
         pass
-    Personal(database, both, course).erase(teacher.id)
+    PersonalData(database, both, course).erase(teacher.id)
     with database.read() as db:
         opening = db.execute(select(SolutionOpening)).scalar_one()
         assert (opening.exercise, opening.opened_by) == (EXERCISE, None)
@@ -214,12 +214,12 @@ def test_erasing_does_not_read_every_submission(sqlite: Database) -> None:
 def test_guests_that_nothing_leads_to_are_forgotten(site: Site) -> None:
     site.client.post(f"{POSES}/soumissions", data={"code": CODE})
     kept = new_account(site.database)  # a student without a session
-    personal = Personal(site.database, site.settings, None)  # type: ignore[arg-type]
+    personal = PersonalData(site.database, site.settings, None)  # type: ignore[arg-type]
     later = utc_now() + timedelta(days=2)
-    assert personal.forget_guests(later) == 0, "its browser may come back"
+    assert personal.erase_lost_guests(later) == 0, "its browser may come back"
     site.client.post("/deconnexion")
-    assert personal.forget_guests(utc_now()) == 0, "not the same day"
-    assert personal.forget_guests(later) == 1
+    assert personal.erase_lost_guests(utc_now()) == 0, "not the same day"
+    assert personal.erase_lost_guests(later) == 1
     with site.database.read() as db:
         assert db.execute(select(Account.id)).scalars().all() == [kept.id]
         assert db.execute(select(Submission)).first() is None
@@ -265,8 +265,8 @@ class Establishment:
 
     def outdated(self, **settings: int) -> set[UUID]:
         kept = Settings(**settings)  # type: ignore[arg-type]
-        personal = Personal(self.database, kept, None)  # type: ignore[arg-type]
-        return {account.id for account in personal.outdated(utc_now())}
+        personal = PersonalData(self.database, kept, None)  # type: ignore[arg-type]
+        return {account.id for account in personal.find_expired_students(utc_now())}
 
 
 @pytest.fixture
@@ -306,7 +306,7 @@ def test_what_is_heard_of_somebody_keeps_them(school: Establishment) -> None:
 
 def test_who_is_kept_no_longer_is_erased_by_the_service(school: Establishment) -> None:
     gone, kept = school.student(), school.student(status=Status.active, left_at=None)
-    Personal(school.database, Settings(left_days=90), None).purge(utc_now())  # type: ignore[arg-type]
+    PersonalData(school.database, Settings(left_days=90), None).erase_expired_students(utc_now())  # type: ignore[arg-type]
     with school.database.read() as db:
         assert db.get(Account, gone) is None
         assert db.get(Account, kept) is not None
@@ -368,8 +368,8 @@ def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
     (one,) = read(archive(ada.client.get("/compte/donnees")), "classes.json")
     assert (one["class"], one["role"], one["status"]) == ("MPSI 2", "student", "active")
     assert (one["family_name"], one["groups"]) == ("Lovelace", ["TP1"])
-    get_service(ada.app, Personal).erase(account.id)
-    get_service(ada.app, Personal).erase(teacher.id)
+    get_service(ada.app, PersonalData).erase(account.id)
+    get_service(ada.app, PersonalData).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Membership)).first() is None
         assert db.execute(select(SchoolClass.created_by)).scalar_one() is None
@@ -394,8 +394,8 @@ def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, cou
     changed = {one["what"]: one["reason"] for one in kept["changes_about_you"]}
     assert changed == {"mark_overridden": "malade ce jour-là", "exemption_made": ""}
     assert kept["changes_you_made"] == kept["overrides_you_set"] == []
-    get_service(ada.app, Personal).erase(account.id)
-    get_service(ada.app, Personal).erase(teacher.id)
+    get_service(ada.app, PersonalData).erase(account.id)
+    get_service(ada.app, PersonalData).erase(teacher.id)
     with ada.database.read() as db:
         assert db.execute(select(Override)).first() is None
         events = db.execute(select(AuditEvent)).scalars().all()
@@ -413,7 +413,7 @@ def test_a_guest_s_marks_follow_into_the_account(sqlite: Database, course: Cours
             marks.set_override(
                 db, course, made, teacher, student.id, exercise, points=points, excused=False, reason="x"
             )
-        adopt(db, guest.id, account.id)
+        adopt_guest_data(db, guest.id, account.id)
     with sqlite.read() as db:
         found = marks.load_effective_points(db, made.id, [guest.id, account.id], [EXERCISE, "l20/calcul_odometrie"])
         assert {key: one.points for key, one in found.items()} == {

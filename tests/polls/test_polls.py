@@ -15,7 +15,7 @@ from server.classes.models import ClassRole, SchoolClass, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account, Role
-from server.personal.joining import adopt
+from server.personal.guest_adoption import adopt_guest_data
 from server.polls import repository, service
 from server.polls.models import PollAnswer
 from tests.support.classes import assign, new_class, person, seat
@@ -174,7 +174,7 @@ def test_answers_are_kept_twice_over_and_move_without_loss(database: Database) -
             repository.keep_first(db, account.id, poll, answer)
             repository.keep_first(db, account.id, poll, "z")
     with database.write() as db:
-        adopt(db, guest.id, ada.id)
+        adopt_guest_data(db, guest.id, ada.id)
         repository.keep(db, ada.id, "l20/a", "w")
     assert kept(database, ada) == {"l20/a": ("x", "w", 2), "l20/b": ("y", "y", 1)}
 

@@ -19,18 +19,18 @@ from sqlalchemy.orm import Session
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
-from server.grading.task import give_ups
+from server.grading.grading_task import give_up_handlers
 from server.identity.models import Account
+from server.queue.interfaces import JobNotification, Lease, Sender
+from server.queue.lease_owner import is_dead, parse_owner, process_owner
 from server.queue.models import Job
-from server.queue.owner import is_dead, owner_of, parse
-from server.queue.port import Call, Lease, Sender
 from server.queue.service import MAX_TRIES, TableQueue
-from server.submissions.models import State
-from server.submissions.service import GRADE, Place, Submissions
+from server.submissions.models import SubmissionState
+from server.submissions.service import GRADE, GradingProgress, Submissions
 from tests.support.service import ADDRESS, EXERCISE
 
-HERE = owner_of(os.getpid())
-GONE = replace(HERE, started="1")
+HERE = process_owner(os.getpid())
+GONE = replace(HERE, start_time="1")
 KIND = "bake"
 
 
@@ -38,13 +38,13 @@ class Told:
     """What the queue signals."""
 
     def __init__(self) -> None:
-        self.queue, self.news, self.calls = TableQueue(self), list[str](), list[Call]()
+        self.queue, self.news, self.calls = TableQueue(self), list[str](), list[JobNotification]()
 
-    def queued(self, db: Session, call: Call, /) -> None:
+    def job_queued(self, db: Session, call: JobNotification, /) -> None:
         self.news.append("queued")
         self.calls.append(call)
 
-    def changed(self, db: Session, news: str) -> None:
+    def job_changed(self, db: Session, news: str) -> None:
         self.news.append(news)
 
 
@@ -59,7 +59,7 @@ class Bakery:
     def put(self, *keys: str, kind: str = KIND, priority: int = 0) -> None:
         for key in keys:
             with self.database.write() as db:
-                self.queue.put(db, kind, key, {"of": "rye"}, Sender(rank=priority))
+                self.queue.enqueue(db, kind, key, {"of": "rye"}, Sender(rank=priority))
 
     def claim(self, owner: object = HERE, seconds: float = 60, kinds: tuple[str, ...] = (KIND,)) -> Lease | None:
         with self.database.write() as db:
@@ -76,11 +76,11 @@ class Bakery:
 
     def recover(self) -> int:
         with self.database.write() as db:
-            return self.queue.recover(db, HERE, {KIND: self._give_up})
+            return self.queue.recover_lost(db, HERE, {KIND: self._give_up})
 
     def release(self, owner: object) -> int:
         with self.database.write() as db:
-            return self.queue.release(db, owner, {KIND: self._give_up})  # type: ignore[arg-type]
+            return self.queue.recover_from(db, owner, {KIND: self._give_up})  # type: ignore[arg-type]
 
     def _give_up(self, db: Session, lease: Lease) -> None:
         self.given_up.append(lease.key)
@@ -121,12 +121,12 @@ def test_lower_priorities_first_then_the_oldest_and_places_follow(bakery: Bakery
 def test_a_claim_tells_whether_others_wait_of_the_kinds_asked_for(bakery: Bakery) -> None:
     bakery.put("a", "b")
     bakery.put("letter", kind="mail")
-    assert bakery.claimed().followed
-    assert not bakery.claimed().followed, "neither what is begun nor another kind waits"
+    assert bakery.claimed().more_waiting
+    assert not bakery.claimed().more_waiting, "neither what is begun nor another kind waits"
     bakery.put("c")
     lease = bakery.claim(kinds=(KIND, "mail"))
     assert lease is not None
-    assert lease.followed
+    assert lease.more_waiting
 
 
 def test_an_empty_queue_gives_nothing(bakery: Bakery) -> None:
@@ -230,10 +230,10 @@ def test_a_submission_given_up_is_our_error_and_costs_nothing(
     for _ in range(MAX_TRIES):
         with database.write() as db:
             assert queue.claim(db, GONE, [GRADE], 60)
-            assert queue.release(db, GONE, give_ups(course)) == 1
+            assert queue.recover_from(db, GONE, give_up_handlers(course)) == 1
     with database.read() as db:
         attempt = gradebook.find_attempt(db, ada, sent.id)
-        assert store.place(db, attempt.submission) == Place(State.done)
+        assert store.progress(db, attempt.submission) == GradingProgress(SubmissionState.done)
         grading = attempt.grading
         assert grading is not None
         assert (grading.outcome, grading.score) == ("internal_error", None)
@@ -247,7 +247,7 @@ def test_what_is_given_back_has_not_been_tried(bakery: Bakery) -> None:
     bakery.put("a")
     lease = bakery.claimed()
     with bakery.database.write() as db:
-        bakery.queue.give_back(db, lease)
+        bakery.queue.requeue_untried(db, lease)
     (job,) = bakery.jobs()
     assert (job.lease_token, job.started_at, job.tries) == (None, None, 0)
     assert not bakery.finish(lease)
@@ -266,8 +266,8 @@ def test_a_lease_of_another_machine_waits_for_its_end(bakery: Bakery) -> None:
 
 def test_owners_are_told_dead_or_alive() -> None:
     child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
-    owner = owner_of(child.pid)
-    assert parse(str(owner)) == owner
+    owner = process_owner(child.pid)
+    assert parse_owner(str(owner)) == owner
     assert not is_dead(str(owner), HERE)
     child.kill()
     child.wait()
@@ -276,7 +276,12 @@ def test_owners_are_told_dead_or_alive() -> None:
 
 @pytest.mark.parametrize(
     ("change", "dead"),
-    [({"boot": "another"}, True), ({"host": "elsewhere"}, False), ({"namespace": "another"}, False), ({}, False)],
+    [
+        ({"boot_id": "another"}, True),
+        ({"host": "elsewhere"}, False),
+        ({"pid_namespace": "another"}, False),
+        ({}, False),
+    ],
 )
 def test_only_certain_deaths_are_told(change: dict[str, str], dead: bool) -> None:
     assert is_dead(str(replace(HERE, **change)), HERE) is dead  # type: ignore[arg-type]

@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from server.queue.channel import Channel
-from server.queue.polling import Polling
-from server.queue.port import BEGUN
-from server.queue.switchboard import Switchboard
-from server.submissions import events as events_module
-from server.submissions.events import Events, as_sse
+from server.queue.interfaces import JOB_STARTED_SUFFIX
+from server.queue.polling import PollingSource
+from server.queue.wakeups import WakeupDispatcher
+from server.queue.worker_channel import WorkerChannel
+from server.submissions import job_events as events_module
+from server.submissions.job_events import JobEvents, stream_sse
 from tests.support.quick import in_a_loop
 
 
@@ -30,10 +30,10 @@ class Wire:
         self.sent.append(data)
 
 
-def run(scenario: Callable[[Switchboard, list[str]], Any]) -> None:
+def run(scenario: Callable[[WakeupDispatcher, list[str]], Any]) -> None:
     async def main() -> None:
         told: list[str] = []
-        board = Switchboard(told.append)
+        board = WakeupDispatcher(told.append)
         board.bind(asyncio.get_running_loop())
         await scenario(board, told)
 
@@ -41,15 +41,15 @@ def run(scenario: Callable[[Switchboard, list[str]], Any]) -> None:
 
 
 def test_one_idle_worker_is_woken_for_each_submission() -> None:
-    async def scenario(board: Switchboard, _told: list[str]) -> None:
+    async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         one, two = Wire(), Wire()
-        board.heard(one, "idle")
-        board.heard(two, "idle")
-        board.wake()
+        board.handle_message(one, "idle")
+        board.handle_message(two, "idle")
+        board.wake_worker()
         await asyncio.sleep(0)
         await asyncio.sleep(0)
         assert sorted([one.sent, two.sent]) == [[], [b"work\n"]]
-        board.wake()
+        board.wake_worker()
         await asyncio.sleep(0)
         await asyncio.sleep(0)
         assert [one.sent, two.sent] == [[b"work\n"], [b"work\n"]]
@@ -58,31 +58,31 @@ def test_one_idle_worker_is_woken_for_each_submission() -> None:
 
 
 def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
-    async def scenario(board: Switchboard, _told: list[str]) -> None:
+    async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         worker = Wire()
-        board.wake()
+        board.wake_worker()
         await asyncio.sleep(0.01)
-        board.heard(worker, "idle")
+        board.handle_message(worker, "idle")
         assert worker.sent == [b"work\n"]
-        board.heard(worker, "idle")
+        board.handle_message(worker, "idle")
         assert worker.sent == [b"work\n"], "it is owed once"
 
     run(scenario)
 
 
 def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_there_are_workers() -> None:
-    async def scenario(board: Switchboard, _told: list[str]) -> None:
+    async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         one, two = Wire(), Wire()
         for worker in (one, two):
-            board.heard(worker, "idle")
+            board.handle_message(worker, "idle")
         for _ in range(7):  # two wake them, the others find them busy
-            board.wake()
+            board.wake_worker()
         await asyncio.sleep(0.01)
         for _ in range(3):
-            board.heard(one, "idle")
+            board.handle_message(one, "idle")
         assert [len(one.sent), len(two.sent)] == [3, 1], "its own, and two that are owed"
-        board.gone(one)
-        board.heard(two, "idle")
+        board.remove_worker(one)
+        board.handle_message(two, "idle")
         assert len(two.sent) == 1
 
     run(scenario)
@@ -91,32 +91,32 @@ def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_t
 def test_who_has_woken_by_itself_takes_no_wake_up_from_who_sleeps() -> None:
     """It may be busy for long with what it finds; one that had been sent to it already is another's too."""
 
-    async def scenario(board: Switchboard, _told: list[str]) -> None:
+    async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         asleep, looking = Wire(), Wire()
-        board.heard(asleep, "idle")
-        board.heard(looking, "idle")
-        board.heard(looking, "awake")
-        board.wake()
+        board.handle_message(asleep, "idle")
+        board.handle_message(looking, "idle")
+        board.handle_message(looking, "awake")
+        board.wake_worker()
         assert [len(asleep.sent), len(looking.sent)] == [1, 0]
-        board.wake()  # nobody sleeps: it is owed
-        board.heard(looking, "idle")
+        board.wake_worker()  # nobody sleeps: it is owed
+        board.handle_message(looking, "idle")
         assert [len(asleep.sent), len(looking.sent)] == [1, 1]
-        board.heard(asleep, "idle")
-        board.heard(looking, "idle")
-        board.wake()
-        board.heard(looking, "awake")
+        board.handle_message(asleep, "idle")
+        board.handle_message(looking, "idle")
+        board.wake_worker()
+        board.handle_message(looking, "awake")
         assert [len(asleep.sent), len(looking.sent)] == [2, 2]
 
     run(scenario)
 
 
 def test_the_dead_are_not_woken() -> None:
-    async def scenario(board: Switchboard, _told: list[str]) -> None:
+    async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         dead, alive = Wire(), Wire()
-        board.heard(alive, "idle")
-        board.heard(dead, "idle")
-        board.gone(dead)
-        board.wake()
+        board.handle_message(alive, "idle")
+        board.handle_message(dead, "idle")
+        board.remove_worker(dead)
+        board.wake_worker()
         await asyncio.sleep(0.01)
         assert (dead.sent, alive.sent) == ([], [b"work\n"])
 
@@ -125,7 +125,7 @@ def test_the_dead_are_not_woken() -> None:
 
 def test_the_channel_carries_both_ways() -> None:
     web, worker = socket.socketpair()
-    channel, name = Channel(worker), "a"
+    channel, name = WorkerChannel(worker), "a"
     web.sendall(b"work\n")
     assert channel.wait(20)
     assert web.recv(100) == b"idle\n"
@@ -134,14 +134,14 @@ def test_the_channel_carries_both_ways() -> None:
     web.close()
     assert not channel.wait(20), "the web process is gone"
     database_less: Any = type("Db", (), {"info": {}})()
-    channel.changed(database_less, name)
+    channel.job_changed(database_less, name)
     for action in database_less.info["after_commit"]:
         action()  # nobody listens any more: this must not fail what has been recorded
     worker.close()
 
 
 def test_polling_always_looks_again() -> None:
-    assert Polling(0.001).wait(10)
+    assert PollingSource(0.001).wait(10)
 
 
 @dataclass(frozen=True)
@@ -167,13 +167,13 @@ def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPat
         return Count(reads[-1])
 
     async def main() -> list[int]:
-        events, name = Events(), "a"
+        events, name = JobEvents(), "a"
         watching = asyncio.create_task(collect(events.follow(name, read)))
         for value in (1, 1, 2, 3):
             while reads[-1:] != state:  # the watcher has seen how things stand
                 await asyncio.sleep(0.005)
             state[0] = value
-            events.changed(name)
+            events.job_changed(name)
         return await asyncio.wait_for(watching, 20)
 
     assert in_a_loop(main()) == [0, 1, 2, 3]
@@ -184,7 +184,7 @@ def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
     state = iter([0, 0, 1, 3])
 
     async def main() -> list[int]:
-        return await asyncio.wait_for(collect(Events().follow("a", lambda: Count(next(state)))), 20)
+        return await asyncio.wait_for(collect(JobEvents().follow("a", lambda: Count(next(state)))), 20)
 
     assert in_a_loop(main()) == [0, 1, 3]
 
@@ -198,12 +198,12 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
         return Count(reads[-1])
 
     async def main() -> list[int]:
-        events = Events()
+        events = JobEvents()
         watching = asyncio.create_task(collect(events.follow("a", read)))
         while not reads:
             await asyncio.sleep(0.005)
         state[0] = 3
-        events.changed("b")
+        events.job_changed("b")
         return await asyncio.wait_for(watching, 20)
 
     assert in_a_loop(main()) == [2, 3]
@@ -215,11 +215,11 @@ def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 3600.0)
 
     async def main() -> list[tuple[int, bool]]:
-        events = Events()
+        events = JobEvents()
         with ExitStack() as stack:
             waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(25)]
             board = stack.enter_context(events._watch("class", onlooking=True))
-            events.changed("another")
+            events.job_changed("another")
             told = []
             for _ in range(4):
                 events._move()
@@ -235,13 +235,13 @@ def test_what_changes_while_they_are_told_is_told_to_all_again(monkeypatch: pyte
     monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 0.001)
 
     async def main() -> None:
-        events = Events()
+        events = JobEvents()
         with ExitStack() as stack:
             waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(7)]
-            events.changed("another")
+            events.job_changed("another")
             await waiting[0].wait()
             waiting[0].clear()
-            events.changed("another")
+            events.job_changed("another")
             await asyncio.wait_for(waiting[0].wait(), 20)
 
     in_a_loop(main())
@@ -256,7 +256,7 @@ def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytes
     monkeypatch.setattr(events_module, "_wait", note)
 
     async def main() -> None:
-        events = Events()
+        events = JobEvents()
         with ExitStack() as stack:
             for count in (1, 799):
                 for key in range(count):
@@ -269,7 +269,7 @@ def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytes
     assert (alone, crowded) == (events_module.SAFETY_POLL, 801 / events_module.LOOKS_A_SECOND)
 
 
-async def watched(events: Events) -> None:
+async def watched(events: JobEvents) -> None:
     while not events._watchers:
         await asyncio.sleep(0.005)
 
@@ -285,15 +285,15 @@ def test_who_waits_for_the_end_alone_reads_once(monkeypatch: pytest.MonkeyPatch)
         return Count(3)
 
     async def main() -> tuple[int, Count]:
-        events, key = Events(), "a"
-        waiting = asyncio.create_task(events.until_done(key, read, 20))
-        while not events.following():
+        events, key = JobEvents(), "a"
+        waiting = asyncio.create_task(events.wait_until_done(key, read, 20))
+        while not events.count_watchers():
             await asyncio.sleep(0)
-        events.changed(key + BEGUN)
-        events.changed("another")
+        events.job_changed(key + JOB_STARTED_SUFFIX)
+        events.job_changed("another")
         await asyncio.sleep(0.02)
         before = len(reads)
-        events.changed(key)
+        events.job_changed(key)
         return before, await waiting
 
     assert in_a_loop(main()) == (0, Count(3))
@@ -305,11 +305,11 @@ def test_an_end_that_comes_before_its_waiter_is_not_missed(monkeypatch: pytest.M
     monkeypatch.setattr(events_module, "REMEMBERED", 3)
 
     async def main() -> Count:
-        events = Events()
+        events = JobEvents()
         for key in ("old", "older", "a", "b"):
-            events.changed(key)
+            events.job_changed(key)
         assert list(events._latest) == ["older", "a", "b"], "no more is remembered than may be"
-        return await asyncio.wait_for(events.until_done("a", lambda: Count(3), 60), 20)
+        return await asyncio.wait_for(events.wait_until_done("a", lambda: Count(3), 60), 20)
 
     assert in_a_loop(main()) == Count(3)
 
@@ -317,14 +317,14 @@ def test_an_end_that_comes_before_its_waiter_is_not_missed(monkeypatch: pytest.M
 def test_who_waits_for_an_end_whose_signal_is_lost_looks_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 0.01)
     state = iter([0, 0, 3])
-    found = in_a_loop(Events().until_done("a", lambda: Count(next(state)), 20))
+    found = in_a_loop(JobEvents().wait_until_done("a", lambda: Count(next(state)), 20))
     assert found == Count(3)
 
 
 def test_nothing_is_kept_of_watchers_who_leave() -> None:
     async def main() -> dict[Any, Any]:
-        events, name = Events(), "a"
-        await events.until_done(name, lambda: Count(0), 0.02)
+        events, name = JobEvents(), "a"
+        await events.wait_until_done(name, lambda: Count(0), 0.02)
         watching = asyncio.create_task(collect(events.follow(name, lambda: Count(0))))
         await watched(events)
         watching.cancel()
@@ -336,9 +336,9 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
 
 def test_a_stopping_server_ends_the_watches() -> None:
     async def main() -> tuple[list[int], Count]:
-        events = Events()
+        events = JobEvents()
         watching = asyncio.create_task(collect(events.follow("a", lambda: Count(0))))
-        waiting = asyncio.create_task(events.until_done("a", lambda: Count(1), 60))
+        waiting = asyncio.create_task(events.wait_until_done("a", lambda: Count(1), 60))
         await watched(events)
         events.close()
         return await asyncio.wait_for(watching, 20), await asyncio.wait_for(waiting, 20)
@@ -351,6 +351,6 @@ def test_an_event_of_several_lines_stays_one_event() -> None:
         async def one() -> AsyncIterator[Count]:
             yield Count(3)
 
-        return [text async for text in as_sse(one(), lambda _: "a\nb", name="x")]
+        return [text async for text in stream_sse(one(), lambda _: "a\nb", name="x")]
 
     assert in_a_loop(main()) == ["event: x\ndata: a\ndata: b\n\n"]

@@ -17,23 +17,23 @@ from sqlalchemy import delete, select, text
 from server.base.http import visitor_key
 from server.database import Database
 from server.identity.models import Account, Role
+from server.queue.interfaces import BacklogLimits, Lease, NullNotifier, QueueFullError, Sender
+from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.owner import owner_of
-from server.queue.port import HeapError, Lease, Most, NoSignals, Sender
 from server.queue.service import TableQueue
-from server.submissions.senders import sender_of
+from server.submissions.queue_senders import queue_sender
 from tests.support.counting import Counted
 
-HERE, KIND = owner_of(os.getpid()), "bake"
-QUEUE = TableQueue(NoSignals())
+HERE, KIND = process_owner(os.getpid()), "bake"
+QUEUE = TableQueue(NullNotifier())
 
 
 def guest(name: str, address: str = "192.0.2.1") -> Sender:
-    return Sender(name, address, line=address, rank=1)
+    return Sender(name, address, flow=address, rank=1)
 
 
 def member(name: str, address: str = "192.0.2.1") -> Sender:
-    return Sender(name, address, line=name)
+    return Sender(name, address, flow=name)
 
 
 @dataclass
@@ -43,12 +43,12 @@ class Bakery:
     database: Database
     sent: Counter[str] = field(default_factory=Counter)
 
-    def put(self, sender: Sender, count: int = 1, most: Most | None = None) -> list[str]:
+    def put(self, sender: Sender, count: int = 1, most: BacklogLimits | None = None) -> list[str]:
         keys = [f"{sender.name}#{self.sent[sender.name] + k}" for k in range(count)]
         self.sent[sender.name] += count
         with self.database.write() as db:
             for key in keys:
-                QUEUE.put(db, KIND, key, {}, sender, most)
+                QUEUE.enqueue(db, KIND, key, {}, sender, most)
         return keys
 
     def claim(self) -> Lease | None:
@@ -139,7 +139,7 @@ def test_what_is_given_back_keeps_its_turn(bakery: Bakery) -> None:
     lease = bakery.claim()
     assert lease is not None
     with bakery.database.write() as db:
-        QUEUE.give_back(db, lease)
+        QUEUE.requeue_untried(db, lease)
     assert who(bakery.served()) == "aba"
 
 
@@ -169,7 +169,7 @@ class Field:
         ahead: dict[str, tuple[Counter[str], Counter[str]]] = {}  # of who waits for a first: lines and senders passed
         for step in [*steps, *[None, 0] * (len(steps) + 1)]:
             if isinstance(step, Sender):
-                alone = not any(waiting[one.name] for one in SENDERS if one.line == step.line)
+                alone = not any(waiting[one.name] for one in SENDERS if one.flow == step.flow)
                 (key,) = bakery.put(step)
                 if not waiting[step.name]:
                     ahead[key] = (Counter() if alone else Counter({"": -1000}), Counter())
@@ -185,12 +185,12 @@ class Field:
                 for key, (lines, names) in ahead.items():
                     mine = senders[key.partition("#")[0]]
                     assert begun.rank <= mine.rank
-                    if begun.line == mine.line:
+                    if begun.flow == mine.flow:
                         names[begun.name] += 1
                         assert names[begun.name] <= 1, (key, lease.key)
                     elif begun.rank == mine.rank and not lines[""]:
-                        lines[begun.line] += 1
-                        assert lines[begun.line] <= 1, (key, lease.key)
+                        lines[begun.flow] += 1
+                        assert lines[begun.flow] <= 1, (key, lease.key)
         assert not any(waiting.values()), "everybody has had their turns"
 
 
@@ -218,7 +218,7 @@ def test_many_put_and_many_take_at_once_and_nothing_is_lost(either: Bakery) -> N
 
 
 def test_a_heap_has_a_height_for_each_and_for_each_address_and_rank(either: Bakery) -> None:
-    most = Most(each=2, from_address=3)
+    most = BacklogLimits(per_sender=2, per_address=3)
     either.put(guest("a"), 2, most)
     for refused, whose in (
         (guest("a"), "sender"),
@@ -229,9 +229,9 @@ def test_a_heap_has_a_height_for_each_and_for_each_address_and_rank(either: Bake
         if whose is None:
             either.put(refused, 1, most)
             continue
-        with pytest.raises(HeapError) as full:
+        with pytest.raises(QueueFullError) as full:
             either.put(refused, 1, most)
-        assert full.value.whose == whose
+        assert full.value.scope == whose
     either.put(guest("c", "198.51.100.7"), 1, most)
     either.put(member("B"), 1, most)
     lease = either.claim()
@@ -259,13 +259,13 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
     ada, bob = (Account(id=uuid4(), role=role, name="…") for role in (Role.student, Role.teacher))
     one, two = (Account(id=uuid4(), role=Role.guest, name="…") for _ in range(2))
     at = "192.0.2.1"
-    senders = [sender_of(account, at) for account in (ada, bob, one, two)]
+    senders = [queue_sender(account, at) for account in (ada, bob, one, two)]
     assert [sender.rank for sender in senders] == [1, 1, 2, 2]
-    pupils = [sender_of(account, at, member=True) for account in (ada, one)]
+    pupils = [queue_sender(account, at, member=True) for account in (ada, one)]
     assert [sender.rank for sender in pupils] == [0, 0], "a class comes first"
-    assert pupils[1].line not in {at, pupils[0].line}, "a line has one rank"
-    assert len({sender.line for sender in senders}) == 3
-    assert senders[2].line == senders[3].line == at
+    assert pupils[1].flow not in {at, pupils[0].flow}, "a line has one rank"
+    assert len({sender.flow for sender in senders}) == 3
+    assert senders[2].flow == senders[3].flow == at
     assert len({sender.name for sender in senders}) == 4
 
 
@@ -279,19 +279,19 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
     ],
 )
 def test_who_may_choose_among_addresses_has_one(address: str, network: str) -> None:
-    assert guest_at(visitor_key(address)).line == network
+    assert guest_at(visitor_key(address)).flow == network
 
 
 def test_what_the_limits_call_a_visitor_is_taken_as_it_is() -> None:
-    assert guest_at("testclient").line == "testclient"
+    assert guest_at("testclient").flow == "testclient"
 
 
 def guest_at(address: str) -> Sender:
-    return sender_of(Account(id=uuid4(), role=Role.guest, name="…"), address)
+    return queue_sender(Account(id=uuid4(), role=Role.guest, name="…"), address)
 
 
 def test_jobs_are_read_back_with_their_sender(bakery: Bakery) -> None:
     bakery.put(guest("a"))
     with bakery.database.read() as db:
         job = db.execute(select(Job)).scalar_one()
-    assert (job.sender, job.address, job.line, job.priority) == ("a", "192.0.2.1", "192.0.2.1", 1)
+    assert (job.sender, job.address, job.flow, job.priority) == ("a", "192.0.2.1", "192.0.2.1", 1)

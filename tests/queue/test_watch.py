@@ -7,12 +7,12 @@ import os
 import pytest
 
 from server.database import Database
-from server.queue.owner import owner_of
-from server.queue.port import Lease, NoSignals, Sender
+from server.queue.interfaces import Lease, NullNotifier, Sender
+from server.queue.lease_owner import process_owner
 from server.queue.service import TableQueue
-from server.queue.watch import PATIENCE, Watch
+from server.queue.watchdog import STALL_SECONDS, StallWatchdog
 
-QUEUE, HERE, KIND = TableQueue(NoSignals()), owner_of(os.getpid()), "bake"
+QUEUE, HERE, KIND = TableQueue(NullNotifier()), process_owner(os.getpid()), "bake"
 
 
 class Watched:
@@ -20,11 +20,11 @@ class Watched:
 
     def __init__(self, database: Database) -> None:
         self.database, self.now = database, 0.0
-        self.watch = Watch(QUEUE, [KIND], lambda: self.now)
+        self.watch = StallWatchdog(QUEUE, [KIND], lambda: self.now)
 
     def put(self, key: str, sender: Sender | None = None, kind: str = KIND) -> None:
         with self.database.write() as db:
-            QUEUE.put(db, kind, key, {}, sender or Sender())
+            QUEUE.enqueue(db, kind, key, {}, sender or Sender())
 
     def claim(self) -> Lease:
         with self.database.write() as db:
@@ -39,8 +39,8 @@ class Watched:
     def look(self, later: float = 0.0) -> bool:
         self.now += later
         with self.database.read() as db:
-            self.watch.look(db)
-        return self.watch.unattended
+            self.watch.check(db)
+        return self.watch.stalled
 
 
 @pytest.fixture
@@ -53,15 +53,15 @@ def test_what_nobody_takes_is_told_once_and_so_is_its_end(watched: Watched, capl
     watched.put("a")
     assert not watched.look()
     watched.put("b", Sender("who comes before", rank=-1))
-    assert not watched.look(PATIENCE / 2)
-    assert watched.look(PATIENCE / 2), "a newcomer that comes first changes nothing"
+    assert not watched.look(STALL_SECONDS / 2)
+    assert watched.look(STALL_SECONDS / 2), "a newcomer that comes first changes nothing"
     assert watched.look(1000)
     lease = watched.claim()
     assert not watched.look(1)
     watched.finish(lease)
     assert not watched.look(1), "the other one waits, but since a moment only"
     assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
-    assert watched.look(PATIENCE)
+    assert watched.look(STALL_SECONDS)
 
 
 def test_a_long_queue_is_no_reason(watched: Watched) -> None:
@@ -69,7 +69,7 @@ def test_a_long_queue_is_no_reason(watched: Watched) -> None:
         watched.put(str(number))
     for _ in range(3):
         lease = watched.claim()
-        assert not watched.look(3 * PATIENCE), "one is being done"
+        assert not watched.look(3 * STALL_SECONDS), "one is being done"
         watched.finish(lease)
         assert not watched.look(), "and none is, for now"
 

@@ -28,7 +28,7 @@ from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.gradebook.models import Grading, Standing
 from server.gradebook.standings import StandingTotals
-from server.grading.regrading import give_ups
+from server.grading.regrade_task import give_up_handlers
 from server.identity import repository as identity
 from server.identity.models import Account
 from server.queue.models import Job
@@ -38,7 +38,7 @@ from server.regrades.models import Regrade, RegradeItem, RegradePolicy
 from server.regrades.schemas import MarkChange, MarkOutcome, RegradeState
 from server.regrades.service import REGRADE_JOB
 from server.submissions.models import Submission
-from server.submissions.service import GRADE, key_of
+from server.submissions.service import GRADE, job_key
 from tests.support.classes import seat
 from tests.support.counting import Counted
 from tests.support.quick import migrated
@@ -165,7 +165,7 @@ def test_what_makes_the_marks_is_graded_first(quick: Lesson) -> None:
     ada, bob = quick.arrive(), quick.arrive()
     sent = [quick.sent(ada, points, 20) for points in (2, 14, 4, 6)] + [quick.sent(bob, 3, 20)]
     regrade = quick.start()
-    quick.worker.step()
+    quick.worker.run_one()
     assert (seen(quick, regrade)[0], seen(quick, regrade)[1][0].waiting) == (RegradeState.running, 3)
     with quick.database.read() as db:
         rows = db.execute(select(RegradeItem).order_by(RegradeItem.position)).scalars().all()
@@ -282,7 +282,7 @@ def test_two_versions_do_not_mix(quick: Lesson) -> None:
     quick.sent(ada, 4, 8)
     quick.sent(ada, 4, 9)
     regrade = quick.start()
-    quick.worker.step()
+    quick.worker.run_one()
     quick.version = "v3"
     quick.work()
     with pytest.raises(Conflict, match="deux versions"):
@@ -311,7 +311,7 @@ def test_who_erases_their_account_leaves_the_others_to_be_graded(lesson: Lesson)
     for student in lesson.students:
         lesson.sent(student, 4, 8)
     regrade = lesson.start(RegradePolicy.renew)
-    lesson.worker.step()
+    lesson.worker.run_one()
     with lesson.database.write() as db:
         found = repository.load_next_item(db, regrade.id)
         assert found is not None
@@ -342,7 +342,7 @@ def test_an_account_that_goes_while_it_is_graded_keeps_nothing(lesson: Lesson) -
         return usual(file)  # type: ignore[arg-type]
 
     worker._tasks["regrade"]._grade = erasing
-    assert worker.step()
+    assert worker.run_one()
     assert lesson.work() == 1
     lesson.students = [bob]
     assert seen(lesson, regrade)[0] is RegradeState.ready
@@ -355,7 +355,7 @@ def test_a_stopped_regrade_ends_and_is_never_applied(quick: Lesson) -> None:
     for _ in range(3):
         quick.sent(ada, 4, 8)
     regrade = quick.start()
-    quick.worker.step()
+    quick.worker.run_one()
     with quick.database.write() as db:
         service.stop_regrade(db, regrade.id)
     assert quick.work() == 1  # which finds nothing to do
@@ -376,7 +376,7 @@ def test_what_ends_its_workers_is_given_up_and_the_others_are_graded(quick: Less
         with quick.database.write() as db:
             assert QUIET.claim(db, worker._owner, ["regrade"], 30)
         with quick.database.write() as db:
-            assert QUIET.release(db, worker._owner, give_ups(quick.course, QUIET)) == 1
+            assert QUIET.recover_from(db, worker._owner, give_up_handlers(quick.course, QUIET)) == 1
     assert quick.work() == 1
     state, changes = seen(quick, regrade)
     assert (state, [change.failed for change in changes]) == (RegradeState.ready, [1, 0])
@@ -468,14 +468,14 @@ def test_a_student_never_waits_for_more_than_the_job_that_is_being_done(quick: L
     quick.start()
     other.start()
     for _ in range(3):
-        worker.step()
+        worker.run_one()
     with quick.database.write() as db:
         row = Submission(account_id=student.id, exercise=EXERCISE, source=b"x", digest="d", seed=1)
         db.add(row)
         db.flush()
-        QUIET.put(db, GRADE, key_of(row.id))
-        assert QUIET.position(db, GRADE, key_of(row.id)) == 1
-    while worker.step():
+        QUIET.enqueue(db, GRADE, job_key(row.id))
+        assert QUIET.position(db, GRADE, job_key(row.id)) == 1
+    while worker.run_one():
         pass
     assert begun.index(row.id) == 3
     of_first = [name in quick.opinion and name not in other.opinion for name in begun if name != row.id]
@@ -530,7 +530,7 @@ def test_a_preview_asks_as_much_for_many_students_as_for_one(quick: Lesson) -> N
         for student in quick.students[-count:]:
             quick.sent(student, 4, 8)
         regrade = quick.start()
-        while quick.worker.step():
+        while quick.worker.run_one():
             pass
         with Counted(quick.database) as counted:
             seen(quick, regrade)
@@ -580,7 +580,7 @@ class Story:
     def work(self, steps: int) -> None:
         worker = self.lesson.worker
         for _ in range(steps):
-            worker.step()
+            worker.run_one()
 
     def apply(self, which: int) -> None:
         if not self.regrades:

@@ -15,14 +15,14 @@ from graders.core.contract.findings import Judgement
 from server.course import Course
 from server.database import Database
 from server.gradebook import service as gradebook
-from server.grading.joint import Grader
-from server.grading.task import SentFile
+from server.grading.grading_task import GradingInput
+from server.grading.sandbox_grader import SandboxGrader
 from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions import deals
-from server.submissions.models import Deal, Submission
+from server.submissions import variants
+from server.submissions.models import Submission, Variant
 from server.submissions.service import Submissions
 from tests.support.quick import some
 from tests.support.service import ADDRESS, EXERCISE, Site, new_account
@@ -36,9 +36,9 @@ FORM = {"name": "Ada L.", "login": "ada@example.org", "password": "une phrase as
 @pytest.fixture
 def grading(site: Site, course: Course, course_sandbox: Sandbox) -> Worker:
     """A worker that grades in earnest; answers never reach the sandbox."""
-    grader = Grader(course, course_sandbox)
+    grader = SandboxGrader(course, course_sandbox)
 
-    def grade(sent: SentFile) -> Judgement:
+    def grade(sent: GradingInput) -> Judgement:
         return grader.grade(sent.exercise, sent.source, sent.seed)
 
     return site.worker_with(grade)
@@ -68,13 +68,13 @@ def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, course: 
     headers = site.token()
     shown = detail(site, headers, name)
     assert shown["kind"] == "answers"
-    (deal,) = stored(site.database, Deal)
+    (deal,) = stored(site.database, Variant)
     exercise = course.exercises[name]
     assert exercise.answers is not None
     right = dict(exercise.answers.right(deal.seed))
     assert set(right) == {one["id"] for one in shown["questions"]}
     good, blank = send(site, headers, right, name), send(site, headers, {}, name)
-    while grading.step():
+    while grading.run_one():
         pass
     done = [site.client.get(one["url"], headers=headers).json()["verdict"] for one in (good, blank)]
     assert [one["outcome"] for one in done] == ["ok", "invalid_output"]
@@ -86,7 +86,7 @@ def test_a_row_alone_is_what_is_graded(site: Site, course: Course) -> None:
     headers = site.token()
     sent = send(site, headers, {"dtheta": "0,1", "ds": 1})
     (row,) = stored(site.database, Submission)
-    (deal,) = stored(site.database, Deal)
+    (deal,) = stored(site.database, Variant)
     assert str(row.id) == sent["id"]
     assert (row.source, row.seed) == (b'{"ds":1,"dtheta":"0,1"}', deal.seed)
     other = send(site, headers, {"ds": 1, "dtheta": "0,1"})
@@ -100,7 +100,7 @@ def test_exercises_of_code_are_listed_as_such(site: Site) -> None:
     assert (kinds[EXERCISE], kinds[ODOMETRY]) == ("code", "answers")
     shown = detail(site, headers, EXERCISE)
     assert (shown["questions"], shown["given"]) == ([], [])
-    assert stored(site.database, Deal) == []
+    assert stored(site.database, Variant) == []
 
 
 @pytest.mark.parametrize(
@@ -143,35 +143,35 @@ def test_hostile_values_are_refused_or_judged(site: Site, grading: Worker, value
     answer = site.client.post(SEND, content=body, headers=headers)
     assert answer.status_code == status, answer.text
     if status == 202:
-        grading.step()
+        grading.run_one()
         verdict = site.client.get(answer.json()["url"], headers=headers).json()["verdict"]
         assert verdict["outcome"] == "invalid_output"
 
 
 def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: Submissions, ada: Account) -> None:
     with ThreadPoolExecutor(4) as pool:
-        seeds = set(pool.map(lambda _: deals.seed_to_show(database, ada, ODOMETRY), range(12)))
+        seeds = set(pool.map(lambda _: variants.ensure_seed(database, ada, ODOMETRY), range(12)))
     assert len(seeds) == 1
     with database.write() as db:
         sent = store.submit_answers(db, ada, ODOMETRY, {"ds": 1}, address=ADDRESS)
         assert {sent.seed} == seeds
-    assert deals.seed_to_show(database, ada, QUIZ) not in seeds
-    assert deals.seed_to_show(database, new_account(database), ODOMETRY) not in seeds
+    assert variants.ensure_seed(database, ada, QUIZ) not in seeds
+    assert variants.ensure_seed(database, new_account(database), ODOMETRY) not in seeds
 
 
 def test_a_guest_s_deals_follow_and_an_account_keeps_its_own(
     database: Database, store: Submissions, ada: Account
 ) -> None:
     guest = new_account(database, Role.guest)
-    mine = deals.seed_to_show(database, ada, ODOMETRY)
-    theirs = {name: deals.seed_to_show(database, guest, name) for name in (ODOMETRY, QUIZ)}
+    mine = variants.ensure_seed(database, ada, ODOMETRY)
+    theirs = {name: variants.ensure_seed(database, guest, name) for name in (ODOMETRY, QUIZ)}
     with database.write() as db:
         store.submit_answers(db, guest, ODOMETRY, {"ds": 1}, address=ADDRESS)
         gradebook.adopt_attempts(db, guest.id, ada.id)
         identity.delete_account(db, guest.id)
-    assert deals.seed_to_show(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]
-    assert deals.seed_to_show(database, ada, QUIZ) == theirs[QUIZ]
-    assert [one.account_id for one in stored(database, Deal)] == [ada.id, ada.id]
+    assert variants.ensure_seed(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]
+    assert variants.ensure_seed(database, ada, QUIZ) == theirs[QUIZ]
+    assert [one.account_id for one in stored(database, Variant)] == [ada.id, ada.id]
     (sent,) = stored(database, Submission)
     assert (sent.account_id, sent.seed) == (ada.id, theirs[ODOMETRY]), "an attempt keeps the deal that it answers"
 
@@ -188,7 +188,7 @@ def test_a_visitor_keeps_the_numbers_through_sign_up_and_log_in(site: Site) -> N
     assert numbers.findall(site.client.get(PAGE).text) != seen
     site.client.post("/connexion", data={"login": FORM["login"], "password": FORM["password"]})
     assert numbers.findall(site.client.get(PAGE).text) == seen
-    assert len(stored(site.database, Deal)) == 1
+    assert len(stored(site.database, Variant)) == 1
 
 
 def test_reading_an_exercise_of_code_makes_no_guest(site: Site) -> None:
@@ -203,7 +203,7 @@ def test_our_own_failure_is_an_internal_error(site: Site, grading: Worker, monke
     monkeypatch.setattr(NumericGrader, "judge", fail)
     headers = site.token()
     sent = send(site, headers, {"ds": 1})
-    grading.step()
+    grading.run_one()
     verdict = site.client.get(sent["url"], headers=headers).json()["verdict"]
     assert (verdict["outcome"], verdict["checks"]) == ("internal_error", [])
 

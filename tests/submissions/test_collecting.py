@@ -15,9 +15,9 @@ from server.base.errors import Conflict
 from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
-from server.submissions.collecting import Collecting
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
+from server.submissions.sitting_collector import SittingCollector
 from tests.support.classes import assign, new_class, seat
 from tests.support.service import ADDRESS, EXERCISE, new_account
 
@@ -27,7 +27,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
 ) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     seat(database, made, ada)
-    collecting = Collecting(course, store)
+    collecting = SittingCollector(course, store)
     for round_ in range(2):
         test = assign(database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
         with database.write() as db:
@@ -36,7 +36,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
         def saves(number: int, round_: int = round_) -> Callable[[Database], None]:
             def save() -> None:
                 with database.write() as db:
-                    store.save(db, ada, EXERCISE, f"sauve = {round_}{number}".encode())
+                    store.save_work(db, ada, EXERCISE, f"sauve = {round_}{number}".encode())
 
             return lambda _: save()
 
@@ -95,10 +95,10 @@ def test_of_several_processes_that_end_a_test_one_sends_what_was_saved(
     test = assign(database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
     with database.write() as db:
         sittings.begin_sitting(db, test, ada.id, (), utc_now())
-        store.save(db, ada, EXERCISE, b"sauve = 1")
+        store.save_work(db, ada, EXERCISE, b"sauve = 1")
     later = utc_now() + timedelta(hours=2)
     with ThreadPoolExecutor(4) as threads:
-        counts = list(threads.map(lambda _: Collecting(course, store).collect(database, later), range(4)))
+        counts = list(threads.map(lambda _: SittingCollector(course, store).collect_expired(database, later), range(4)))
     assert sorted(counts) == [0, 0, 0, 1]
     with database.read() as db:
         (sent,) = db.execute(select(Submission)).scalars()

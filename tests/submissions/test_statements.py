@@ -40,11 +40,11 @@ def test_from_a_submission_to_its_verdict_in_few_statements(database: Database, 
         site = Site(app, client, both)
         headers = site.token()
         site.submit(headers)
-        assert site.worker.step()
+        assert site.worker.run_one()
         postgresql = database.engine.dialect.name == "postgresql"
         # Who it is, and what their class asks; the allowance; the row; the classes, and when they were seen there; the
         # turn; the job, and its place. PostgreSQL takes a lock for the turn, where SQLite has one writer.
         assert asked(site.database, lambda: site.submit(headers)) == (9 + postgresql, 1)
         # The lease and the file; the job's end, the row, the verdict, what points to it, the standing. PostgreSQL tells
         # the time of the lease.
-        assert asked(site.database, site.worker.step) == (7 + postgresql, 2)
+        assert asked(site.database, site.worker.run_one) == (7 + postgresql, 2)

@@ -23,9 +23,9 @@ from server.identity.models import Account, Role
 from server.limits import service as limits
 from server.limits.models import Allowance
 from server.submissions import service
-from server.submissions.events import as_sse
-from server.submissions.models import State, Submission
-from server.submissions.service import Place, Submissions
+from server.submissions.job_events import stream_sse
+from server.submissions.models import Submission, SubmissionState
+from server.submissions.service import GradingProgress, Submissions
 from tests.support.classes import new_class, seat
 from tests.support.quick import in_a_loop
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
@@ -47,7 +47,7 @@ class Desk:
 
     def grade_all(self) -> None:
         worker = worker_of(self.database, self.settings)
-        while worker.step():
+        while worker.run_one():
             pass
 
 
@@ -70,7 +70,7 @@ def test_a_submission_is_kept_byte_for_byte(desk: Desk, ada: Account) -> None:
         sent = attempt.submission
         assert sent.source == code.encode()
         assert sent.code == code.removeprefix("\ufeff")
-        assert (desk.store.place(db, sent), attempt.grading) == (Place(State.queued, 1), None)
+        assert (desk.store.progress(db, sent), attempt.grading) == (GradingProgress(SubmissionState.queued, 1), None)
         assert 0 <= sent.seed < 2**53
 
 
@@ -121,7 +121,7 @@ def test_a_class_is_graded_before_other_accounts(desk: Desk, ada: Account) -> No
     for one in (ada, asking, former, pupil):
         row = desk.submit(one)
     with desk.database.read() as db:
-        assert desk.store.place(db, row) == Place(State.queued, 1)
+        assert desk.store.progress(db, row) == GradingProgress(SubmissionState.queued, 1)
 
 
 def test_a_submission_is_seen_by_its_author_their_teacher_and_the_administrator(desk: Desk, ada: Account) -> None:
@@ -244,11 +244,11 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
 @given(st.text(), st.integers(0, 3), st.sampled_from(["", "# note", "   # note", "\t"]))
 def test_blank_lines_and_whole_line_comments_never_count(code: str, spaces: int, line: str) -> None:
     changed = "\n".join(one + " " * spaces for one in code.splitlines()) + f"\n{line}\n"
-    assert service.digest(changed) == service.digest(code)
+    assert service.code_digest(changed) == service.code_digest(code)
 
 
 def test_indentation_and_content_count() -> None:
-    digests = {service.digest(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
+    digests = {service.code_digest(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
     assert len(digests) == 5
 
 
@@ -257,7 +257,7 @@ def test_an_event_s_line_ends_only_where_its_reader_ends_it() -> None:
         async def once() -> AsyncIterator[str]:
             yield text
 
-        return [event async for event in as_sse(once(), str)]
+        return [event async for event in stream_sse(once(), str)]
 
     assert in_a_loop(told("a\u2028b\x85c\x0bd\ne\r\nf")) == [
         "event: status\ndata: a\u2028b\x85c\x0bd\ndata: e\ndata: f\n\n"

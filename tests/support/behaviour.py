@@ -20,7 +20,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.queue.worker import Worker
 from server.submissions.models import Submission
-from server.submissions.service import digest
+from server.submissions.service import code_digest
 from tests.support.quick import the_course
 from tests.support.service import EXERCISE, QUIET
 
@@ -58,7 +58,7 @@ def sent(database: Database, account: Account, code: str, verdict: Verdict | Non
     """An attempt of this account, graded."""
     with database.write() as db:
         source = code.encode()
-        made = Submission(account_id=account.id, exercise=EXERCISE, source=source, digest=digest(code), seed=1)
+        made = Submission(account_id=account.id, exercise=EXERCISE, source=source, digest=code_digest(code), seed=1)
         db.add(made)
         db.flush()
         gradebook.record_grading(db, made.id, GradingResult(Judgement(verdict or failed_verdict()), utc_now()))
@@ -77,7 +77,7 @@ def ask_all(database: Database, settings: Settings, start: StartProgram = lambda
     """Has every attempt asked that may be, for one look at what there is; how many jobs that took."""
     worker, steps = asking_worker(database, settings, start=start), 0
     FingerprintSweeper(database, QUIET, the_course()).look()
-    while worker.step():
+    while worker.run_one():
         steps += 1
     return steps
 

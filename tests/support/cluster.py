@@ -20,12 +20,12 @@ from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
 from server.database import Database
-from server.grading.kinds import LANES
-from server.grading.task import Grade, GradingTask
-from server.queue.jetstream.engine import Engine
-from server.queue.port import Able, Lease, Tasks
+from server.grading.grading_task import GradeFunction, GradingTask
+from server.grading.job_lanes import JOB_LANES
+from server.queue.graceful_stop import GracefulStop, StopRequested
+from server.queue.interfaces import Lease, Tasks, WorkerCapabilities
+from server.queue.jetstream.engine import NatsEngine
 from server.queue.service import TableQueue
-from server.queue.stopping import Stop, Stopping
 from server.queue.worker import Worker
 from server.submissions.service import GRADE
 from tests.support.quick import the_course
@@ -130,11 +130,11 @@ def nats_url(nats_address: str, worker_id: str) -> str:
 class Machine:
     """A process's part: its own pool of connections to the database, its own connection to NATS, what it was told."""
 
-    def __init__(self, settings: Settings, lanes: Mapping[str, str] = LANES) -> None:
+    def __init__(self, settings: Settings, lanes: Mapping[str, str] = JOB_LANES) -> None:
         self.settings, self.told = settings, list[str]()
-        self.engine = Engine(settings, lanes, self.told.append)
+        self.engine = NatsEngine(settings, lanes, self.told.append)
         self.database = Database(settings.url)
-        self.queue = TableQueue(self.engine.signals)
+        self.queue = TableQueue(self.engine.notifier)
 
     def start(self) -> Machine:
         self.engine.connection.start()
@@ -142,7 +142,7 @@ class Machine:
 
     def up(self) -> Machine:
         connection = self.engine.connection
-        until(lambda: connection.up and connection.wait_ready(PATIENCE), "NATS answers")
+        until(lambda: connection.is_up and connection.wait_ready(PATIENCE), "NATS answers")
         return self
 
     def close(self) -> None:
@@ -166,18 +166,18 @@ def machines(shared_settings: Settings) -> Iterator[list[Machine]]:
     for one in made:
         one.close()
     last = Machine(shared_settings).start().up()
-    last.engine.connection.ask(lambda: last.engine.connection.context.delete_stream("work"), 5.0)
+    last.engine.connection.run_blocking(lambda: last.engine.connection.jetstream.delete_stream("work"), 5.0)
     last.close()
 
 
 class Thread:
     """A worker in a thread, on a machine."""
 
-    def __init__(self, machine: Machine, tasks: Tasks, able: Able | None = None) -> None:
-        self.machine, self.stopping = machine, Stopping()
-        self.tickets = machine.engine.tickets()
+    def __init__(self, machine: Machine, tasks: Tasks, able: WorkerCapabilities | None = None) -> None:
+        self.machine, self.stopping = machine, GracefulStop()
+        self.tickets = machine.engine.subscribe()
         args = (machine.database, machine.queue, machine.settings, tasks)
-        self.worker = Worker(*args, able=able, stopping=self.stopping)
+        self.worker = Worker(*args, capabilities=able, graceful_stop=self.stopping)
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def start(self) -> Self:
@@ -185,11 +185,11 @@ class Thread:
         return self
 
     def _run(self) -> None:
-        with suppress(Stop):
-            self.worker.run_on(self.tickets)
+        with suppress(StopRequested):
+            self.worker.run_on_messages(self.tickets)
 
     def stop(self) -> None:
-        self.stopping.told.set()
+        self.stopping.requested.set()
         self.tickets._arrived.set()
         self._thread.join(PATIENCE)
         assert not self._thread.is_alive()
@@ -199,7 +199,9 @@ class Thread:
 class Hand(Thread):
     """A grader; `grade` is what it does."""
 
-    def __init__(self, machine: Machine, grade: Grade = fake_grade, able: Able | None = None) -> None:
+    def __init__(
+        self, machine: Machine, grade: GradeFunction = fake_grade, able: WorkerCapabilities | None = None
+    ) -> None:
         super().__init__(machine, {GRADE: GradingTask(the_course(), grade)}, able)
 
 

@@ -14,10 +14,10 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
-from server.grading.regrading import RegradeTask
-from server.grading.task import GradingTask, SentFile
+from server.grading.grading_task import GradingInput, GradingTask
+from server.grading.regrade_task import RegradeTask
 from server.identity.models import Account, Role
-from server.queue.port import Queue
+from server.queue.interfaces import Queue
 from server.queue.worker import Worker
 from server.regrades.models import Regrade, RegradePolicy
 from server.regrades.schemas import RegradeInput
@@ -84,7 +84,7 @@ class Lesson:
         self.opinion[row.id] = anew
         return row.id
 
-    def grade(self, file: SentFile) -> Judgement:
+    def grade(self, file: GradingInput) -> Judgement:
         points = self.opinion.get(file.submission_id, 20.0)
         return Judgement(verdict(points, self.version, file.exercise), {"b": {"kind": "anew"}})
 
@@ -101,7 +101,7 @@ class Lesson:
     def work(self) -> int:
         """Until nothing waits; how many jobs that took."""
         done, worker = 0, self.worker
-        while worker.step():
+        while worker.run_one():
             done += 1
         return done
 

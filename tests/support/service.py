@@ -22,7 +22,7 @@ from server.database import Database
 from server.database import engine as engines
 from server.identity import secrets
 from server.identity.models import Account, Role
-from server.queue.port import NoSignals, Queue
+from server.queue.interfaces import NullNotifier, Queue
 from server.queue.service import TableQueue
 from server.tables import metadata
 from tests.support.postgres import postgres_of_the_wheel
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fastapi import FastAPI
 
     from server.course import Course
-    from server.grading.task import Grade, SentFile
+    from server.grading.grading_task import GradeFunction, GradingInput
     from server.identity.service import AccountService
     from server.queue.worker import Worker
     from server.submissions.service import Submissions
@@ -54,16 +54,18 @@ def fake_verdict(code: str, seed: int) -> Verdict:
     return Verdict(EXERCISE, "v1", outcome, seed, checks)
 
 
-def fake_grade(sent: SentFile) -> Judgement:
+def fake_grade(sent: GradingInput) -> Judgement:
     return Judgement(fake_verdict(sent.source.decode(), sent.seed), {"b": {"kind": "fake"}})
 
 
-QUIET = TableQueue(NoSignals())
+QUIET = TableQueue(NullNotifier())
 
 
-def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade, queue: Queue = QUIET) -> Worker:
+def worker_of(
+    database: Database, settings: Settings, grade: GradeFunction = fake_grade, queue: Queue = QUIET
+) -> Worker:
     """A worker that grades, to be stepped by hand."""
-    from server.grading.task import GradingTask
+    from server.grading.grading_task import GradingTask
     from server.queue.worker import Worker
     from server.submissions.service import GRADE
 
@@ -246,7 +248,7 @@ class Site:
     def worker(self) -> Worker:
         return self.worker_with(fake_grade)
 
-    def worker_with(self, grade: Grade) -> Worker:
+    def worker_with(self, grade: GradeFunction) -> Worker:
         from server.base.app_services import get_service
         from server.submissions.service import Submissions
 

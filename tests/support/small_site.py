@@ -12,9 +12,9 @@ from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
-from server.grading.task import GradingTask
+from server.grading.grading_task import GradingTask
 from server.identity import links
-from server.queue.port import NoSignals
+from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.submissions.service import GRADE
@@ -63,8 +63,8 @@ class SmallSite:
     def grade(self, result: dict[str, Any]) -> None:
         app: Any = self.client.app
         task = GradingTask(get_service(app, Course), lambda _sent: Judgement(Verdict.from_json(result)))
-        queue = TableQueue(NoSignals())
-        assert Worker(self.database, queue, get_service(app, Settings), {GRADE: task}).step()
+        queue = TableQueue(NullNotifier())
+        assert Worker(self.database, queue, get_service(app, Settings), {GRADE: task}).run_one()
 
     def attempt(self, code: str, result: dict[str, Any]) -> str:
         page = self.submit(code)

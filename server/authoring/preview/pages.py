@@ -38,7 +38,7 @@ from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
 from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.sandbox import Sandbox
-from server.submissions import deals
+from server.submissions import variants
 from server.submissions.dependencies import SubmissionsOf
 from server.web.rendering import jinja_environment, render_page
 from server.web.views import exercise_href, find_exercise
@@ -156,7 +156,7 @@ def send(
         code = trials[number].write(SEED).decode("utf-8", errors="replace")
         sent = store.submit(db, account, exercise.id, code, address=address)
     else:
-        answers = json.loads(trials[number].write(deals.seed_of(db, account, exercise.id)))
+        answers = json.loads(trials[number].write(variants.get_or_create_seed(db, account, exercise.id)))
         sent = store.submit_answers(db, account, exercise.id, answers, address=address)
     return RedirectResponse(f"/soumissions/{sent.id}", 303)
 

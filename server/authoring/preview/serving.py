@@ -24,14 +24,14 @@ from server.course import Course
 from server.course.memory import MEMORY, Memory
 from server.database import Database
 from server.database.migrate import upgrade
-from server.grading.joint import Grader
-from server.grading.task import GradingTask, SentFile
-from server.queue.polling import Polling
+from server.grading.grading_task import GradingInput, GradingTask
+from server.grading.sandbox_grader import SandboxGrader
+from server.queue.polling import PollingSource
 from server.queue.service import TableQueue
-from server.queue.switchboard import Switchboard
+from server.queue.wakeups import WakeupDispatcher
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions.events import Events
+from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE
 
 #: Seconds between two looks at what waits to be graded.
@@ -74,7 +74,7 @@ def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) 
     version = Version(session, course.problems, Sandbox(course.kits))
     app.state.preview = version
     app.include_router(router)
-    events = get_service(app, Events)
+    events = get_service(app, JobEvents)
     threading.Thread(target=_grade, args=(settings, course, version.sandbox, events), daemon=True).start()
 
     def stopping() -> None:
@@ -105,14 +105,14 @@ class _Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: Events) -> None:
+def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: JobEvents) -> None:
     """The worker of a preview: in a thread, with the course that the pages have."""
-    grader = Grader(course, sandbox)
+    grader = SandboxGrader(course, sandbox)
 
-    def grade(sent: SentFile) -> Judgement:
+    def grade(sent: GradingInput) -> Judgement:
         return grader.grade(sent.exercise, sent.source, sent.seed, submission=sent.submission_id, own=sent.own)
 
     sandbox.warm("numpy")
     with closing(Database(settings.url)) as database:
-        queue = TableQueue(Switchboard(events.changed))
-        Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(Polling(EVERY))
+        queue = TableQueue(WakeupDispatcher(events.job_changed))
+        Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(PollingSource(EVERY))

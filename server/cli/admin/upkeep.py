@@ -10,8 +10,8 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import requeuing
 from server.gradebook import service as gradebook
-from server.personal.service import PURGED_AT_ONCE, Personal
-from server.queue.port import NoSignals
+from server.personal.service import PURGED_AT_ONCE, PersonalData
+from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
 from server.submissions.service import Submissions
 from server.web.words import plural
@@ -29,7 +29,7 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
     if not (settings.left_days or settings.silent_days):
         raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
     personal = _personal(database, settings)
-    found = personal.purge(utc_now()) if arguments.yes else personal.outdated(utc_now())
+    found = personal.erase_expired_students(utc_now()) if arguments.yes else personal.find_expired_students(utc_now())
     more = len(found) == PURGED_AT_ONCE
     end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
     lines = [*(f"  {who(account)}" for account in found), f"{end}{' ; recommencez pour la suite' if more else ''}."]
@@ -44,7 +44,7 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
     """Those without work. Without `--yes`, only tells."""
     personal = _personal(database, settings)
     before = utc_now() - timedelta(days=arguments.days)
-    count = personal.forget_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)
+    count = personal.erase_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)
     done = "effacé" if arguments.yes else "à effacer, avec --yes"
     many = "effacés" if arguments.yes else done
     kind = plural(count, f"invité sans travail {done}", f"invités sans travail {many}")
@@ -55,11 +55,11 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
 
 def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
-    submissions = Submissions(settings, TableQueue(NoSignals()))
+    submissions = Submissions(settings, TableQueue(NullNotifier()))
     found = requeuing.requeue(database, submissions, failed=arguments.failed, names=arguments.submissions)
     line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
 
 
-def _personal(database: Database, settings: Settings) -> Personal:
-    return Personal(database, settings, Course({}, ()))
+def _personal(database: Database, settings: Settings) -> PersonalData:
+    return PersonalData(database, settings, Course({}, ()))

@@ -10,7 +10,7 @@ from server.board.schemas import Board
 from server.course import Course
 from server.desk.board.links import BoardLinks
 from server.desk.board.views import cell_key, render_cell, render_counts, render_misconceptions
-from server.submissions.events import sse
+from server.submissions.job_events import format_sse
 
 #: Sent to a page that shows another version than the changes begin from, or other rows than the class has.
 OUTDATED = "outdated"
@@ -35,7 +35,11 @@ def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
     else:
         events = _changes(page, before, board)
     # The id comes last: a browser that lost some of this begins again from before it.
-    return "".join(sse(name, text) for name, text in events) + f"id: {board.version}\n" + sse("version", board.version)
+    return (
+        "".join(format_sse(name, text) for name, text in events)
+        + f"id: {board.version}\n"
+        + format_sse("version", board.version)
+    )
 
 
 def _changes(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:

@@ -25,7 +25,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.submissions.events import STREAM_HEADERS
+from server.submissions.job_events import STREAM_HEADERS
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page
 

@@ -21,7 +21,7 @@ from server.marks.copies import archive_files, list_copies
 from server.marks.downloads import GradebookFormat, render_download
 from server.marks.files import MoodleIdentifier, file_name
 from server.marks.loading import load_gradebook, load_inputs
-from server.personal.zipping import zipped
+from server.personal.zip_stream import stream_zip
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -78,7 +78,7 @@ def download_copies(
         "Cache-Control": "private, no-store",
     }
     files = archive_files(database, copies)
-    return StreamingResponse(zipped(files, gradebook.at), media_type="application/zip", headers=headers)
+    return StreamingResponse(stream_zip(files, gradebook.at), media_type="application/zip", headers=headers)
 
 
 @router.get("/classes/{class_id}/carnet/{student}/{assignment_id}")

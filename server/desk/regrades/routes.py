@@ -25,8 +25,8 @@ from server.regrades.models import Regrade, RegradePolicy
 from server.regrades.schemas import RegradeInput, RegradeProgress
 from server.rights import service as rights
 from server.rights.models import Right
-from server.submissions.dependencies import EventsOf
-from server.submissions.events import STREAM_HEADERS, as_sse
+from server.submissions.dependencies import JobEventsOf
+from server.submissions.job_events import STREAM_HEADERS, stream_sse
 from server.web.dependencies import CurrentReader
 from server.web.forms import Field, redirect
 from server.web.rendering import render_page
@@ -125,7 +125,7 @@ def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Accoun
 
 @router.get("/classes/{class_id}/recalculs/{regrade_id}/evenements")
 async def events(
-    class_id: str, regrade_id: str, account: OptionalAccount, database: DatabaseOf, hub: EventsOf
+    class_id: str, regrade_id: str, account: OptionalAccount, database: DatabaseOf, hub: JobEventsOf
 ) -> StreamingResponse:
     """How far it is, until it is over."""
 
@@ -133,8 +133,8 @@ async def events(
         return _advance(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
-    snapshots = hub.follow(str(UUID(regrade_id)), read, onlooking=True)
-    lines: AsyncIterator[str] = as_sse(snapshots, _told, name="progress")
+    snapshots = hub.follow(str(UUID(regrade_id)), read, watches_all_jobs=True)
+    lines: AsyncIterator[str] = stream_sse(snapshots, _told, name="progress")
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 

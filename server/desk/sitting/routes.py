@@ -11,7 +11,7 @@ from server.desk.sitting.views import groups_of, page_of, sitting_page
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.submissions.dependencies import CollectingOf
+from server.submissions.dependencies import SittingCollectorOf
 from server.web.dependencies import CurrentReader
 from server.web.forms import redirect
 from server.web.rendering import render_page
@@ -28,7 +28,7 @@ def sit(
     assignment_id: str,
     reader: CurrentReader,
     database: DatabaseOf,
-    collecting: CollectingOf,
+    collecting: SittingCollectorOf,
 ) -> Response:
     """A sitting whose time is over is ended here, where nothing else has done it yet."""
     account = reader.account
@@ -40,7 +40,7 @@ def sit(
     own = sittings.load_student_test(reader.db, test, account.id, groups_of(place), now)
     if own.is_to_collect:
         with database.write() as db:
-            collecting.collect_one(db, test, account.id, now)
+            collecting.collect_if_expired(db, test, account.id, now)
     view = sitting_page(reader, place, own, account, now)
     return render_page(request, "classes/sitting.html", account, page=view)
 
@@ -54,7 +54,7 @@ def begin(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Respo
 
 
 @router.post(f"{TEST}/rendre")
-def hand_in(class_id: str, assignment_id: str, account: SignedIn, db: Db, collecting: CollectingOf) -> Response:
+def hand_in(class_id: str, assignment_id: str, account: SignedIn, db: Db, collecting: SittingCollectorOf) -> Response:
     place = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, place.school_class.id, assignment_id)
     collecting.hand_in(db, test, account.id, utc_now())

@@ -22,9 +22,9 @@ from nats.js import JetStreamContext
 
 from server.base.counters import DROPPED_NOTIFICATIONS
 from server.base.settings import Settings
-from server.queue.jetstream.access import Guarded, options, wants_tls
-from server.queue.jetstream.layout import CHANGED, Layout
-from server.queue.port import Call
+from server.queue.interfaces import JobNotification
+from server.queue.jetstream.credentials import TlsEnforcingClient, connect_options, wants_tls
+from server.queue.jetstream.stream_layout import CHANGED, StreamLayout
 
 log = logging.getLogger(__name__)
 
@@ -40,24 +40,24 @@ MOST_NEWS = 100_000
 FAILURES = (nats.errors.Error, OSError, ssl.SSLError, asyncio.TimeoutError)
 
 
-class DownError(Exception):
+class NatsUnavailableError(Exception):
     """NATS is not reachable now."""
 
 
-class Connection:
+class NatsConnection:
     """`on_changed` is told, on the connection's thread, the news of a job that another process has changed."""
 
     def __init__(
         self,
         settings: Settings,
-        layout: Layout,
+        layout: StreamLayout,
         on_changed: Callable[[str], None] | None = None,
         *,
-        only_look: bool = False,
+        read_only: bool = False,
     ) -> None:
         """With `only_look`, nothing is made or changed on the server."""
-        self.layout, self._only_look = layout, only_look
-        self._options, self._tls = options(settings), wants_tls(settings)
+        self.layout, self._only_look = layout, read_only
+        self._options, self._tls = connect_options(settings), wants_tls(settings)
         self._on_changed = on_changed
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="nats", daemon=True)
@@ -73,7 +73,7 @@ class Connection:
         """It connects by itself, and again whenever it has to."""
         self._thread.start()
 
-    def __enter__(self) -> Connection:
+    def __enter__(self) -> NatsConnection:
         self.start()
         return self
 
@@ -81,22 +81,22 @@ class Connection:
         self.close()
 
     @property
-    def up(self) -> bool:
+    def is_up(self) -> bool:
         return self._up.is_set()
 
     def wait_ready(self, seconds: float) -> bool:
         """Once it has been up, with the stream in its place."""
         return self._ready.wait(seconds)
 
-    def wait_tried(self, seconds: float) -> bool:
+    def wait_first_attempt(self, seconds: float) -> bool:
         """Once it is up, or was not at the first try; whether it is up."""
         self._tried.wait(seconds)
-        return self.up
+        return self.is_up
 
     @property
-    def trouble(self) -> str:
+    def last_error(self) -> str:
         """Why it is not up, in the library's words."""
-        return "" if self.up else self._told
+        return "" if self.is_up else self._told
 
     @property
     def loop(self) -> asyncio.AbstractEventLoop:
@@ -106,48 +106,48 @@ class Connection:
     def client(self) -> Client:
         """On the connection's thread. Raises DownError."""
         if self._client is None:
-            raise DownError(self._told)
+            raise NatsUnavailableError(self._told)
         return self._client
 
     @property
-    def context(self) -> JetStreamContext:
+    def jetstream(self) -> JetStreamContext:
         """On the connection's thread. Raises DownError."""
         if self._context is None:
-            raise DownError(self._told)
+            raise NatsUnavailableError(self._told)
         return self._context
 
     @property
-    def version(self) -> str:
+    def server_version(self) -> str:
         """Of the server, as it says."""
         if self._client is None:
             return ""
         found = self._client.connected_server_version
         return f"{found.major}.{found.minor}.{found.patch}"
 
-    def call(self, call: Call) -> None:
+    def publish_job_available(self, notification: JobNotification) -> None:
         """Puts a ticket on the stream, from any thread, without waiting."""
-        subject = self.layout.desk(call.kind).subject
-        self._post("ticket", lambda: self._publish(subject, call))
+        subject = self.layout.consumer_of_kind(notification.kind).subject
+        self._post("ticket", lambda: self._publish(subject, notification))
 
-    def tell(self, news: str) -> None:
+    def publish_change(self, news: str) -> None:
         """Says that a job has changed, from any thread, without waiting."""
         self._post("news", lambda: self.client.publish(CHANGED, news.encode()))
 
-    def answer(self, ticket: str, word: bytes) -> None:
+    def reply(self, ticket: str, word: bytes) -> None:
         """Says what becomes of a ticket, from any thread, without waiting."""
         self._post("answer", lambda: self.client.publish(ticket, word))
 
-    def ask(self, question: Callable[[], Coroutine[Any, Any, T]], seconds: float) -> T:
+    def run_blocking(self, question: Callable[[], Coroutine[Any, Any, T]], seconds: float) -> T:
         """What `question` finds on the connection's thread. Raises DownError, or what it raises."""
-        if not self.up:
-            raise DownError(self._told)
+        if not self.is_up:
+            raise NatsUnavailableError(self._told)
         asked: concurrent.futures.Future[T] = asyncio.run_coroutine_threadsafe(
             asyncio.wait_for(question(), seconds), self._loop
         )
         try:
             return asked.result(seconds + 1.0)
         except FAILURES as error:
-            raise DownError(repr(error)) from error
+            raise NatsUnavailableError(repr(error)) from error
 
     def close(self) -> None:
         """What is being posted may end; then nothing is heard any more."""
@@ -161,12 +161,12 @@ class Connection:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSING_SECONDS)
 
-    def on_loop(self, action: Callable[..., object], *arguments: object) -> None:
+    def call_on_loop(self, action: Callable[..., object], *arguments: object) -> None:
         """From any thread; nothing once it is closed."""
         if not self._loop.is_closed():
             self._loop.call_soon_threadsafe(action, *arguments)
 
-    async def _publish(self, subject: str, call: Call) -> None:
+    async def _publish(self, subject: str, call: JobNotification) -> None:
         """Tried again for a while: a cluster that elects a leader takes nothing."""
         for pause in PAUSES:
             try:
@@ -176,12 +176,12 @@ class Connection:
                 await asyncio.sleep(pause)
         await self._publish_once(subject, call)
 
-    async def _publish_once(self, subject: str, call: Call) -> None:
-        await self.context.publish(subject, b"", timeout=PUBLISH_SECONDS, headers={"Nats-Msg-Id": call.name})
+    async def _publish_once(self, subject: str, call: JobNotification) -> None:
+        await self.jetstream.publish(subject, b"", timeout=PUBLISH_SECONDS, headers={"Nats-Msg-Id": call.message_id})
 
     def _post(self, what: str, posting: Callable[[], Awaitable[object]]) -> None:
-        if self.up and len(self._posting) < MOST_POSTED:
-            self.on_loop(self._begin_posting, what, posting)
+        if self.is_up and len(self._posting) < MOST_POSTED:
+            self.call_on_loop(self._begin_posting, what, posting)
         else:
             DROPPED_NOTIFICATIONS.add(what)
 
@@ -194,7 +194,7 @@ class Connection:
         try:
             await posting()
             self._taken.add(what)
-        except (*FAILURES, DownError) as error:
+        except (*FAILURES, NatsUnavailableError) as error:
             DROPPED_NOTIFICATIONS.add(what)
             if what in self._taken:  # once, until one is taken again
                 log.warning("NATS does not take a %s: %r; what it does not take is made up for later", what, error)
@@ -216,11 +216,11 @@ class Connection:
         """Connected, and again each time that it is lost."""
         while True:
             lost = asyncio.Event()
-            client = Guarded(tls=self._tls)
+            client = TlsEnforcingClient(tls=self._tls)
             try:
                 await self._connect(client, lost)
                 self._told = "lost"
-                making = asyncio.create_task(self._make(self.context))
+                making = asyncio.create_task(self._make(self.jetstream))
                 try:
                     await lost.wait()
                 finally:

@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from server.base.settings import Settings
-from server.queue.jetstream.connection import Connection
-from server.queue.jetstream.layout import layout
-from server.queue.jetstream.signals import NatsSignals
-from server.queue.jetstream.sweeper import TicketSweeper
-from server.queue.jetstream.tickets import PulledTickets
+from server.queue.jetstream.connection import NatsConnection
+from server.queue.jetstream.notifier import NatsNotifier
+from server.queue.jetstream.stream_layout import build_layout
+from server.queue.jetstream.subscription import PullSubscription
+from server.queue.jetstream.sweeper import LostMessageSweeper
 
 
-class Engine:
+class NatsEngine:
     """`here`, of a web process, is told of what changes, wherever it does. Raises access.UnfitError."""
 
-    def __init__(self, settings: Settings, lanes: Mapping[str, str], here: Callable[[str], None] | None = None) -> None:
-        self.connection = Connection(settings, layout(settings, lanes), here)
-        self.signals = NatsSignals(self.connection, here)
-        self.sweeper = TicketSweeper(self.connection)
+    def __init__(
+        self, settings: Settings, lanes: Mapping[str, str], on_changed: Callable[[str], None] | None = None
+    ) -> None:
+        self.connection = NatsConnection(settings, build_layout(settings, lanes), on_changed)
+        self.notifier = NatsNotifier(self.connection, on_changed)
+        self.sweeper = LostMessageSweeper(self.connection)
 
-    def tickets(self) -> PulledTickets:
-        return PulledTickets(self.connection)
+    def subscribe(self) -> PullSubscription:
+        return PullSubscription(self.connection)
 
-    def state(self) -> str:
+    def status(self) -> str:
         """`ok`, or what is amiss."""
-        return "ok" if self.connection.up and not self.sweeper.amiss else "unreachable"
+        return "ok" if self.connection.is_up and not self.sweeper.error else "unreachable"

@@ -16,9 +16,9 @@ from nats.js.errors import NotFoundError
 from sqlalchemy.orm import Session
 
 from server.queue import repository
-from server.queue.jetstream.connection import Connection, DownError
-from server.queue.jetstream.layout import STREAM
-from server.queue.port import Call
+from server.queue.interfaces import JobNotification
+from server.queue.jetstream.connection import NatsConnection, NatsUnavailableError
+from server.queue.jetstream.stream_layout import STREAM
 
 log = logging.getLogger(__name__)
 
@@ -29,20 +29,20 @@ LOOK_SECONDS = 5.0
 SLOT_SECONDS = 2.0
 
 
-class TicketSweeper:
+class LostMessageSweeper:
     """To be asked to look again and again."""
 
-    def __init__(self, connection: Connection, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, connection: NatsConnection, clock: Callable[[], float] = time.time) -> None:
         self._connection, self._clock = connection, clock
         self._missing: Mapping[str, int] = {}
-        self.amiss = ""
+        self.error = ""
 
-    def look(self, db: Session) -> int:
+    def resend_missing(self, db: Session) -> int:
         """How many were called for."""
         wanted = repository.called(db)  # before the stream is asked: what comes between has its ticket
         try:
-            held = self._connection.ask(self._held, LOOK_SECONDS)
-        except DownError as down:
+            held = self._connection.run_blocking(self._held, LOOK_SECONDS)
+        except NatsUnavailableError as down:
             self._missing = {}
             self._say(str(down))
             return 0
@@ -54,14 +54,14 @@ class TicketSweeper:
 
     async def _held(self) -> Mapping[str, int]:
         """By kind, the tickets that wait or are in somebody's hands; a stream that is gone is made again."""
-        context, layout = self._connection.context, self._connection.layout
+        context, layout = self._connection.jetstream, self._connection.layout
         found = {}
-        for desk in layout.desks:
+        for desk in layout.consumers:
             try:
-                one = await context.consumer_info(STREAM, desk.consumer)
+                one = await context.consumer_info(STREAM, desk.consumer_name)
             except NotFoundError:
                 await layout.ensure(context)
-                one = await context.consumer_info(STREAM, desk.consumer)
+                one = await context.consumer_info(STREAM, desk.consumer_name)
             found[desk.kind] = (one.num_pending or 0) + (one.num_ack_pending or 0)
         return found
 
@@ -69,12 +69,12 @@ class TicketSweeper:
         slot = int(self._clock() / SLOT_SECONDS)
         names = repository.oldest(db, kind, min(count, MOST_CALLS))
         for name in names:
-            self._connection.call(Call(kind, f"{name}:again:{slot}"))
+            self._connection.publish_job_available(JobNotification(kind, f"{name}:again:{slot}"))
         if names:
             log.warning("%d %s jobs waited without a ticket, they are called for again", len(names), kind)
         return len(names)
 
     def _say(self, amiss: str) -> None:
-        if amiss and not self.amiss:
+        if amiss and not self.error:
             log.error("JetStream does not answer: %s", amiss)
-        self.amiss = amiss
+        self.error = amiss

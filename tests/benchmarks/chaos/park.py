@@ -16,7 +16,7 @@ from pathlib import Path
 
 import httpx
 
-from server.queue.owner import is_dead, owner_of
+from server.queue.lease_owner import is_dead, process_owner
 from tests.benchmarks.chaos.proxy import Wires
 from tests.benchmarks.chaos.servers import Postgres, cluster
 from tests.support.cluster import free_port
@@ -39,7 +39,7 @@ class Part:
         self.log, self.clock = self.folder / "log", self.folder / "clock"
         self.fallen: list[int] = []
         self.wanted = False
-        #: What it has had below it, as `server.queue.owner` names it.
+        #: What it has had below it, as `server.queue.lease_owner` names it.
         self.below: list[str] = []
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -81,7 +81,7 @@ class Part:
 
     def _remember(self) -> None:
         assert self._process is not None
-        self.below += [str(owner_of(pid)) for pid in children(self._process.pid)]
+        self.below += [str(process_owner(pid)) for pid in children(self._process.pid)]
 
     def stop(self) -> None:
         """As a deploy does."""
@@ -197,7 +197,7 @@ class Park:
         for disk in self.disks:
             disk.close()
         self.postgres.close()
-        here, deadline = owner_of(os.getpid()), time.monotonic() + 10
+        here, deadline = process_owner(os.getpid()), time.monotonic() + 10
         while left := [one for part in self.parts for one in part.below if not is_dead(one, here)]:
             if time.monotonic() > deadline:
                 break

@@ -17,7 +17,7 @@ from server.base.files import ROOT
 from server.cli import check
 from server.cli.check import Case, cases, examine
 from server.course import Course, Exercise
-from server.grading.joint import Grader
+from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.shipped import CODE, exercises_of_kind
 from tests.support.verdicts import checked
@@ -40,9 +40,9 @@ def fast_cases(exercise: Exercise) -> Sequence[Case]:
 
 
 @pytest.fixture(scope="module")
-def grader(course: Course, course_sandbox: Sandbox) -> Iterator[Grader]:
+def grader(course: Course, course_sandbox: Sandbox) -> Iterator[SandboxGrader]:
     with patch.object(check, "ENDLESS_SECONDS", 0.1):  # what never ends is stopped all the same
-        yield Grader(course, course_sandbox)
+        yield SandboxGrader(course, course_sandbox)
 
 
 def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
@@ -54,7 +54,7 @@ def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", [*exercises_of_kind("code"), *exercises_of_kind("answers")])
-def test_the_reference_passes_and_a_mistake_is_named(name: str, course: Course, grader: Grader) -> None:
+def test_the_reference_passes_and_a_mistake_is_named(name: str, course: Course, grader: SandboxGrader) -> None:
     exercise = course.exercises[name]
     examined = [examine(grader, exercise, case, SEED) for case in fast_cases(exercise)]
     assert [one for one in examined if one.fault] == []
@@ -78,7 +78,7 @@ def test_balise_check_finds_the_whole_course_in_order() -> None:
 
 
 @pytest.mark.slow
-def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, grader: Grader) -> None:
+def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, grader: SandboxGrader) -> None:
     known = [(exercise, case) for exercise in course.exercises.values() for case in cases(exercise) if case.endless]
     assert known
     examined = [examine(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]

@@ -23,10 +23,10 @@ from server.app import Services
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
-from server.queue.jetstream.connection import DownError
-from server.submissions import events as events_module
-from server.submissions.models import State, Submission
-from server.submissions.service import Place, Submissions, key_of
+from server.queue.jetstream.connection import NatsUnavailableError
+from server.submissions import job_events as events_module
+from server.submissions.models import Submission, SubmissionState
+from server.submissions.service import GradingProgress, Submissions, job_key
 from tests.support.cluster import PATIENCE, Hand, Machine, Nats, free_port, until
 from tests.support.live import Live, children, environment
 from tests.support.quick import in_a_loop
@@ -36,8 +36,8 @@ from tests.support.service import ADDRESS, EXERCISE, fake_grade, new_account
 class Seen:
     """A submission as one web process tells of it."""
 
-    def __init__(self, place: Place) -> None:
-        self.done, self.state = place.state is State.done, place.state
+    def __init__(self, place: GradingProgress) -> None:
+        self.done, self.state = place.state is SubmissionState.done, place.state
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Seen) and other.state == self.state
@@ -52,7 +52,7 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
     worker = Machine(shared_settings)
     machines.append(worker)
 
-    async def story() -> list[State]:
+    async def story() -> list[SubmissionState]:
         one, other = (Services(shared_settings, course, ()) for _ in range(2))
         async with AsyncExitStack() as stack:
             for services in (one, other):
@@ -63,7 +63,7 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
 
             def read() -> Seen:
                 with other.database.read() as db:
-                    return Seen(other.submissions.place(db, db.execute(select(Submission)).scalar_one()))
+                    return Seen(other.submissions.progress(db, db.execute(select(Submission)).scalar_one()))
 
             states = []
             async for seen in other.events.follow(key, read):
@@ -76,13 +76,13 @@ def test_each_web_process_tells_of_what_was_sent_to_the_other(
         return states
 
     states = in_a_loop(asyncio.wait_for(story(), 2 * PATIENCE))
-    assert (states[0], states[-1]) == (State.queued, State.done)
+    assert (states[0], states[-1]) == (SubmissionState.queued, SubmissionState.done)
 
 
 def send(services: Services) -> str:
     account = new_account(services.database)
     with services.database.write() as db:
-        return key_of(services.submissions.submit(db, account, EXERCISE, "pass", address=ADDRESS).id)
+        return job_key(services.submissions.submit(db, account, EXERCISE, "pass", address=ADDRESS).id)
 
 
 GRADED_TWICE = "SELECT submission_id FROM grading GROUP BY submission_id HAVING count(*) > 1"
@@ -266,14 +266,14 @@ def test_a_cluster_of_three_outlives_each_of_its_nodes(shared_settings: Settings
 
     def submit() -> None:
         with web.database.write() as db:
-            sent.append(key_of(store.submit(db, account, EXERCISE, "pass", address=ADDRESS).id))
+            sent.append(job_key(store.submit(db, account, EXERCISE, "pass", address=ADDRESS).id))
 
     def swept() -> bool:
         """Whether all are graded; else a server looks, as it does every three seconds, whether tickets are missing."""
         if graded(web) == sorted(sent):
             return True
         with web.database.read() as db:
-            web.engine.sweeper.look(db)
+            web.engine.sweeper.resend_missing(db)
         time.sleep(0.5)
         return False
 
@@ -296,8 +296,8 @@ def in_step(machine: Machine) -> bool:
     """Whether the three nodes hold the stream, none behind."""
     connection = machine.engine.connection
     try:
-        info = connection.ask(lambda: connection.context.stream_info("work"), PATIENCE)
-    except DownError:
+        info = connection.run_blocking(lambda: connection.jetstream.stream_info("work"), PATIENCE)
+    except NatsUnavailableError:
         return False
     others = (info.cluster.replicas or []) if info.cluster else []
     return len(others) == 2 and all(one.current and not one.offline for one in others)

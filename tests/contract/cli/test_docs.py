@@ -15,7 +15,7 @@ from server.base.files import ROOT
 from server.base.settings import PREFIX, SECRETS_DIR, Settings
 from server.cli import _parser, main
 from server.cli.admin import ACTIONS
-from server.health.metrics import COUNTED
+from server.health.metrics import COUNTERS
 from server.identity.models import Role
 from server.sandbox import WallReport, WallStatus
 from tests.support.client import TestClient
@@ -104,7 +104,7 @@ def test_the_pages_tell_every_action_of_an_administrator_and_every_metric() -> N
     assert {words[words.index("admin") + 1] for words in said if "admin" in words} == set(ACTIONS)
     assert {words[1] for words in said if words[0] == "balise"} >= {"serve", "doctor", "backup", "restore", "admin"}
     watching = (DOCS / "surveiller.md").read_text(encoding="utf-8")
-    assert all(f"`{name}_total`" in watching for name, _, _ in COUNTED)
+    assert all(f"`{name}_total`" in watching for name, _, _ in COUNTERS)
 
 
 def test_the_configuration_of_nats_is_one(tmp_path: Path) -> None:

@@ -257,7 +257,7 @@ def test_probes_ask_what_the_service_answers(site: Site) -> None:
 
 
 def test_graders_are_scaled_by_what_students_wait_for() -> None:
-    layout = pytest.importorskip("server.queue.jetstream.layout", reason="nats-py is not installed")
+    layout = pytest.importorskip("server.queue.jetstream.stream_layout", reason="nats-py is not installed")
     trigger = objects("ScaledObject")["worker"]["spec"]["triggers"][0]["metadata"]
     assert trigger["stream"] == layout.STREAM
     assert trigger["consumer"] == layout.Desk("grade", "interactive").consumer

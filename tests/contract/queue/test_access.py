@@ -18,11 +18,11 @@ from sqlalchemy import make_url
 
 from server.base.settings import Settings
 from server.database.engine import make_engine
-from server.grading.kinds import LANES
+from server.grading.job_lanes import JOB_LANES
 from server.queue.jetstream import connection
-from server.queue.jetstream.access import UnfitError, options
-from server.queue.jetstream.connection import Connection
-from server.queue.jetstream.layout import layout
+from server.queue.jetstream.connection import NatsConnection
+from server.queue.jetstream.credentials import NatsConfigurationError, connect_options
+from server.queue.jetstream.stream_layout import build_layout
 from tests.support.cluster import PATIENCE, Nats
 
 SEED = nkeys.encode_seed(bytes(range(32)), nkeys.PREFIX_BYTE_USER)
@@ -72,8 +72,8 @@ def by_token(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nats]:
 def enters(settings: Settings, **changed: object) -> str:
     """Nothing, or why not."""
     settings = settings.model_copy(update=changed)
-    with Connection(settings, layout(settings, LANES)) as connection:
-        return "" if connection.wait_tried(PATIENCE) else connection.trouble
+    with NatsConnection(settings, build_layout(settings, JOB_LANES)) as connection:
+        return "" if connection.wait_first_attempt(PATIENCE) else connection.last_error
 
 
 def test_a_nkey_and_a_certificate_open_what_asks_for_them(settings: Settings, guarded: Nats) -> None:
@@ -134,7 +134,7 @@ def test_a_connection_is_left_for_good_in_the_middle_of_a_good_bye(
 
     monkeypatch.setattr(connection, "_left", left)
     nobody = settings.model_copy(update={"nats_url": "nats://127.0.0.1:1"})
-    with Connection(nobody, layout(nobody, LANES)) as closed:
+    with NatsConnection(nobody, build_layout(nobody, JOB_LANES)) as closed:
         assert leaving.wait(PATIENCE)
     assert not closed._thread.is_alive()
 
@@ -142,15 +142,15 @@ def test_a_connection_is_left_for_good_in_the_middle_of_a_good_bye(
 @pytest.mark.parametrize("variable", ["nats_nkey_file", "nats_tls_ca", "nats_tls_cert"])
 def test_a_file_that_is_not_there_is_named_with_its_setting(settings: Settings, tmp_path: Path, variable: str) -> None:
     unfit = settings.model_copy(update={"nats_url": "nats://x", variable: tmp_path / "absent"})
-    with pytest.raises(UnfitError, match=rf"BALISE_{variable.upper()} : \S+absent ne se lit pas"):
-        options(unfit)
+    with pytest.raises(NatsConfigurationError, match=rf"BALISE_{variable.upper()} : \S+absent ne se lit pas"):
+        connect_options(unfit)
 
 
 def test_a_file_that_is_no_certificate_is_told(settings: Settings, tmp_path: Path) -> None:
     (tmp_path / "ca.pem").write_text("bonjour")
     unfit = settings.model_copy(update={"nats_url": "nats://x", "nats_tls_ca": tmp_path / "ca.pem"})
-    with pytest.raises(UnfitError, match="certificats"):
-        options(unfit)
+    with pytest.raises(NatsConfigurationError, match="certificats"):
+        connect_options(unfit)
 
 
 def test_what_the_database_s_address_says_of_tls_reaches_its_driver() -> None:

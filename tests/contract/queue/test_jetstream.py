@@ -23,18 +23,33 @@ from server.base.files import ROOT
 from server.base.settings import Settings
 from server.course import Course
 from server.gradebook.models import Grading
-from server.grading.kinds import LANES
-from server.grading.task import SentFile, give_ups
-from server.queue.jetstream.access import Guarded
-from server.queue.jetstream.layout import STREAM, layout
-from server.queue.jetstream.sweeper import TicketSweeper
+from server.grading.grading_task import GradingInput, give_up_handlers
+from server.grading.job_lanes import JOB_LANES
+from server.queue.graceful_stop import StopRequested
+from server.queue.interfaces import (
+    BACKGROUND,
+    INTERACTIVE,
+    JOB_STARTED_SUFFIX,
+    JobNotification,
+    NullNotifier,
+    Sender,
+    WorkerCapabilities,
+)
+from server.queue.jetstream.credentials import TlsEnforcingClient
+from server.queue.jetstream.stream_layout import STREAM, build_layout
+from server.queue.jetstream.sweeper import LostMessageSweeper
+from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.owner import owner_of
-from server.queue.port import BACKGROUND, BEGUN, INTERACTIVE, Able, Call, NoSignals, Sender
 from server.queue.service import TableQueue
-from server.queue.stopping import Stop
-from server.submissions.models import State, Submission
-from server.submissions.service import GRADE, OUTDATED, Place, Submissions, key_of, needs_of
+from server.submissions.models import Submission, SubmissionState
+from server.submissions.service import (
+    GRADE,
+    OUTDATED_NOTICE,
+    GradingProgress,
+    Submissions,
+    job_key,
+    version_requirement,
+)
 from tests.support.cluster import PATIENCE, Baker, Hand, Machine, Nats, until
 from tests.support.service import ADDRESS, EXERCISE, fake_grade, new_account
 
@@ -54,13 +69,13 @@ class Service:
         self._made.append(one)
         return one
 
-    def hand(self, grade: object = fake_grade, able: Able | None = None) -> Hand:
+    def hand(self, grade: object = fake_grade, able: WorkerCapabilities | None = None) -> Hand:
         return Hand(self.machine(), grade, able).start()  # type: ignore[arg-type]
 
     def submit(self, version: str | None = None) -> str:
         store = Submissions(self.settings, self.web.queue, version_of=version and (lambda _: version))  # type: ignore[arg-type]
         with self.web.database.write() as db:
-            return key_of(store.submit(db, self.account, EXERCISE, "pass", address=ADDRESS).id)
+            return job_key(store.submit(db, self.account, EXERCISE, "pass", address=ADDRESS).id)
 
     def gradings(self) -> Sequence[Grading]:
         with self.web.database.read() as db:
@@ -77,37 +92,37 @@ class Service:
         (job,) = self.jobs()
         return job
 
-    def place(self) -> Place:
+    def place(self) -> GradingProgress:
         with self.web.database.read() as db:
-            return Submissions(self.settings, self.web.queue).place(db, db.execute(select(Submission)).scalar_one())
+            return Submissions(self.settings, self.web.queue).progress(db, db.execute(select(Submission)).scalar_one())
 
     def tickets(self, of: Machine | None = None) -> int:
         """How many the stream holds."""
         connection = (of or self.web).engine.connection
-        return connection.ask(lambda: connection.context.stream_info(STREAM), PATIENCE).state.messages
+        return connection.run_blocking(lambda: connection.jetstream.stream_info(STREAM), PATIENCE).state.messages
 
     def sweep(self) -> int:
         with self.web.database.read() as db:
-            return self.web.engine.sweeper.look(db)
+            return self.web.engine.sweeper.resend_missing(db)
 
     def taken_and_dropped(self, course: Course) -> None:
         """A worker of another machine takes a ticket and a job, and is heard of no more."""
         dead = self.machine()
-        tickets = dead.engine.tickets()
-        owner, lease = replace(owner_of(1), host="elsewhere"), None
+        tickets = dead.engine.subscribe()
+        owner, lease = replace(process_owner(1), host="elsewhere"), None
         while lease is None:
             tickets.wait(PATIENCE)
-            ticket = tickets.take()
+            ticket = tickets.take_message()
             if ticket is None:
                 continue
             with dead.database.write() as db:
-                if ticket.again:
-                    dead.queue.recover(db, owner, give_ups(course))
+                if ticket.redelivered:
+                    dead.queue.recover_lost(db, owner, give_up_handlers(course))
                 lease = dead.queue.claim(db, owner, [GRADE], self.settings.lease_seconds)
             if lease is None:
-                ticket.spend(used=False)
+                ticket.ack(job_done=False)
             else:
-                ticket.keep()
+                ticket.in_progress()
         dead.close()
 
 
@@ -126,11 +141,11 @@ def test_what_one_web_process_takes_a_worker_elsewhere_grades_and_the_other_tell
     hand, other = service.hand(), service.machine()
     sent = sorted(service.submit() for _ in range(3))
     until(lambda: service.graded() == sent, "all are graded")
-    news = sorted(told for key in sent for told in (key, key + BEGUN))
+    news = sorted(told for key in sent for told in (key, key + JOB_STARTED_SUFFIX))
     until(lambda: sorted(other.told) == news, "the other is told that each began and ended")
     hand.stop()
     assert not service.jobs()
-    assert service.web.engine.state() == "ok"
+    assert service.web.engine.status() == "ok"
 
 
 def test_what_a_dead_worker_held_is_passed_on_and_graded_once(hasty: Service, course: Course) -> None:
@@ -156,7 +171,7 @@ def test_a_job_that_ends_its_workers_is_given_up_as_our_error(hasty: Service, co
 def test_a_frozen_worker_that_comes_back_writes_nothing(hasty: Service, caplog: pytest.LogCaptureFixture) -> None:
     begun, woken = threading.Event(), threading.Event()
 
-    def freezing(sent: SentFile) -> Judgement:
+    def freezing(sent: GradingInput) -> Judgement:
         begun.set()
         woken.wait(PATIENCE)
         return fake_grade(replace(sent, source=b"outcome: wrong_answer"))
@@ -175,7 +190,7 @@ def test_a_frozen_worker_that_comes_back_writes_nothing(hasty: Service, caplog: 
 
 
 def test_a_worker_that_works_for_long_keeps_its_ticket(hasty: Service) -> None:
-    def slow(sent: SentFile) -> Judgement:
+    def slow(sent: GradingInput) -> Judgement:
         time.sleep(3 * LEASE)
         return fake_grade(sent)
 
@@ -190,8 +205,8 @@ def test_a_worker_that_works_for_long_keeps_its_ticket(hasty: Service) -> None:
 
 
 def test_a_worker_that_is_told_to_stop_gives_its_job_to_another_at_once(service: Service) -> None:
-    def stopped(_sent: SentFile) -> Judgement:
-        raise Stop
+    def stopped(_sent: GradingInput) -> Judgement:
+        raise StopRequested
 
     sent = service.submit()
     leaving = service.hand(stopped)
@@ -210,7 +225,7 @@ def test_what_the_stream_has_lost_is_called_for_again(service: Service, emptied:
 
     until(lambda: service.tickets() == 3, "each has its ticket")
     assert service.sweep() == 0
-    connection.ask(lambda: getattr(connection.context, emptied)(STREAM), PATIENCE)
+    connection.run_blocking(lambda: getattr(connection.jetstream, emptied)(STREAM), PATIENCE)
     assert [service.sweep(), service.sweep()] == [0, 3], "it takes two looks: what is on its way is not missing"
     hand = service.hand()
     until(lambda: service.graded() == sent, "all are graded")
@@ -222,10 +237,10 @@ def test_several_sweepers_call_once(service: Service) -> None:
     machines = [service.web, service.machine(), service.machine()]
     with service.web.database.write() as db:
         for number in range(3):
-            TableQueue(NoSignals()).put(db, GRADE, str(number))
-    sweepers = [TicketSweeper(one.engine.connection, lambda: 1000.0) for one in machines]
+            TableQueue(NullNotifier()).enqueue(db, GRADE, str(number))
+    sweepers = [LostMessageSweeper(one.engine.connection, lambda: 1000.0) for one in machines]
     with service.web.database.read() as db:
-        assert [one.look(db) for one in sweepers] == [0, 0, 0], "what is on its way is not missing"
+        assert [one.resend_missing(db) for one in sweepers] == [0, 0, 0], "what is on its way is not missing"
         called = [one._call(db, GRADE, 3) for one in sweepers]  # as when they look at the same moment
     assert called == [3, 3, 3]
     for machine in machines[1:]:
@@ -238,16 +253,16 @@ def test_what_scales_the_graders_reads_a_consumer_that_there_is(settings: Settin
     told = (ROOT / "server" / "deploy" / "kubernetes" / "scaling.yaml").read_text(encoding="utf-8")
     assert f"stream: {STREAM}\n" in told
     (consumer,) = re.findall(r"consumer: (\S+)", told)
-    assert consumer == layout(settings, LANES).desk(GRADE).consumer
+    assert consumer == build_layout(settings, JOB_LANES).consumer_of_kind(GRADE).consumer_name
 
 
 def test_a_ticket_holds_a_name_and_no_more(settings: Settings) -> None:
     """Whoever may publish there fills no disk: a million names at most."""
-    stream = layout(settings, LANES).stream()
+    stream = build_layout(settings, JOB_LANES).stream_config()
     header = f"NATS/1.0\r\nNats-Msg-Id: {uuid4()}:again:{10**12}\r\n\r\n"
     assert len(header) < (stream.max_msg_size or 0) <= 4096
     plain = stream.evolve(max_msg_size=-1)
-    assert layout(settings, LANES)._stream_differs(plain), "a stream made before is put right"
+    assert build_layout(settings, JOB_LANES)._stream_differs(plain), "a stream made before is put right"
 
 
 @pytest.fixture
@@ -264,7 +279,7 @@ def test_without_nats_nothing_is_lost_nor_stands_still_and_it_is_told(
     settings = shared_settings.model_copy(update={"nats_url": own_nats.url, "poll_seconds": 0.05})
     service = Service(settings, [])
     own_nats.stop()
-    until(lambda: service.web.engine.state() == "unreachable", "it is noticed")
+    until(lambda: service.web.engine.status() == "unreachable", "it is noticed")
     sent = [service.submit()]
     worker = Machine(settings).start()  # it starts without NATS too
     hand = Hand(worker).start()
@@ -276,7 +291,7 @@ def test_without_nats_nothing_is_lost_nor_stands_still_and_it_is_told(
     own_nats.start()
     service.web.up()
     assert [service.sweep(), service.sweep()] == [0, 1]
-    assert service.web.engine.state() == "ok"
+    assert service.web.engine.status() == "ok"
     hand = Hand(Machine(settings.model_copy(update={"poll_seconds": 30.0})).start().up()).start()
     until(lambda: service.graded() == sorted(sent), "it is called for again")
     hand.stop()
@@ -287,15 +302,15 @@ def test_without_nats_nothing_is_lost_nor_stands_still_and_it_is_told(
 def test_turns_hold_and_what_somebody_waits_for_goes_first(shared_settings: Settings, machines: list[Machine]) -> None:
     """The same orders on SQLite's queue and through tickets: theirs is not the order of the calls."""
     lanes = {"wash": BACKGROUND, "bake": INTERACTIVE}
-    greedy, late = Sender("a", line="a"), Sender("b", line="b")
+    greedy, late = Sender("a", flow="a"), Sender("b", flow="b")
     put = [("wash", "w1", Sender(rank=9)), *(("bake", f"a{n}", greedy) for n in range(4))]
-    put += [("bake", "b0", late), ("bake", "b1", late), ("bake", "guest", Sender("g", line="g", rank=2))]
-    put += [("bake", "member", Sender("m", line="m", rank=-1)), ("wash", "w2", Sender(rank=9))]
+    put += [("bake", "b0", late), ("bake", "b1", late), ("bake", "guest", Sender("g", flow="g", rank=2))]
+    put += [("bake", "member", Sender("m", flow="m", rank=-1)), ("wash", "w2", Sender(rank=9))]
     machine = Machine(shared_settings, lanes).start().up()
     machines.append(machine)
     for kind, key, sender in put:
         with machine.database.write() as db:
-            machine.queue.put(db, kind, key, sender=sender)
+            machine.queue.enqueue(db, kind, key, sender=sender)
     baker = Baker(machine, lanes)
     baker.start()
     until(lambda: len(baker.done) == len(put), "all is done")
@@ -304,12 +319,12 @@ def test_turns_hold_and_what_somebody_waits_for_goes_first(shared_settings: Sett
 
 
 def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service) -> None:
-    old, new = (Able([needs_of(EXERCISE, version)], 3600.0) for version in ("v1", "v2"))
+    old, new = (WorkerCapabilities([version_requirement(EXERCISE, version)], 3600.0) for version in ("v1", "v2"))
     before = service.hand(able=old)
     service.submit("v2")
     until(lambda: service.job().refused_at is not None, "it is refused")
     place = service.place()
-    assert (place.state, place.notice) == (State.queued, OUTDATED)
+    assert (place.state, place.notice) == (SubmissionState.queued, OUTDATED_NOTICE)
     assert (service.job().tries, service.graded()) == (0, [])
     after = service.hand(able=new)
     until(lambda: bool(service.graded()), "the right one grades it")
@@ -319,7 +334,7 @@ def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service
 
 def test_what_waits_for_a_version_too_long_is_anybody_s(service: Service) -> None:
     service.submit("v0")
-    hand = service.hand(able=Able([needs_of(EXERCISE, "v1")], 0.3))
+    hand = service.hand(able=WorkerCapabilities([version_requirement(EXERCISE, "v1")], 0.3))
     until(lambda: bool(service.graded()), "it is graded after all")
     hand.stop()
     assert not service.jobs()
@@ -330,9 +345,9 @@ def test_a_worker_to_whom_nothing_is_brought_looks_by_itself_now_and_then(servic
     machine = service.machine(poll_seconds=0.01)
     hand = Hand(machine).start()
     until(lambda: hand.tickets._answered, "it waits for tickets")
-    store = Submissions(service.settings, TableQueue(NoSignals()))
+    store = Submissions(service.settings, TableQueue(NullNotifier()))
     with service.web.database.write() as db:
-        sent = key_of(store.submit(db, service.account, EXERCISE, "pass", address=ADDRESS).id)
+        sent = job_key(store.submit(db, service.account, EXERCISE, "pass", address=ADDRESS).id)
     until(lambda: service.graded() == [sent], "it is found")
     hand.stop()
 
@@ -341,24 +356,24 @@ def test_a_connection_that_meets_something_unheard_of_is_made_again(
     service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As half a message, from a server that dies: nothing else would ever connect this process again."""
-    machine, real = service.machine(), Guarded.connect
+    machine, real = service.machine(), TlsEnforcingClient.connect
     refusals: list[Exception] = [ValueError("half a message")]
 
-    async def connect(client: Guarded, **options: object) -> None:
+    async def connect(client: TlsEnforcingClient, **options: object) -> None:
         if refusals:
             raise refusals.pop()
         await real(client, **options)
 
-    monkeypatch.setattr(Guarded, "connect", connect)
+    monkeypatch.setattr(TlsEnforcingClient, "connect", connect)
     connection = machine.engine.connection
-    connection.on_loop(lambda: asyncio.ensure_future(connection.client.close()))
-    until(lambda: not refusals and connection.up, "it is up again")
-    machine.engine.connection.ask(connection.client.flush, PATIENCE)
+    connection.call_on_loop(lambda: asyncio.ensure_future(connection.client.close()))
+    until(lambda: not refusals and connection.is_up, "it is up again")
+    machine.engine.connection.run_blocking(connection.client.flush, PATIENCE)
 
 
 def test_a_ticket_too_many_finds_no_job_and_goes(service: Service) -> None:
     for _ in range(3):
-        service.web.engine.connection.call(Call(GRADE, str(uuid4())))
+        service.web.engine.connection.publish_job_available(JobNotification(GRADE, str(uuid4())))
     hand = service.hand()
     until(lambda: service.tickets() == 0, "they are gone")
     sent = service.submit()

@@ -8,7 +8,7 @@ from nats.js.api import AckPolicy, ConsumerConfig, RetentionPolicy, StorageType,
 from nats.js.errors import NotFoundError
 
 from server.base.settings import Settings
-from server.queue.port import INTERACTIVE
+from server.queue.interfaces import INTERACTIVE
 
 STREAM = "work"
 SUBJECTS = "balise.work.>"
@@ -28,7 +28,7 @@ MOST_PULLS, MOST_HELD = 8192, 20_000
 
 
 @dataclass(frozen=True)
-class Desk:
+class JobConsumer:
     """Where the tickets of one kind of job wait."""
 
     kind: str
@@ -39,22 +39,22 @@ class Desk:
         return f"balise.work.{self.lane}.{self.kind}"
 
     @property
-    def consumer(self) -> str:
+    def consumer_name(self) -> str:
         return f"{self.lane}_{self.kind}"
 
 
 @dataclass(frozen=True)
-class Layout:
+class StreamLayout:
     """`desks`: what somebody waits for comes first."""
 
-    desks: Sequence[Desk]
+    consumers: Sequence[JobConsumer]
     lease_seconds: float
     replicas: int
 
-    def desk(self, kind: str) -> Desk:
-        return next(desk for desk in self.desks if desk.kind == kind)
+    def consumer_of_kind(self, kind: str) -> JobConsumer:
+        return next(desk for desk in self.consumers if desk.kind == kind)
 
-    def stream(self) -> StreamConfig:
+    def stream_config(self) -> StreamConfig:
         return StreamConfig(
             name=STREAM,
             subjects=[SUBJECTS],
@@ -67,10 +67,10 @@ class Layout:
             duplicate_window=SAME_NAME_SECONDS,
         )
 
-    def consumer(self, desk: Desk) -> ConsumerConfig:
+    def consumer_config(self, desk: JobConsumer) -> ConsumerConfig:
         """A ticket is passed on when its lease ends: by then its holder's job may be taken back."""
         return ConsumerConfig(
-            durable_name=desk.consumer,
+            durable_name=desk.consumer_name,
             filter_subject=desk.subject,
             ack_policy=AckPolicy.EXPLICIT,
             ack_wait=self.lease_seconds,
@@ -84,30 +84,33 @@ class Layout:
         try:
             found = (await context.stream_info(STREAM)).config
             if self._stream_differs(found):
-                await context.update_stream(self.stream())
+                await context.update_stream(self.stream_config())
         except NotFoundError:
-            await context.add_stream(self.stream())
-        for desk in self.desks:
-            await context.add_consumer(STREAM, self.consumer(desk))
+            await context.add_stream(self.stream_config())
+        for desk in self.consumers:
+            await context.add_consumer(STREAM, self.consumer_config(desk))
 
-    async def amiss(self, context: JetStreamContext) -> list[str]:
+    async def find_differences(self, context: JetStreamContext) -> list[str]:
         """What is not as it should be, in French; `ensure` puts it right."""
         try:
             found = (await context.stream_info(STREAM)).config
         except NotFoundError:
             return [f"le flux « {STREAM} » n’existe pas encore"]
         told = [f"le flux « {STREAM} » : {text}" for text in self._stream_differs(found)]
-        for desk in self.desks:
+        for desk in self.consumers:
             try:
-                config = (await context.consumer_info(STREAM, desk.consumer)).config
+                config = (await context.consumer_info(STREAM, desk.consumer_name)).config
             except NotFoundError:
-                told.append(f"le consommateur « {desk.consumer} » n’existe pas encore")
+                told.append(f"le consommateur « {desk.consumer_name} » n’existe pas encore")
                 continue
-            told += [f"le consommateur « {desk.consumer} » : {text}" for text in _differs(config, self.consumer(desk))]
+            told += [
+                f"le consommateur « {desk.consumer_name} » : {text}"
+                for text in _differs(config, self.consumer_config(desk))
+            ]
         return told
 
     def _stream_differs(self, found: StreamConfig) -> list[str]:
-        return list(_differs(found, self.stream()))
+        return list(_differs(found, self.stream_config()))
 
 
 def _differs(found: object, wanted: object) -> Iterator[str]:
@@ -123,7 +126,7 @@ FIELDS = (
 )
 
 
-def layout(settings: Settings, lanes: Mapping[str, str]) -> Layout:
+def build_layout(settings: Settings, lanes: Mapping[str, str]) -> StreamLayout:
     """`lanes`: of each kind of job, whether somebody waits for it."""
-    desks = sorted((Desk(kind, lane) for kind, lane in lanes.items()), key=lambda desk: desk.lane != INTERACTIVE)
-    return Layout(desks, settings.lease_seconds, settings.nats_replicas)
+    desks = sorted((JobConsumer(kind, lane) for kind, lane in lanes.items()), key=lambda desk: desk.lane != INTERACTIVE)
+    return StreamLayout(desks, settings.lease_seconds, settings.nats_replicas)

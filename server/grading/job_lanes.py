@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from server.behaviour.fingerprints import FINGERPRINT
-from server.queue.port import BACKGROUND, INTERACTIVE
+from server.queue.interfaces import BACKGROUND, INTERACTIVE
 from server.regrades.service import REGRADE_JOB
 from server.submissions.service import GRADE
 
-LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE_JOB: BACKGROUND, FINGERPRINT: BACKGROUND}
+JOB_LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE_JOB: BACKGROUND, FINGERPRINT: BACKGROUND}

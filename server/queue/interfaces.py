@@ -12,7 +12,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.queue.owner import Owner
+from server.queue.lease_owner import LeaseOwner
 
 #: What somebody waits for, and what nobody does: a worker does the former first.
 INTERACTIVE, BACKGROUND = "interactive", "background"
@@ -35,31 +35,31 @@ class Lease:
     payload: Mapping[str, Any]
     tries: int
     started_at: datetime
-    needs: str | None = None
-    followed: bool = True
+    required_version: str | None = None
+    more_waiting: bool = True
 
 
 @dataclass(frozen=True)
-class Call:
+class JobNotification:
     """That one more job of a kind may be begun. `name` is this call's own: of the job, and of its attempt before."""
 
     kind: str
-    name: str
+    message_id: str
 
 
 @dataclass(frozen=True)
-class Able:
+class WorkerCapabilities:
     """What a worker can do: jobs that need nothing, or one of `having`; any other that waits since a refusal.
 
     `patience`, in seconds: that long after it was first refused, a job is anybody's.
     """
 
-    having: Collection[str]
-    patience: float
+    versions: Collection[str]
+    refusal_timeout: float
 
 
 @dataclass(frozen=True)
-class Whereabouts:
+class JobStatus:
     """Where a job is: `position` is 1 for the next to begin, 0 for one that has begun. `refused`: as yet, all workers
     that could have begun it were of another version."""
 
@@ -76,32 +76,32 @@ class Sender:
 
     name: str = ""
     address: str = ""
-    line: str = ""
+    flow: str = ""
     rank: int = 0
 
 
 @dataclass(frozen=True)
-class Most:
+class BacklogLimits:
     """How many jobs may wait: of one sender, and from one address in one rank."""
 
-    each: int
-    from_address: int
+    per_sender: int
+    per_address: int
 
 
-class HeapError(Exception):
+class QueueFullError(Exception):
     """So much waits already that no more is taken; `whose` heap it is."""
 
-    def __init__(self, whose: Literal["sender", "address"]) -> None:
-        super().__init__(f"the heap of this {whose} is as high as it may be")
-        self.whose = whose
+    def __init__(self, scope: Literal["sender", "address"]) -> None:
+        super().__init__(f"the heap of this {scope} is as high as it may be")
+        self.scope = scope
 
 
-NOBODY = Sender()
+NO_SENDER = Sender()
 #: What news add to a job's key where it has begun, and no more: who waits for its end alone need not look yet.
-BEGUN = " begun"
+JOB_STARTED_SUFFIX = " begun"
 #: Where a job's payload keeps the request that it comes from, for the logs.
-REQUEST = "request"
-GiveUp = Callable[[Session, Lease], None]
+REQUEST_ID_KEY = "request"
+GiveUpHandler = Callable[[Session, Lease], None]
 
 
 class Task(Protocol[Work, Result]):
@@ -126,24 +126,29 @@ Tasks = Mapping[str, Task[Any, Any]]
 class Queue(Protocol):
     """Jobs with a lease. Every method takes the session of the caller's transaction."""
 
-    def put(
+    def enqueue(
         self,
         db: Session,
         kind: str,
         key: str,
         payload: Mapping[str, Any] | None = None,
-        sender: Sender = NOBODY,
-        most: Most | None = None,
-        needs: str | None = None,
+        sender: Sender = NO_SENDER,
+        limits: BacklogLimits | None = None,
+        required_version: str | None = None,
     ) -> None:
         """Has a job done later, in its sender's turn. One job at a time has this kind and key. Raises HeapError."""
 
     def claim(
-        self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float, able: Able | None = None
+        self,
+        db: Session,
+        owner: LeaseOwner,
+        kinds: Collection[str],
+        lease_seconds: float,
+        capabilities: WorkerCapabilities | None = None,
     ) -> Lease | None:
         """Begins the next job of these kinds; None where none waits that this worker is able to do."""
 
-    def refuse(self, db: Session, kinds: Collection[str], able: Able) -> bool:
+    def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
         """Notes that what waits of these kinds is for workers of other versions; False where there is none such."""
 
     def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
@@ -152,38 +157,38 @@ class Queue(Protocol):
     def finish(self, db: Session, lease: Lease) -> bool:
         """Ends a job, once: False when the lease has been lost, and nothing may be recorded then."""
 
-    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp], *, last: bool = False) -> None:
+    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUpHandler], *, last: bool = False) -> None:
         """Has a job tried again, or given up: once it has been tried too often, or with the `last` of its tries."""
 
-    def give_back(self, db: Session, lease: Lease) -> None:
+    def requeue_untried(self, db: Session, lease: Lease) -> None:
         """Puts a job that its worker was told to leave back in its place, as if it had not been tried."""
 
-    def recover(self, db: Session, here: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+    def recover_lost(self, db: Session, here: LeaseOwner, give_ups: Mapping[str, GiveUpHandler]) -> int:
         """Takes back every lease that has run out or whose holder is dead; returns how many."""
 
-    def release(self, db: Session, owner: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+    def recover_from(self, db: Session, owner: LeaseOwner, give_ups: Mapping[str, GiveUpHandler]) -> int:
         """Takes back the leases of a worker that has just died; returns how many."""
 
     def position(self, db: Session, kind: str, key: str) -> int | None:
         """1 for the next job to begin, 0 for one that has begun, None where there is no such job."""
 
-    def whereabouts(self, db: Session, kind: str, key: str) -> Whereabouts | None:
+    def status(self, db: Session, kind: str, key: str) -> JobStatus | None:
         """None where there is no such job."""
 
-    def untaken(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
+    def find_stalled(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
         """A job of these kinds that waits while none is being done: `before` if it still does, else the next to begin.
 
         None where one is being done, or none waits.
         """
 
 
-class Signals(Protocol):
+class QueueNotifier(Protocol):
     """What a transaction tells the other processes, once it is committed."""
 
-    def queued(self, db: Session, call: Call, /) -> None:
+    def job_queued(self, db: Session, call: JobNotification, /) -> None:
         """A job waits: an idle worker may wake up."""
 
-    def changed(self, db: Session, news: str) -> None:
+    def job_changed(self, db: Session, news: str) -> None:
         """The job of this key has ended or gone back, or, with `BEGUN` after it, begun: whoever shows it may look."""
 
 
@@ -191,14 +196,14 @@ class WorkSource(Protocol):
     """What a worker sleeps on."""
 
     @property
-    def owes(self) -> bool:
+    def buffers_wakeups(self) -> bool:
         """Whether it keeps what it has to tell a worker that is busy, so that `wait` returns at once."""
 
     def wait(self, seconds: float) -> bool:
         """Returns when there may be work, or after `seconds`; False means that the worker must stop."""
 
 
-class Ticket(Protocol):
+class WorkMessage(Protocol):
     """Leave to do one job. It is kept while the job is done, and ends in one of two ways."""
 
     @property
@@ -206,34 +211,34 @@ class Ticket(Protocol):
         """Of which kinds."""
 
     @property
-    def again(self) -> bool:
+    def redelivered(self) -> bool:
         """Whoever held it before has given no sign of life: what they were doing may wait for being taken back."""
 
-    def keep(self) -> None:
+    def in_progress(self) -> None:
         """It is in use still. From any thread."""
 
-    def spend(self, *, used: bool) -> None:
+    def ack(self, *, job_done: bool) -> None:
         """It was used, or there was no job for it."""
 
-    def give_back(self, *, later: bool) -> None:
+    def nak(self, *, delayed: bool) -> None:
         """Somebody else is to have it: at once, or in a while."""
 
 
-class Tickets(Protocol):
+class WorkSubscription(Protocol):
     """What a worker of the distributed engine sleeps on: `wait`, which may be interrupted, then `take`."""
 
     def wait(self, seconds: float) -> None:
         """Returns when there is a ticket, or after `seconds`."""
 
-    def take(self) -> Ticket | None:
+    def take_message(self) -> WorkMessage | None:
         """The ticket that has come, if any."""
 
 
-class NoSignals:
+class NullNotifier:
     """Nobody listens: everyone polls."""
 
-    def queued(self, db: Session, call: Call, /) -> None:
+    def job_queued(self, db: Session, call: JobNotification, /) -> None:
         return
 
-    def changed(self, db: Session, news: str) -> None:
+    def job_changed(self, db: Session, news: str) -> None:
         return

@@ -12,16 +12,16 @@ log = logging.getLogger(__name__)
 RENEWALS = "template_renewals"
 
 
-class Counts:
+class EventCounter:
     """For several threads. A count that cannot be written is lost, and costs no verdict."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def renewed(self, why: str) -> None:
+    def count_template_renewal(self, why: str) -> None:
         """A template of the sandbox was replaced."""
         try:
             with self._database.write() as db:
-                repository.count(db, RENEWALS, why)
+                repository.increment_count(db, RENEWALS, why)
         except SQLAlchemyError:
             log.warning("a renewed template (%s) is not counted", why, exc_info=True)

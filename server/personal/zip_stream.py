@@ -28,7 +28,7 @@ class _Tray:
         return content
 
 
-def zipped(files: Iterable[tuple[str, bytes]], at: datetime) -> Iterator[bytes]:
+def stream_zip(files: Iterable[tuple[str, bytes]], at: datetime) -> Iterator[bytes]:
     """The bytes of a ZIP of these files (path, content), dated `at`, in pieces of some 64 KiB."""
     tray = _Tray()
     with zipfile.ZipFile(tray, "w", zipfile.ZIP_DEFLATED) as archive:  # type: ignore[call-overload]

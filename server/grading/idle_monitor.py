@@ -6,18 +6,18 @@ from contextlib import contextmanager
 from threading import Event
 
 #: Seconds without a job after which one is calm, and between two looks at it.
-CALM_AFTER, LOOK = 0.5, 0.05
+IDLE_AFTER, LOOK = 0.5, 0.05
 
 
-class Calm:
+class IdleMonitor:
     """Of one worker, which does one job at a time; `wait` is for its other threads."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._busy, self._ended = False, -CALM_AFTER
+        self._busy, self._ended = False, -IDLE_AFTER
 
     @contextmanager
-    def disturbed(self) -> Iterator[None]:
+    def busy(self) -> Iterator[None]:
         """While a job is done."""
         self._busy = True
         try:
@@ -26,12 +26,12 @@ class Calm:
             self._ended, self._busy = self._clock(), False
 
     @property
-    def now(self) -> bool:
-        return not self._busy and self._clock() - self._ended >= CALM_AFTER
+    def is_idle(self) -> bool:
+        return not self._busy and self._clock() - self._ended >= IDLE_AFTER
 
-    def wait(self, stopping: Event) -> bool:
+    def wait_idle(self, stopping: Event) -> bool:
         """Until it is calm; False where it is to stop first."""
-        while not self.now:
+        while not self.is_idle:
             if stopping.wait(LOOK):
                 return False
         return not stopping.is_set()

@@ -1,4 +1,4 @@
-"""The worker's end of the wake-up: a socket shared with the web process (see `server.queue.switchboard`)."""
+"""The worker's end of the wake-up: a socket shared with the web process (see `server.queue.wakeups`)."""
 
 import select
 import socket
@@ -7,14 +7,14 @@ import threading
 from sqlalchemy.orm import Session
 
 from server.database import run_after_commit
-from server.queue.port import Call
-from server.queue.switchboard import AWAKE, CHANGED, IDLE, QUEUED, RENEWED
+from server.queue.interfaces import JobNotification
+from server.queue.wakeups import AWAKE, CHANGED, IDLE, QUEUED, RENEWED
 
 
-class Channel:
+class WorkerChannel:
     """Work source and signals of a worker that the web process has started."""
 
-    owes = True  # its switchboard does
+    buffers_wakeups = True  # its switchboard does
 
     def __init__(self, wire: socket.socket) -> None:
         self._wire = wire
@@ -42,12 +42,12 @@ class Channel:
         except ConnectionError:
             return  # the web process is gone: `wait` finds it out, the result is safe in the database
 
-    def queued(self, db: Session, _call: Call) -> None:
+    def job_queued(self, db: Session, _call: JobNotification) -> None:
         run_after_commit(db, lambda: self._say(QUEUED))
 
-    def changed(self, db: Session, news: str) -> None:
+    def job_changed(self, db: Session, news: str) -> None:
         run_after_commit(db, lambda: self._say(f"{CHANGED} {news}"))
 
-    def renewed(self, why: str) -> None:
+    def template_renewed(self, reason: str) -> None:
         """A template of the sandbox was replaced."""
-        self._say(f"{RENEWED} {why}")
+        self._say(f"{RENEWED} {reason}")

@@ -17,7 +17,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
 from server.database import is_unavailable
-from server.queue.port import BEGUN
+from server.queue.interfaces import JOB_STARTED_SUFFIX
 
 log = logging.getLogger(__name__)
 
@@ -44,7 +44,7 @@ S = TypeVar("S", bound=Snapshot)
 Watchers = dict[str, set[asyncio.Event]]
 
 
-class Events:
+class JobEvents:
     """Wakes the watchers of a job, by its key: those who show where it is, and those who wait for its end alone."""
 
     def __init__(self) -> None:
@@ -62,15 +62,15 @@ class Events:
         for event in (*self._every(), *(event for events in self._awaiting.values() for event in events)):
             event.set()
 
-    def following(self) -> int:
+    def count_watchers(self) -> int:
         """How many pages and programs follow something at this moment."""
         return sum(len(events) for kept in (self._watchers, self._awaiting) for events in list(kept.values()))
 
-    def changed(self, news: str) -> None:
+    def job_changed(self, notification: str) -> None:
         """A job has changed state (`queue.port.Signals`): its watchers look at once, the others soon, as their place
         has moved. Who waits for its end alone does not look because it has begun, nor because of others."""
-        key = news.removesuffix(BEGUN)
-        if key == news:
+        key = notification.removesuffix(JOB_STARTED_SUFFIX)
+        if key == notification:
             self._note(key)
         for event in self._watchers.get(key, ()):
             event.set()
@@ -117,11 +117,11 @@ class Events:
             finally:
                 self._onlookers.discard(event)
 
-    async def follow(self, key: str, read: Callable[[], S], *, onlooking: bool = False) -> AsyncIterator[S]:
+    async def follow(self, key: str, read: Callable[[], S], *, watches_all_jobs: bool = False) -> AsyncIterator[S]:
         """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
         (or the server stops). `onlooking`: it is of many jobs, and any of them may change it. A database that does not
         answer is asked again."""
-        with self._watch(key, onlooking=onlooking) as event:
+        with self._watch(key, onlooking=watches_all_jobs) as event:
             latest: S | None = None
             while True:
                 woken = time.time_ns()
@@ -137,7 +137,7 @@ class Events:
                     return
                 await _wait(event, self._patience())
 
-    async def until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
+    async def wait_until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
         """The snapshot once it is done, or as it is after `seconds`.
 
         The job has been put a moment ago: as long as it has not changed since, there is nothing to look at.
@@ -159,7 +159,7 @@ class Events:
         return await run_in_threadpool(read)
 
     def _patience(self) -> float:
-        return max(SAFETY_POLL, self.following() / LOOKS_A_SECOND)
+        return max(SAFETY_POLL, self.count_watchers() / LOOKS_A_SECOND)
 
 
 @contextmanager
@@ -195,15 +195,15 @@ async def _wait(event: asyncio.Event, seconds: float) -> None:
         over.cancel()
 
 
-async def as_sse(
+async def stream_sse(
     snapshots: AsyncIterator[S], encode: Callable[[S], str], *, name: str = "status"
 ) -> AsyncIterator[str]:
     """Snapshots as server-sent events; `encode` gives text of any number of lines."""
     async for snapshot in snapshots:
-        yield sse(name, encode(snapshot))
+        yield format_sse(name, encode(snapshot))
 
 
-def sse(name: str, text: str) -> str:
+def format_sse(name: str, text: str) -> str:
     """One server-sent event; `text` may have any number of lines."""
     # A client takes a line up to CR or LF, and no other character that `splitlines` knows of.
     lines = "".join(f"data: {line}\n" for line in LINE_END.split(text))

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Collecting:
+class SittingCollector:
     """For several processes at once: each sitting is ended in a transaction of its own, by one of them."""
 
     course: Course
@@ -42,7 +42,7 @@ class Collecting:
             self._end_by_time(db, assignment, sitting, rules, now)
         feedback.forget_holds(db)
 
-    def collect(self, database: Database, now: datetime) -> int:
+    def collect_expired(self, database: Database, now: datetime) -> int:
         """Ends every sitting whose time is over; how many. What fails is left for the next time."""
         with database.read() as db:
             waiting = sitting_repository.load_unfinished_sittings(db)
@@ -55,12 +55,12 @@ class Collecting:
                 continue
             try:
                 with database.write() as db:
-                    ended += self.collect_one(db, one.assignment, one.sitting.account_id, now)
+                    ended += self.collect_if_expired(db, one.assignment, one.sitting.account_id, now)
             except SQLAlchemyError:
                 log.exception("a test of %s could not be collected; trying again later", one.sitting.account_id)
         return ended
 
-    def collect_one(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
+    def collect_if_expired(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
         """Ends a sitting if its time is over and nobody has ended it yet."""
         sitting, rules = self._locked(db, assignment, account_id)
         if sitting is None or sitting.handed_in_at is not None or feedback.is_sitting_running(rules, sitting, now):

@@ -11,33 +11,33 @@ from server.identity.models import Account
 from server.submissions import repository
 
 
-def seed_of(db: Session, account: Account, exercise_id: str) -> int:
+def get_or_create_seed(db: Session, account: Account, exercise_id: str) -> int:
     """The seed of this account's deal, which is made now, in this writing transaction, where there is none yet."""
-    repository.keep_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
-    return repository.dealt_seed(db, account.id, exercise_id)
+    repository.insert_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
+    return repository.load_seed(db, account.id, exercise_id)
 
 
-def find(db: Session, account: Account, exercise_id: str) -> int | None:
+def find_seed(db: Session, account: Account, exercise_id: str) -> int | None:
     """The seed of this account's deal, if there is one."""
     return repository.find_seed(db, account.id, exercise_id)
 
 
-def seed_on_page(db: Session, database: Database, account: Account, exercise_id: str) -> int:
+def seed_while_reading(db: Session, database: Database, account: Account, exercise_id: str) -> int:
     """The same for who only reads, through `db`: the first time alone is anything written, in a transaction of its own,
     of which what `db` reads later may know nothing yet."""
-    seed = find(db, account, exercise_id)
+    seed = find_seed(db, account, exercise_id)
     if seed is not None:
         return seed
     with database.write() as writing:
-        return seed_of(writing, account, exercise_id)
+        return get_or_create_seed(writing, account, exercise_id)
 
 
-def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
+def ensure_seed(database: Database, account: Account, exercise_id: str) -> int:
     """The same where nothing else is read."""
     with database.read() as db:
-        return seed_on_page(db, database, account, exercise_id)
+        return seed_while_reading(db, database, account, exercise_id)
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def adopt_guest_variants(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Gives an account the deals of a guest; where both have one, the account keeps its own."""
-    repository.move_deals(db, guest_id, account_id)
+    repository.move_variants(db, guest_id, account_id)

@@ -28,7 +28,7 @@ TRIES = 2
 FILENAME = "solution.py"
 
 
-class Patience:
+class JudgingTimeBudget:
     """The processor time that reading and comparing the answers of one submission may take, in this thread.
 
     What is read is bounded in size, so that only values made for it come near: it is spent by the student, not by us.
@@ -37,27 +37,27 @@ class Patience:
     def __init__(self, policy: Policy) -> None:
         self._policy, self._begun = policy, time.thread_time()
 
-    def spent(self) -> StudentFault | None:
+    def exhausted_fault(self) -> StudentFault | None:
         """The fault that answers for every call once it is spent."""
         if time.thread_time() - self._begun <= self._policy.judging_seconds:
             return None
         return StudentFault(Outcome.OUTPUT_LIMIT, judging_too_long(self._policy), fatal=True)
 
-    def must_last(self) -> None:
+    def raise_if_exhausted(self) -> None:
         """Raises StudentFault once it is spent."""
-        if spent := self.spent():
+        if spent := self.exhausted_fault():
             raise spent
 
 
 class SandboxProgram:
     """A student's program behind the walls, as graders see it."""
 
-    def __init__(self, session: Session, patience: Patience, ahead: Sequence[Foreseen]) -> None:
+    def __init__(self, session: Session, patience: JudgingTimeBudget, ahead: Sequence[Foreseen]) -> None:
         self._session, self._patience, self._ahead = session, patience, ahead
         self.functions = frozenset(session.functions)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
-        self._patience.must_last()
+        self._patience.raise_if_exhausted()
         try:
             reply = self._session.call(function, *args, return_arguments=return_arguments)
         except ProgramFault as fault:
@@ -66,7 +66,7 @@ class SandboxProgram:
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         for answer in self._session.call_many(function, calls, faults=faults):
-            if spent := self._patience.spent():
+            if spent := self._patience.exhausted_fault():
                 yield spent
                 return
             yield _answer(answer)
@@ -78,7 +78,7 @@ class SandboxProgram:
             else self._session.call_batches(list(map(_calls, asked)))
         )
         for number, answers in given:
-            if spent := self._patience.spent():
+            if spent := self._patience.exhausted_fault():
                 yield number, (spent,)
                 return
             if isinstance(answers, sandbox.Replies):
@@ -100,7 +100,7 @@ class SandboxPrograms:
     """
 
     def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[LibraryFile] = ()) -> None:
-        self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
+        self._sandbox, self._policy, self._patience = sandbox, policy, JudgingTimeBudget(policy)
         self._library = tuple(library)
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
@@ -110,7 +110,7 @@ class SandboxPrograms:
         return Kit(kit.module, dict(kit.parameters), kit.without, self._library)
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> SandboxProgram:
-        self._patience.must_last()
+        self._patience.raise_if_exhausted()
         settings = self._kit(kit)
         try:
             session = self._sandbox.open(
@@ -148,7 +148,7 @@ def _frame_text(frame: Frame) -> str:
     return f"{place} : {frame.source.strip()}" if frame.source else place
 
 
-class Grader:
+class SandboxGrader:
     """Grades files with one sandbox; thread-safe as far as the sandbox is."""
 
     def __init__(self, course: Course, sandbox: Sandbox) -> None:

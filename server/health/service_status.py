@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Outcome
 from server.database import utc_now
 from server.health import repository
-from server.queue import owner
+from server.queue import lease_owner
 from server.submissions.service import GRADE
 
 RATE_OVER = timedelta(minutes=5)
@@ -27,7 +27,7 @@ UNGRADED = "correction échouée de notre côté"
 
 
 @dataclass(frozen=True)
-class Waiting:
+class QueueDepth:
     """The jobs of a kind: how many wait, for how many seconds the oldest does, how many are being done."""
 
     kind: str
@@ -37,7 +37,7 @@ class Waiting:
 
 
 @dataclass(frozen=True)
-class Busy:
+class BusyWorker:
     """A worker (`host`, `pid`) and what it has done for so many `seconds`; `exercise` of a submission."""
 
     host: str
@@ -49,7 +49,7 @@ class Busy:
 
 
 @dataclass(frozen=True)
-class Verdicts:
+class VerdictTimes:
     """A minute, over RATE_OVER; then the seconds from sending to first verdict, over TIMES_OVER: None where there is
     none."""
 
@@ -59,7 +59,7 @@ class Verdicts:
 
 
 @dataclass(frozen=True)
-class Fault:
+class RecentError:
     """An error of ours: when, in what, and what was told of it."""
 
     at: datetime
@@ -68,7 +68,7 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Process:
+class WebProcessStatus:
     """What a web process knows of itself: `visitors` of the last minutes, requests a minute, pages that follow
     something, its own workers, the walls as probed, and what readiness says."""
 
@@ -82,22 +82,24 @@ class Process:
 
 
 @dataclass(frozen=True)
-class Overview:
+class ServiceStatus:
     """`process` is None where only the database was read."""
 
     at: datetime
-    queue: Sequence[Waiting]
-    workers: Sequence[Busy]
-    verdicts: Verdicts
-    faults: Sequence[Fault]
-    process: Process | None = None
+    queue: Sequence[QueueDepth]
+    workers: Sequence[BusyWorker]
+    verdicts: VerdictTimes
+    faults: Sequence[RecentError]
+    process: WebProcessStatus | None = None
 
 
-def read(db: Session, process: Process | None = None, faults: Sequence[Fault] = ()) -> Overview:
+def load_status(
+    db: Session, process: WebProcessStatus | None = None, faults: Sequence[RecentError] = ()
+) -> ServiceStatus:
     """With what a web process adds of its own."""
     now = utc_now()
     every = [*faults, *_failed(db, now)]
-    return Overview(
+    return ServiceStatus(
         at=now,
         queue=_queue(db, now),
         workers=_workers(db, now),
@@ -107,13 +109,13 @@ def read(db: Session, process: Process | None = None, faults: Sequence[Fault] = 
     )
 
 
-def _queue(db: Session, now: datetime) -> list[Waiting]:
+def _queue(db: Session, now: datetime) -> list[QueueDepth]:
     found: dict[str, dict[bool, tuple[int, datetime]]] = {}
-    for kind, begun, count, since in repository.queue(db):
+    for kind, begun, count, since in repository.queue_depths(db):
         found.setdefault(kind, {})[begun] = (count, since)
     nothing = (0, now)
     return [
-        Waiting(kind, of.get(False, nothing)[0], _since(of.get(False, nothing)[1], now), of.get(True, nothing)[0])
+        QueueDepth(kind, of.get(False, nothing)[0], _since(of.get(False, nothing)[1], now), of.get(True, nothing)[0])
         for kind, of in sorted(found.items())
     ]
 
@@ -122,33 +124,33 @@ def _since(when: datetime, now: datetime) -> float:
     return max(0.0, (now - when).total_seconds())
 
 
-def _workers(db: Session, now: datetime) -> list[Busy]:
-    jobs = repository.leased(db, MOST_WORKERS)
+def _workers(db: Session, now: datetime) -> list[BusyWorker]:
+    jobs = repository.leased_jobs(db, MOST_WORKERS)
     keys = {key: UUID(key) for _, kind, key, _, _ in jobs if kind == GRADE}
-    exercises = repository.exercises_of(db, keys.values()) if keys else {}
+    exercises = repository.exercises_by_submission(db, keys.values()) if keys else {}
     busy = []
     for name, kind, key, started_at, tries in jobs:
-        who = owner.parse(name or NOBODY)
+        who = lease_owner.parse_owner(name or NOBODY)
         exercise = exercises.get(keys[key], "") if key in keys else ""
-        busy.append(Busy(who.host, who.pid, kind, exercise, _since(started_at or now, now), tries))
+        busy.append(BusyWorker(who.host, who.pid, kind, exercise, _since(started_at or now, now), tries))
     return sorted(busy, key=lambda one: (one.host, one.pid))
 
 
-def _verdicts(db: Session, now: datetime) -> Verdicts:
-    recent = repository.graded_since(db, now - RATE_OVER)
+def _verdicts(db: Session, now: datetime) -> VerdictTimes:
+    recent = repository.count_graded_since(db, now - RATE_OVER)
     found = repository.first_verdicts(db, now - TIMES_OVER, MOST_VERDICTS)
     taken = [(finished_at - sent_at).total_seconds() for _, _, _, sent_at, _, finished_at in found]
     cuts = quantiles(taken, n=20, method="inclusive") if len(taken) > 1 else taken * 19
     p50, p95 = (cuts[9], cuts[18]) if cuts else (None, None)
-    return Verdicts(recent * 60 / RATE_OVER.total_seconds(), p50, p95)
+    return VerdictTimes(recent * 60 / RATE_OVER.total_seconds(), p50, p95)
 
 
-def _failed(db: Session, now: datetime) -> list[Fault]:
-    rows = repository.failed(db, Outcome.INTERNAL_ERROR, now - ERRORS_OVER, MOST_FAULTS)
-    return [Fault(at, exercise, UNGRADED) for at, exercise in rows]
+def _failed(db: Session, now: datetime) -> list[RecentError]:
+    rows = repository.latest_failures(db, Outcome.INTERNAL_ERROR, now - ERRORS_OVER, MOST_FAULTS)
+    return [RecentError(at, exercise, UNGRADED) for at, exercise in rows]
 
 
-def to_json(overview: Overview) -> dict[str, Any]:
+def to_json(overview: ServiceStatus) -> dict[str, Any]:
     """Times in ISO 8601."""
     made: dict[str, Any] = json.loads(json.dumps(asdict(overview), default=datetime.isoformat))
     return made

@@ -18,10 +18,10 @@ from server.gradebook import importable_files
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.limits import service as limits
-from server.queue.port import GiveUp, Lease
+from server.queue.interfaces import GiveUpHandler, Lease
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
-from server.submissions.repository import Sent
+from server.submissions.repository import GradingRow
 from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ STEPS = ("checks", "diagnosis")
 
 
 @dataclass(frozen=True)
-class SentFile:
+class GradingInput:
     """What it takes to grade one submission; `own`: the files of its author that it may import from."""
 
     submission_id: UUID
@@ -42,43 +42,45 @@ class SentFile:
     own: Own = field(default_factory=dict)
 
 
-def sent_file(db: Session, course: Course, submission: Submission | Sent, started_at: datetime) -> SentFile:
+def load_grading_input(
+    db: Session, course: Course, submission: Submission | GradingRow, started_at: datetime
+) -> GradingInput:
     """A submission, with the earlier files of its author that it may import from."""
     own = importable_files.load_importable_files(db, course, submission)
-    return SentFile(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
+    return GradingInput(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
 
 
-Grade = Callable[[SentFile], Judgement]
+GradeFunction = Callable[[GradingInput], Judgement]
 
 
 class GradingTask:
-    """Fills the port `server.queue.port.Task`."""
+    """Fills the port `server.queue.interfaces.Task`."""
 
-    def __init__(self, course: Course, grade: Grade) -> None:
+    def __init__(self, course: Course, grade: GradeFunction) -> None:
         self._course, self._grade = course, grade
         self.give_up = _giving_up(course)
 
-    def read(self, db: Session, lease: Lease) -> SentFile | None:
+    def read(self, db: Session, lease: Lease) -> GradingInput | None:
         """None when the submission has gone, with its author."""
-        submission = submissions.sent(db, UUID(lease.key))
+        submission = submissions.load_grading_row(db, UUID(lease.key))
         if submission is None:
             return None
-        return sent_file(db, self._course, submission, lease.started_at)
+        return load_grading_input(db, self._course, submission, lease.started_at)
 
-    def run(self, work: SentFile) -> GradingResult:
+    def run(self, work: GradingInput) -> GradingResult:
         began = time.time_ns()
         judgement = self._grade(work)
         told = judgement.verdict.timings
         traces.record_spans(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
         return GradingResult(judgement, work.started_at)
 
-    def record(self, db: Session, work: SentFile, result: GradingResult) -> None:
+    def record(self, db: Session, work: GradingInput, result: GradingResult) -> None:
         _record(db, work.submission_id, result)
         outcome = result.verdict.outcome.value
         logs.log_event("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
 
 
-def give_ups(course: Course) -> Mapping[str, GiveUp]:
+def give_up_handlers(course: Course) -> Mapping[str, GiveUpHandler]:
     """For whoever takes jobs back without ever grading."""
     return {GRADE: _giving_up(course)}
 
@@ -90,7 +92,7 @@ def _record(db: Session, submission_id: UUID, graded: GradingResult) -> None:
         limits.give_back_token(db, limits.submission_key(account_id))
 
 
-def _giving_up(course: Course) -> GiveUp:
+def _giving_up(course: Course) -> GiveUpHandler:
     """The end of a submission whose grading has ended its workers too often."""
 
     def give_up(db: Session, lease: Lease) -> None:

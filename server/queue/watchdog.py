@@ -7,14 +7,14 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.queue.port import Queue
+from server.queue.interfaces import Queue
 
 log = logging.getLogger(__name__)
 
-PATIENCE = 15.0  # seconds: workers need some to begin
+STALL_SECONDS = 15.0  # seconds: workers need some to begin
 
 
-class Watch:
+class StallWatchdog:
     """To be asked to look again and again; `unattended` since the same job has waited for `PATIENCE`, with none done.
 
     A long queue is no reason: its jobs are begun one after the other.
@@ -24,22 +24,22 @@ class Watch:
         self._queue, self._kinds, self._clock = queue, kinds, clock
         self._awaited: UUID | None = None
         self._since = clock()
-        self.unattended = False
+        self.stalled = False
 
-    def look(self, db: Session) -> None:
-        found = self._queue.untaken(db, self._kinds, self._awaited)
+    def check(self, db: Session) -> None:
+        found = self._queue.find_stalled(db, self._kinds, self._awaited)
         if found is None or found != self._awaited:
             self._awaited, self._since = found, self._clock()
         waited = self._clock() - self._since
-        self._tell(found is not None and waited >= PATIENCE, waited)
+        self._tell(found is not None and waited >= STALL_SECONDS, waited)
 
     def _tell(self, unattended: bool, waited: float) -> None:
-        if unattended and not self.unattended:
+        if unattended and not self.stalled:
             log.error(
                 "no worker takes what waits: job %s, for %.0f s or more; does any run (BALISE_WORKERS here, or "
                 "`balise worker` elsewhere)?",
                 *(self._awaited, waited),
             )
-        elif self.unattended and not unattended:
+        elif self.stalled and not unattended:
             log.warning("what waited is taken again")
-        self.unattended = unattended
+        self.stalled = unattended

@@ -14,9 +14,9 @@ import threading
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from server.queue.jetstream.connection import FAILURES, Connection, DownError
-from server.queue.jetstream.layout import STREAM, Desk
-from server.queue.port import Ticket
+from server.queue.interfaces import WorkMessage
+from server.queue.jetstream.connection import FAILURES, NatsConnection, NatsUnavailableError
+from server.queue.jetstream.stream_layout import STREAM, JobConsumer
 
 #: A pull that waits is asked again so often: the server forgets it with the node that held it.
 PULL_SECONDS = 2.0
@@ -32,75 +32,75 @@ EMPTY = frozenset({"404", "408"})
 
 
 @dataclass(frozen=True)
-class Pulled:
+class PulledMessage:
     """A ticket of the stream."""
 
     kinds: Collection[str]
     deliveries: int
     reply: str
-    connection: Connection
+    connection: NatsConnection
 
     @property
-    def again(self) -> bool:
+    def redelivered(self) -> bool:
         return self.deliveries > 1
 
-    def keep(self) -> None:
+    def in_progress(self) -> None:
         self._answer(PROGRESS)
 
-    def spend(self, *, used: bool) -> None:
+    def ack(self, *, job_done: bool) -> None:
         self._answer(ACK)
 
-    def give_back(self, *, later: bool) -> None:
+    def nak(self, *, delayed: bool) -> None:
         delay = min(FIRST_DELAY * 2 ** min(self.deliveries, 10), LONGEST_DELAY)
-        self._answer(NAK + b" " + json.dumps({"delay": int(delay * NANO)}).encode() if later else NAK)
+        self._answer(NAK + b" " + json.dumps({"delay": int(delay * NANO)}).encode() if delayed else NAK)
 
     def _answer(self, word: bytes) -> None:
         """Where it does not arrive the ticket is passed on in the end, and finds no job: no harm."""
-        self.connection.answer(self.reply, word)
+        self.connection.reply(self.reply, word)
 
 
-class Free:
+class DatabasePoll:
     """Leave to look for any job, where no ticket comes."""
 
-    again = False
+    redelivered = False
 
     def __init__(self, kinds: Collection[str]) -> None:
-        self.kinds, self.used = kinds, False
+        self.kinds, self.job_done = kinds, False
 
-    def keep(self) -> None:
+    def in_progress(self) -> None:
         return
 
-    def spend(self, *, used: bool) -> None:
-        self.used = used
+    def ack(self, *, job_done: bool) -> None:
+        self.job_done = job_done
 
-    def give_back(self, *, later: bool) -> None:
+    def nak(self, *, delayed: bool) -> None:
         return
 
 
-class PulledTickets:
-    """Fills `server.queue.port.Tickets`; one worker's. State is shared with the connection's thread under a lock."""
+class PullSubscription:
+    """One worker's pull subscription (a `WorkSubscription`). A lock guards what the connection's thread shares."""
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: NatsConnection) -> None:
         self._connection = connection
-        self._desks = connection.layout.desks
+        self._desks = connection.layout.consumers
         self._kinds = [desk.kind for desk in self._desks]
         self._lock, self._arrived = threading.Lock(), threading.Event()
         self._wanted = False
-        self._ticket: Pulled | None = None
-        self._last: Free | None = None
+        self._ticket: PulledMessage | None = None
+        self._last: DatabasePoll | None = None
         self._answered, self._vain = False, 0
         self._pulling: asyncio.Task[None] | None = None
-        self._waiting: dict[Desk, asyncio.Task[Exception | None]] = {}
+        self._waiting: dict[JobConsumer, asyncio.Task[Exception | None]] = {}
 
     def wait(self, seconds: float) -> None:
-        if self._last is not None and self._last.used and not self._answered:
+        if self._last is not None and self._last.job_done and not self._answered:
             return  # there was work without a ticket: there may be more
         with self._lock:
             self._wanted = True
-        self._connection.on_loop(self._pull)
+        self._connection.call_on_loop(self._pull)
         self._arrived.wait(seconds)
 
-    def take(self) -> Ticket | None:
+    def take_message(self) -> WorkMessage | None:
         with self._lock:
             ticket, self._ticket = self._ticket, None
             self._arrived.clear()
@@ -108,10 +108,10 @@ class PulledTickets:
                 self._wanted, self._last, self._vain = False, None, 0
                 return ticket
             self._vain += 1
-            if self._answered and self._connection.up and self._vain < WAITS_WITHOUT_A_LOOK:
+            if self._answered and self._connection.is_up and self._vain < WAITS_WITHOUT_A_LOOK:
                 self._last = None
                 return None
-            self._wanted, self._last, self._vain = False, Free(self._kinds), 0
+            self._wanted, self._last, self._vain = False, DatabasePoll(self._kinds), 0
             return self._last
 
     def close(self) -> None:
@@ -120,7 +120,7 @@ class PulledTickets:
             self._wanted = False
             ticket, self._ticket = self._ticket, None
         if ticket is not None:
-            ticket.give_back(later=False)
+            ticket.nak(delayed=False)
 
     def _pull(self) -> None:
         if self._pulling is None or self._pulling.done():
@@ -131,7 +131,7 @@ class PulledTickets:
         while self._wanted and self._ticket is None:
             try:
                 await self._pull_once()
-            except (*FAILURES, DownError):
+            except (*FAILURES, NatsUnavailableError):
                 self._answered = False
                 await asyncio.sleep(RETRY_SECONDS)
 
@@ -152,34 +152,34 @@ class PulledTickets:
             if failure := pull.result():
                 raise failure
 
-    async def _wait_at(self, desk: Desk) -> Exception | None:
+    async def _wait_at(self, desk: JobConsumer) -> Exception | None:
         """Whatever it brings is offered; why it could not, where nobody listens to it any more."""
         try:
             await self._ask(desk, {"expires": int(PULL_SECONDS * NANO)}, PULL_SECONDS + ANSWER_SECONDS)
-        except (*FAILURES, DownError) as error:
+        except (*FAILURES, NatsUnavailableError) as error:
             return error
         return None
 
-    def _waits_at(self, desk: Desk) -> bool:
+    def _waits_at(self, desk: JobConsumer) -> bool:
         return desk in self._waiting and not self._waiting[desk].done()
 
-    async def _ask(self, desk: Desk, how: Mapping[str, object], seconds: float) -> bool:
+    async def _ask(self, desk: JobConsumer, how: Mapping[str, object], seconds: float) -> bool:
         """One pull; whether it has brought a ticket."""
         client = self._connection.client
-        subject, asked = f"$JS.API.CONSUMER.MSG.NEXT.{STREAM}.{desk.consumer}", json.dumps({"batch": 1, **how})
+        subject, asked = f"$JS.API.CONSUMER.MSG.NEXT.{STREAM}.{desk.consumer_name}", json.dumps({"batch": 1, **how})
         message = await client.request(subject, asked.encode(), timeout=seconds, old_style=True)
         status = (message.headers or {}).get("Status")
         if status is not None:
             if status not in EMPTY:
-                raise DownError(f"{status} {(message.headers or {}).get('Description', '')}")
+                raise NatsUnavailableError(f"{status} {(message.headers or {}).get('Description', '')}")
             return False
-        self._offer(Pulled([desk.kind], message.metadata.num_delivered, message.reply, self._connection))
+        self._offer(PulledMessage([desk.kind], message.metadata.num_delivered, message.reply, self._connection))
         return True
 
-    def _offer(self, ticket: Pulled) -> None:
+    def _offer(self, ticket: PulledMessage) -> None:
         with self._lock:
             if self._wanted and self._ticket is None:
                 self._ticket = ticket
                 self._arrived.set()
                 return
-        ticket.give_back(later=False)
+        ticket.nak(delayed=False)

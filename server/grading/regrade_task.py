@@ -11,8 +11,8 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course
 from server.gradebook.schemas import GradingResult
-from server.grading.task import Grade, SentFile, sent_file
-from server.queue.port import GiveUp, Lease, Queue
+from server.grading.grading_task import GradeFunction, GradingInput, load_grading_input
+from server.queue.interfaces import GiveUpHandler, Lease, Queue
 from server.regrades import repository, service
 from server.regrades.service import REGRADE_JOB
 
@@ -20,47 +20,49 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Regrading:
+class RegradeInput:
     """What it takes to grade one attempt of a regrade, with the seed that it had when it was sent."""
 
     regrade_id: UUID
     item_id: UUID
-    file: SentFile
+    file: GradingInput
     needs: str | None
 
 
 class RegradeTask:
-    """Fills the port `server.queue.port.Task`."""
+    """Fills the port `server.queue.interfaces.Task`."""
 
-    def __init__(self, course: Course, queue: Queue, grade: Grade) -> None:
+    def __init__(self, course: Course, queue: Queue, grade: GradeFunction) -> None:
         self._course, self._queue, self._grade = course, queue, grade
         self.give_up = _giving_up(course, queue)
 
-    def read(self, db: Session, lease: Lease) -> Regrading | None:
+    def read(self, db: Session, lease: Lease) -> RegradeInput | None:
         """None when nothing waits any more, or the regrade was stopped."""
         return _next(db, self._course, lease)
 
-    def run(self, work: Regrading) -> GradingResult:
+    def run(self, work: RegradeInput) -> GradingResult:
         return GradingResult(self._grade(work.file), work.file.started_at)
 
-    def record(self, db: Session, work: Regrading, result: GradingResult) -> None:
+    def record(self, db: Session, work: RegradeInput, result: GradingResult) -> None:
         service.record_grading(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
-def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
+def _next(db: Session, course: Course, lease: Lease) -> RegradeInput | None:
     found = repository.load_next_item(db, UUID(lease.key))
     if found is None:
         return None
     item, submission, _ = found
-    return Regrading(item.regrade_id, item.id, sent_file(db, course, submission, lease.started_at), lease.needs)
+    return RegradeInput(
+        item.regrade_id, item.id, load_grading_input(db, course, submission, lease.started_at), lease.required_version
+    )
 
 
-def give_ups(course: Course, queue: Queue) -> Mapping[str, GiveUp]:
+def give_up_handlers(course: Course, queue: Queue) -> Mapping[str, GiveUpHandler]:
     """For whoever takes jobs back without ever grading."""
     return {REGRADE_JOB: _giving_up(course, queue)}
 
 
-def _giving_up(course: Course, queue: Queue) -> GiveUp:
+def _giving_up(course: Course, queue: Queue) -> GiveUpHandler:
     """The end of an attempt whose grading has ended its workers too often: the others are graded all the same."""
 
     def give_up(db: Session, lease: Lease) -> None:

@@ -16,19 +16,19 @@ from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, Finge
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
 from server.database import Database
-from server.grading.calm import Calm
-from server.grading.joint import Grader, SandboxPrograms
-from server.grading.kinds import LANES
-from server.grading.regrading import RegradeTask
-from server.grading.task import GradingTask, SentFile
-from server.queue.engine import engine_of
-from server.queue.port import Able, Signals, Tasks, WorkSource
+from server.grading.grading_task import GradingInput, GradingTask
+from server.grading.idle_monitor import IdleMonitor
+from server.grading.job_lanes import JOB_LANES
+from server.grading.regrade_task import RegradeTask
+from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
+from server.queue.engine import create_nats_engine
+from server.queue.graceful_stop import GracefulStop
+from server.queue.interfaces import QueueNotifier, Tasks, WorkerCapabilities, WorkSource
 from server.queue.service import TableQueue
-from server.queue.stopping import Stopping
 from server.queue.worker import Worker
 from server.regrades.service import REGRADE_JOB
 from server.sandbox import Sandbox, SandboxFault
-from server.submissions.service import GRADE, needs_of
+from server.submissions.service import GRADE, version_requirement
 
 log = logging.getLogger(__name__)
 
@@ -43,15 +43,15 @@ def stop_on_signals(*, interrupt: bool = False) -> None:
     signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
 
 
-_stopping = Stopping()
+_stopping = GracefulStop()
 
 
 def _stop(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    _stopping.tell()
+    _stopping.request()
 
 
-def _warm(sandbox: Sandbox, course: Course, calm: Calm) -> None:
+def _warm(sandbox: Sandbox, course: Course, calm: IdleMonitor) -> None:
     """Starts the templates, then has the graders load and compile what they use, before the first submission.
 
     What fails here fails again, and is told, when a submission meets it. Whoever sends meanwhile comes first.
@@ -60,11 +60,11 @@ def _warm(sandbox: Sandbox, course: Course, calm: Calm) -> None:
         try:
             sandbox.warm(imports)
         except SandboxFault:
-            if _stopping.told.is_set():
+            if _stopping.requested.is_set():
                 return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
-        if not calm.wait(_stopping.told):
+        if not calm.wait_idle(_stopping.requested):
             return
         try:
             exercise.grader.rehearse()
@@ -73,21 +73,23 @@ def _warm(sandbox: Sandbox, course: Course, calm: Calm) -> None:
     gc.freeze()  # what was loaded stays: no collection needs to look at it again
 
 
-def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callable[[str], object] = str) -> None:
+def run_worker(
+    settings: Settings, work: WorkSource, signals: QueueNotifier, renewed: Callable[[str], object] = str
+) -> None:
     """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced.
 
     `work` and `signals` are of this machine. Where NATS carries the work they are left aside: tickets tell of it.
     """
-    engine = engine_of(settings, LANES)
+    engine = create_nats_engine(settings, JOB_LANES)
     if engine is None:
         _run(settings, signals, renewed, lambda worker: worker.run(work))
         return
-    with engine.connection, closing(engine.tickets()) as tickets:
-        _run(settings, engine.signals, renewed, lambda worker: worker.run_on(tickets))
+    with engine.connection, closing(engine.subscribe()) as tickets:
+        _run(settings, engine.notifier, renewed, lambda worker: worker.run_on_messages(tickets))
 
 
 def _run(
-    settings: Settings, signals: Signals, renewed: Callable[[str], object], keep_working: Callable[[Worker], None]
+    settings: Settings, signals: QueueNotifier, renewed: Callable[[str], object], keep_working: Callable[[Worker], None]
 ) -> None:
     sys.setswitchinterval(SWITCH_SECONDS)
     course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
@@ -95,12 +97,12 @@ def _run(
     gc.enable()
     database = Database(settings.url)
     with closing(database), Sandbox(course.kits, on_template_replaced=renewed) as sandbox:
-        grader, calm = Grader(course, sandbox), Calm()
+        grader, calm = SandboxGrader(course, sandbox), IdleMonitor()
         if settings.warm_up:
             threading.Thread(target=_warm, args=(sandbox, course, calm), name="warm-up", daemon=True).start()
 
-        def grade(work: SentFile) -> Judgement:
-            with calm.disturbed():
+        def grade(work: GradingInput) -> Judgement:
+            with calm.busy():
                 return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
 
         queue = TableQueue(signals)
@@ -110,16 +112,18 @@ def _run(
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)
-        threading.Thread(target=sweeper.keep_looking, args=(_stopping.told,), name="sweeper", daemon=True).start()
+        threading.Thread(target=sweeper.keep_looking, args=(_stopping.requested,), name="sweeper", daemon=True).start()
         try:
-            keep_working(Worker(database, queue, settings, tasks, able=_able(settings, course), stopping=_stopping))
+            keep_working(
+                Worker(database, queue, settings, tasks, capabilities=_able(settings, course), graceful_stop=_stopping)
+            )
         finally:
-            _stopping.told.set()  # what still warms up is closed under it
+            _stopping.requested.set()  # what still warms up is closed under it
 
 
-def _able(settings: Settings, course: Course) -> Able | None:
+def _able(settings: Settings, course: Course) -> WorkerCapabilities | None:
     """A machine alone has one version of everything; of several, each may have its own for a while."""
     if not settings.nats_url:
         return None
-    having = {needs_of(one.id, one.version) for one in course.exercises.values()}
-    return Able(having, settings.version_seconds)
+    having = {version_requirement(one.id, one.version) for one in course.exercises.values()}
+    return WorkerCapabilities(having, settings.version_seconds)

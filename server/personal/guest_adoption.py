@@ -13,7 +13,7 @@ from server.marks import service as marks
 from server.polls import repository as polls
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Attempts, deals, answers to lessons, what is said of them, tests, classes, exemptions, marks. Inside the
     caller's transaction."""
     comments.adopt(db, guest_id, account_id)

@@ -17,20 +17,20 @@ from sqlalchemy.orm import Session
 
 from server.base.counters import TEMPLATE_RENEWALS
 from server.database import run_after_commit
-from server.queue.port import Call
+from server.queue.interfaces import JobNotification
 
 log = logging.getLogger(__name__)
 
 WORK, IDLE, AWAKE, QUEUED, CHANGED, RENEWED = "work", "idle", "awake", "queued", "changed", "renewed"
 
 
-class Line(Protocol):
+class WorkerConnection(Protocol):
     """What leads to a worker. From any thread, and without waiting."""
 
     def write(self, data: bytes) -> None: ...
 
 
-class Switchboard:
+class WakeupDispatcher:
     """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep.
 
     As many are kept as there are workers: each who goes to sleep while jobs wait is woken, and none for nothing more
@@ -41,8 +41,8 @@ class Switchboard:
     def __init__(self, on_changed: Callable[[str], None]) -> None:
         self._on_changed = on_changed
         self._waking = threading.Lock()
-        self._idle: dict[Line, None] = {}
-        self._known: set[Line] = set()
+        self._idle: dict[WorkerConnection, None] = {}
+        self._known: set[WorkerConnection] = set()
         self._owed = 0
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -50,17 +50,17 @@ class Switchboard:
         """Starts (or stops, with None) delivering on this loop."""
         self._loop = loop
 
-    def queued(self, db: Session, _call: Call) -> None:
-        run_after_commit(db, self.wake)
+    def job_queued(self, db: Session, _call: JobNotification) -> None:
+        run_after_commit(db, self.wake_worker)
 
-    def changed(self, db: Session, news: str) -> None:
-        run_after_commit(db, lambda: self.tell(news))
+    def job_changed(self, db: Session, news: str) -> None:
+        run_after_commit(db, lambda: self.publish_change(news))
 
-    def wake(self) -> None:
+    def wake_worker(self) -> None:
         with self._waking:
             self._wake()
 
-    def tell(self, news: str) -> None:
+    def publish_change(self, news: str) -> None:
         self._call(self._on_changed, news)
 
     def _call(self, action: Callable[..., None], *args: object) -> None:
@@ -74,7 +74,7 @@ class Switchboard:
         else:
             self._owed = min(self._owed + 1, max(1, len(self._known)))
 
-    def heard(self, line: Line, message: str) -> None:
+    def handle_message(self, line: WorkerConnection, message: str) -> None:
         """A worker has said something (on the loop)."""
         word, _, argument = message.partition(" ")
         if word == IDLE:
@@ -86,7 +86,7 @@ class Switchboard:
             with self._waking:
                 self._rouse(line)
         elif word == QUEUED:
-            self.wake()
+            self.wake_worker()
         elif word == CHANGED:
             self._on_changed(argument)
         elif word == RENEWED:
@@ -94,7 +94,7 @@ class Switchboard:
         else:
             log.error("a worker said something unknown: %r", message)
 
-    def _rouse(self, line: Line) -> None:
+    def _rouse(self, line: WorkerConnection) -> None:
         """It may find a job, and is no longer one that can be woken. A wake-up that has crossed its word is read by it
         after that job only: it is for another too."""
         if line in self._idle:
@@ -107,7 +107,7 @@ class Switchboard:
             self._owed -= 1
             self._wake()
 
-    def gone(self, line: Line) -> None:
+    def remove_worker(self, line: WorkerConnection) -> None:
         with self._waking:
             self._known.discard(line)
             self._idle.pop(line, None)

@@ -9,30 +9,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class Stop(BaseException):
+class StopRequested(BaseException):
     """Raised in a worker that is asked to end (SIGTERM); what it was doing goes back to the queue."""
 
 
-class Stopping:
+class GracefulStop:
     """Told by a signal's handler, in the main thread; asked by it too. Others may wait for `told`."""
 
     def __init__(self) -> None:
-        self.told = threading.Event()
+        self.requested = threading.Event()
         self._held = False
 
-    def tell(self) -> None:
+    def request(self) -> None:
         """Raises Stop, unless it is held: then `check` or `open` will."""
-        self.told.set()
+        self.requested.set()
         if not self._held:
-            raise Stop
+            raise StopRequested
 
-    def check(self) -> None:
+    def raise_if_requested(self) -> None:
         """Raises Stop once it was told."""
-        if self.told.is_set():
-            raise Stop
+        if self.requested.is_set():
+            raise StopRequested
 
     @contextmanager
-    def held(self) -> Iterator[None]:
+    def deferred(self) -> Iterator[None]:
         """Nothing is cut in here, but for what stands in `open`."""
         self._held = True
         try:
@@ -41,11 +41,11 @@ class Stopping:
             self._held = False
 
     @contextmanager
-    def open(self) -> Iterator[None]:
+    def interruptible(self) -> Iterator[None]:
         """What may be cut at any point, within `held`."""
         held, self._held = self._held, False
         try:
-            self.check()
+            self.raise_if_requested()
             yield
         finally:
             self._held = held

@@ -10,45 +10,45 @@ from pathlib import Path
 
 
 @dataclass(frozen=True)
-class Owner:
+class LeaseOwner:
     host: str
-    boot: str
-    namespace: str
+    boot_id: str
+    pid_namespace: str
     pid: int
-    started: str
+    start_time: str
 
     def __str__(self) -> str:
-        return "|".join((self.host, self.boot, self.namespace, str(self.pid), self.started))
+        return "|".join((self.host, self.boot_id, self.pid_namespace, str(self.pid), self.start_time))
 
     @property
     def machine(self) -> tuple[str, str, str]:
-        return self.host, self.boot, self.namespace
+        return self.host, self.boot_id, self.pid_namespace
 
 
-def parse(text: str) -> Owner:
+def parse_owner(text: str) -> LeaseOwner:
     host, boot, namespace, pid, started = text.split("|")
-    return Owner(host, boot, namespace, int(pid), started)
+    return LeaseOwner(host, boot, namespace, int(pid), started)
 
 
-def owner_of(pid: int) -> Owner:
+def process_owner(pid: int) -> LeaseOwner:
     """The owner that process `pid` of this machine is."""
-    return Owner(
+    return LeaseOwner(
         host=socket.gethostname().replace("|", " "),
-        boot=_read("/proc/sys/kernel/random/boot_id"),
-        namespace=_namespace(),
+        boot_id=_read("/proc/sys/kernel/random/boot_id"),
+        pid_namespace=_namespace(),
         pid=pid,
-        started=_start_time(pid),
+        start_time=_start_time(pid),
     )
 
 
-def is_dead(text: str, here: Owner) -> bool:
+def is_dead(text: str, here: LeaseOwner) -> bool:
     """True when the holder is certainly gone: same host, and rebooted since, or no such process any more."""
-    owner = parse(text)
+    owner = parse_owner(text)
     if owner.host != here.host:
         return False
-    if owner.boot != here.boot:
+    if owner.boot_id != here.boot_id:
         return True
-    return owner.machine == here.machine and _start_time(owner.pid) != owner.started
+    return owner.machine == here.machine and _start_time(owner.pid) != owner.start_time
 
 
 def _read(path: str) -> str:

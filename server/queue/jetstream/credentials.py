@@ -9,11 +9,11 @@ from nats.aio.client import Client
 from server.base.settings import Settings
 
 
-class UnfitError(Exception):
+class NatsConfigurationError(Exception):
     """What the settings say cannot be used; its message is French, for the administrator."""
 
 
-class Guarded(Client):
+class TlsEnforcingClient(Client):
     """Says who it is over TLS alone, where TLS is asked for: the library follows the server, which might be another.
 
     The method is the library's own: a test tells if it changes.
@@ -39,7 +39,7 @@ def wants_tls(settings: Settings) -> bool:
     return any(files) or any(one.startswith("tls://") for one in servers(settings))
 
 
-def options(settings: Settings) -> dict[str, Any]:
+def connect_options(settings: Settings) -> dict[str, Any]:
     """What the library's `connect` is given. Raises UnfitError."""
     found: dict[str, Any] = {"servers": servers(settings)}
     if settings.nats_token:
@@ -60,7 +60,7 @@ def _context(settings: Settings) -> ssl.SSLContext:
             key = settings.nats_tls_key and _readable(settings.nats_tls_key, "BALISE_NATS_TLS_KEY")
             context.load_cert_chain(cert, key)
     except ssl.SSLError as error:
-        raise UnfitError(f"les certificats de BALISE_NATS_TLS_… ne conviennent pas : {error}") from error
+        raise NatsConfigurationError(f"les certificats de BALISE_NATS_TLS_… ne conviennent pas : {error}") from error
     return context
 
 
@@ -68,5 +68,5 @@ def _readable(path: Path, variable: str) -> Path:
     try:
         path.open("rb").close()
     except OSError as error:
-        raise UnfitError(f"{variable} : {path} ne se lit pas ({error.strerror})") from error
+        raise NatsConfigurationError(f"{variable} : {path} ne se lit pas ({error.strerror})") from error
     return path
