@@ -67,7 +67,7 @@ class FairLimiter:
     def waiting(self) -> int:
         return sum(map(len, self._queues.values()))
 
-    async def take(self, address: str) -> None:
+    async def acquire(self, address: str) -> None:
         """Waits for a turn, which `give_back` ends. Raises FullError."""
         if self._free:
             self._free -= 1
@@ -82,10 +82,10 @@ class FairLimiter:
             if not turn.done():
                 self._leave(address, turn)
             elif turn.exception() is None:  # it came as one left
-                self.give_back()
+                self.release()
             raise
 
-    def give_back(self) -> None:
+    def release(self) -> None:
         if not self._queues:
             self._free += 1
             return

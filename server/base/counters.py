@@ -20,7 +20,7 @@ class LabelCounter:
         with self._lock:
             self._counts[label] += 1
 
-    def read(self) -> Mapping[str, int]:
+    def counts(self) -> Mapping[str, int]:
         with self._lock:
             return dict(self._counts)
 
@@ -38,7 +38,7 @@ class VisitCounter:
         self._salt = secrets.token_bytes(16)
         self._lock = threading.Lock()
 
-    def note(self, visitor: bytes) -> None:
+    def record(self, visitor: bytes) -> None:
         second = int(time.monotonic())
         with self._lock:
             self._seen[hash((self._salt, visitor))] = None
@@ -47,12 +47,12 @@ class VisitCounter:
             while self._asked[0][0] <= second - MINUTE:
                 self._asked.popleft()
 
-    def visitors(self) -> int:
+    def recent_visitors(self) -> int:
         with self._lock:
             self._seen.expire()
             return len(self._seen)
 
-    def last_minute(self) -> int:
+    def requests_in_last_minute(self) -> int:
         since = int(time.monotonic()) - MINUTE
         with self._lock:
             return sum(count for second, count in self._asked if second > since)

@@ -33,10 +33,10 @@ class HelperProgram:
 
     command: Sequence[str]
     environment: Mapping[str, str] = field(repr=False)
-    longest: int
-    patience: float
-    idle: float = IDLE_TIMEOUT
-    beginning: bytes = b""
+    max_answer_bytes: int
+    timeout: float
+    idle_timeout: float = IDLE_TIMEOUT
+    first_message: bytes = b""
 
 
 class Helper:
@@ -57,14 +57,14 @@ class Helper:
         self._asking += 1
         try:
             process = await self._running()
-            return await process.ask(question, self.program.patience)
+            return await process.ask(question, self.program.timeout)
         except OSError as error:  # a TimeoutError, too
             log.error("%s has not answered: %r", self.program.command[-1], error)
             raise HelperError from error
         finally:
             self._asking -= 1
             if not self._asking and not self._closed:
-                self._rest = asyncio.get_running_loop().call_later(self.program.idle, self._let_go)
+                self._rest = asyncio.get_running_loop().call_later(self.program.idle_timeout, self._let_go)
 
     async def _running(self) -> _Process:
         async with self._starting:
@@ -126,8 +126,8 @@ class _Process:
                 process_group=0,  # it is the service that is told to stop, and ends it
             )
         reader, writer = await asyncio.open_connection(sock=ours)
-        writer.write(encode_frame(0, QUESTION, program.beginning))
-        return cls(process, reader, writer, program.longest)
+        writer.write(encode_frame(0, QUESTION, program.first_message))
+        return cls(process, reader, writer, program.max_answer_bytes)
 
     @property
     def pid(self) -> int:

@@ -82,7 +82,7 @@ class RecentErrors(logging.Handler):
         line = record.getMessage().partition("\n")[0][:LONGEST]
         self._latest.append((datetime.fromtimestamp(record.created, UTC), record.name, line))
 
-    def read(self) -> list[tuple[datetime, str, str]]:
+    def latest(self) -> list[tuple[datetime, str, str]]:
         return list(self._latest)
 
 

@@ -75,7 +75,7 @@ class RequestLog:
                 await self._app(scope, receive, send_with_name)
             finally:
                 if scope["path"] not in MONITORING_PATHS:
-                    VISITS.note(_visitor(scope))
+                    VISITS.record(_visitor(scope))
                 route = route_path(scope)
                 seconds = round(time.perf_counter() - began, 4)
                 traces.record_response(span, scope["method"], route, status)

@@ -62,7 +62,7 @@ class Cells:
             raise Overloaded(YOURS, retry_after=2)
         self._of[reader] += 1
         try:
-            await self._turns.take(address)
+            await self._turns.acquire(address)
         except LimiterFullError:
             self._less(reader)
             raise Overloaded(CROWDED, retry_after=5) from None
@@ -81,7 +81,7 @@ class Cells:
 
     def _over(self, reader: str, asked: asyncio.Task[bytes]) -> None:
         self._running.discard(asked)
-        self._turns.give_back()
+        self._turns.release()
         self._less(reader)
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too

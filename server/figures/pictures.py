@@ -99,7 +99,7 @@ class Pictures:
         if len(order.question) > LONGEST_QUESTION:
             raise InternalFailure(order.words.failed)
         try:
-            await self._turns.take(address)
+            await self._turns.acquire(address)
         except LimiterFullError:
             raise Overloaded(order.words.crowded, retry_after=5) from None
         coming.begun = True
@@ -108,7 +108,7 @@ class Pictures:
         except HelperError as error:
             raise InternalFailure(order.words.failed) from error
         finally:
-            self._turns.give_back()
+            self._turns.release()
         await run_in_threadpool(self._store.put, order.key, picture)
         return picture
 

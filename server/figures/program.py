@@ -24,4 +24,4 @@ MEMORY = 2 << 30
 def program(*, patience: float = PATIENCE, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
     """It needs nothing of the settings, and is given none."""
     beginning = json.dumps({"cpu_seconds": cpu_seconds}).encode()
-    return HelperProgram(COMMAND, bare_environment(), LARGEST, patience, beginning=beginning)
+    return HelperProgram(COMMAND, bare_environment(), LARGEST, patience, first_message=beginning)

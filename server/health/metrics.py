@@ -113,7 +113,7 @@ class PrometheusMetrics:
         elsewhere = {TEMPLATE_RENEWALS: renewals}
         for name, told, counted in COUNTERS:
             family = CounterMetricFamily(name, told, labels=["why"])
-            for why, count in (Counter(counted.read()) + elsewhere.get(counted, Counter())).items():
+            for why, count in (Counter(counted.counts()) + elsewhere.get(counted, Counter())).items():
                 family.add_metric([why], count)
             yield family
 

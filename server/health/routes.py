@@ -55,15 +55,15 @@ def status(
     if not account.is_administrator:
         raise Forbidden("L’état du service se lit avec le jeton d’un administrateur.")
     process = WebProcessStatus(
-        visitors=VISITS.visitors(),
-        requests_per_minute=VISITS.last_minute(),
+        visitors=VISITS.recent_visitors(),
+        requests_per_minute=VISITS.requests_in_last_minute(),
         following=events.count_watchers(),
         workers=supervisor.alive_count(),
         wanted=supervisor.target_count,
         walls=measured.walls,
         checks=readiness.checks(),
     )
-    faults = [RecentError(at, where, message) for at, where, message in RECENT_ERRORS.read()]
+    faults = [RecentError(at, where, message) for at, where, message in RECENT_ERRORS.latest()]
     return JSONResponse(service_status.to_json(service_status.load_status(db, process, faults)), headers=NO_STORE)
 
 

@@ -32,10 +32,10 @@ class PasswordHasher:
 
     async def _in_turn(self, address: str, work: Callable[[], T]) -> T:
         try:
-            await self._turns.take(address)
+            await self._turns.acquire(address)
         except LimiterFullError:
             raise Overloaded(BUSY, retry_after=5) from None
         try:
             return await run_in_threadpool(work)
         finally:
-            self._turns.give_back()
+            self._turns.release()

@@ -43,7 +43,6 @@ from server.submissions.service import Submissions, job_key, parse_submission_id
 from server.web import assets
 from server.web.dependencies import CurrentReader
 from server.web.forms import FormFields
-from server.web.packing import PLACE
 from server.web.rendering import render_fragment, render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
@@ -112,8 +111,8 @@ def exercise_page(
     work = view.results.work
     asks = work.asks if work else talk.may_ask(reader, exercise)
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
-    shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said, "place": PLACE}
-    answer = render_page(request, template, reader.account, status=status, steady=view.statement, **shown)
+    shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said}
+    answer = render_page(request, template, reader.account, status=status, **shown)
     note_seen(request, database, said.unread)
     return answer
 

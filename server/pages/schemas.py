@@ -198,7 +198,7 @@ class ExerciseFrame:
     origin: str
     module: ModuleLink
     lesson: tuple[str, str] | None
-    statement: str
+    statement: Markup
     action: str
     results: Results
     test: TestBanner | None

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from markupsafe import Markup
+
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
@@ -122,7 +124,7 @@ def common_parts(
         "origin": exercise.origin,
         "module": module_link(module),
         "lesson": _lesson(module, exercise),
-        "statement": exercise.statement_html,
+        "statement": Markup(exercise.statement_html),
         "action": f"{exercise_href(exercise)}/soumissions",
         "results": results(reader, exercise, attempts, work, deal, latest.feedback.diagnosis if latest else None),
         "test": held.banner(reader, exercise, saved),

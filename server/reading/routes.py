@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from http import HTTPStatus
 from typing import Annotated, Literal
 
@@ -22,7 +22,6 @@ from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
 from server.web.dependencies import CurrentReader
-from server.web.packing import PLACE
 from server.web.rendering import render_page, with_etag
 from server.web.views import find_module, lesson_href
 
@@ -48,8 +47,7 @@ def lesson(
     course_module = find_module(reader.course, module)
     found = service.find_lesson(course_module, slug)
     view = service.lesson_page(reader, course_module, found, past_warning=bool(ouvrir))
-    shown = replace(view, html=PLACE)
-    return render_page(request, "reading/lesson.html", reader.account, page=shown, steady=view.html)
+    return render_page(request, "reading/lesson.html", reader.account, page=view)
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")

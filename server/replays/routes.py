@@ -35,7 +35,7 @@ class Desk:
         if answer is not None:
             return answer
         try:
-            await self._turns.take(client_address(request))
+            await self._turns.acquire(client_address(request))
         except LimiterFullError:
             raise RateLimited("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1) from None
         try:
@@ -44,7 +44,7 @@ class Desk:
             answer = self.replays.remembered(script, values)
             return answer or await run_in_threadpool(self.replays.compute, script, values)
         finally:
-            self._turns.give_back()
+            self._turns.release()
 
 
 DeskOf = Annotated[Desk, Depends(app_service(Desk))]

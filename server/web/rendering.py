@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from hashlib import blake2b
+from hashlib import blake2b, sha256
 from http import HTTPStatus
 from typing import Any, TypeVar
 
@@ -24,8 +24,10 @@ from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
-from server.web import assets, packing, school_time, words
+from server.web import assets, school_time, words
 from server.web.schemas import AccountView, CurrentModuleView
+
+TAG_DIGITS = 24  # of the SHA-256 of a page
 
 
 @lru_cache(maxsize=1)
@@ -110,15 +112,9 @@ def render_page(
     *,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
-    steady: str = "",
-    changing: bool = False,
     **context: Any,
 ) -> HTMLResponse:
-    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course.
-
-    `steady` is what comes at `packing.PLACE`: HTML that is long, and the same for many pages; with `changing`, only
-    for a while.
-    """
+    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course.""" ""
     course = get_service(request.app, Course)
     surroundings = {
         "modules": _modules(request, course),
@@ -127,22 +123,19 @@ def render_page(
         "back": _back(request, context),
     }
     html = jinja_environment().get_template(template).render(account=account_view(account), **surroundings, **context)
-    # A page shows one person's own work: nobody else's cache may keep it.
+    # A page shows one person's own work: no shared cache may store it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
-    return _sent(request, packing.page(html, steady, changing=changing), status, all_headers)
+    return _tagged_response(request, root_path.with_external_paths(html).encode(), status, all_headers)
 
 
-def _sent(request: Request, written: packing.Page, status: int, headers: dict[str, str]) -> HTMLResponse:
-    """Compressed here, in the thread that wrote it: in the loop, everybody would wait for it. What leaves as it is
-    goes through what compresses the rest, which says by itself that it could have been otherwise (`Vary`)."""
-    varies = {"Vary": "Accept-Encoding"}
+def _tagged_response(request: Request, content: bytes, status: int, headers: dict[str, str]) -> HTMLResponse:
+    """Return the page with an ETag of its uncompressed content; status 304 where the browser has that content."""
     if request.method == "GET" and status == HTTPStatus.OK:
-        headers["ETag"] = written.tag
-        if headers["ETag"] in request.headers.get("if-none-match", ""):
-            return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, {**headers, **varies})
-    if "gzip" not in assets.precompressed_encodings(request.headers.get("accept-encoding", "")):
-        return HTMLResponse(written.plain, status, headers)
-    return HTMLResponse(written.packed, status, {**headers, **varies, "Content-Encoding": "gzip"})
+        tag = f'W/"{sha256(content).hexdigest()[:TAG_DIGITS]}"'
+        headers["ETag"] = tag
+        if tag in request.headers.get("if-none-match", ""):
+            return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, {**headers, "Vary": "Accept-Encoding"})
+    return HTMLResponse(content, status, headers)
 
 
 Answer = TypeVar("Answer", bound=Response)

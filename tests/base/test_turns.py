@@ -31,7 +31,7 @@ class Queue:
 
     async def _wait(self, name: str) -> None:
         try:
-            await self.turns.take(name[0])
+            await self.turns.acquire(name[0])
         except LimiterFullError:
             self.refused.append(name)
         else:
@@ -39,7 +39,7 @@ class Queue:
 
     async def end(self, times: int = 1) -> None:
         for _ in range(times):
-            self.turns.give_back()
+            self.turns.release()
             await settled()
 
 
@@ -88,13 +88,13 @@ async def _before(queue: Queue, leaving: asyncio.Task[None]) -> None:
 
 
 async def _as_the_turn_comes(queue: Queue, leaving: asyncio.Task[None]) -> None:
-    queue.turns.give_back()
+    queue.turns.release()
     leaving.cancel()
 
 
 async def _just_before_the_turn_comes(queue: Queue, leaving: asyncio.Task[None]) -> None:
     leaving.cancel()
-    queue.turns.give_back()
+    queue.turns.release()
 
 
 @pytest.mark.parametrize("leave", [_before, _just_before_the_turn_comes, _as_the_turn_comes])

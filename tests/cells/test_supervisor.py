@@ -197,7 +197,7 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
         first = process(cells)
         os.kill(first, signal.SIGSTOP)
         patient = cells.helper.program
-        cells.helper.program = replace(patient, patience=0.3)
+        cells.helper.program = replace(patient, timeout=0.3)
         with pytest.raises(InternalFailure):
             await ran(cells, "1")
         cells.helper.program = patient

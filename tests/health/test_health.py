@@ -119,7 +119,7 @@ def test_metrics_count_what_is_refused_and_what_is_renewed(site: Site, measured:
     for _ in range(2):
         site.client.post("/connexion", data={"login": "eve", "password": "au hasard"})
     assert {why: refused(why) - before[why] for why in before} == {"password": 2, "token": 1, "too_many": 1}
-    known = TEMPLATE_RENEWALS.read().get("worn", 0)
+    known = TEMPLATE_RENEWALS.counts().get("worn", 0)
     WakeupDispatcher(lambda _key: None).handle_message(_Nowhere(), "renewed worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 1
     elsewhere = EventCounter(site.database)

@@ -70,11 +70,11 @@ def test_it_tells_what_waits_who_grades_and_how_fast_and_nothing_of_what_was_sen
 def test_visitors_are_counted_for_a_while_and_who_watches_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     visits = VisitCounter(seconds=300)
     for who in (b"a", b"b", b"a"):
-        visits.note(who)
-    assert (visits.visitors(), visits.last_minute()) == (2, 3)
+        visits.record(who)
+    assert (visits.recent_visitors(), visits.requests_in_last_minute()) == (2, 3)
     assert not {b"a", "a"} & set(visits._seen)
     monkeypatch.setattr("server.base.counters.time.monotonic", lambda: 1e9)
-    assert visits.last_minute() == 0
+    assert visits.requests_in_last_minute() == 0
 
 
 def test_the_latest_errors_of_the_logs_are_told_in_one_line(site: Site, administrator: dict[str, str]) -> None:
