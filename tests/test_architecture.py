@@ -28,7 +28,6 @@ def test_ruff_would_not_reformat() -> None:
     run(sys.executable, "-m", "ruff", "format", "--check", *CODE, "tests")
 
 
-@pytest.mark.slow
 @pytest.mark.long
 def test_mypy_is_strict_and_content() -> None:
     run(sys.executable, "-m", "mypy")

@@ -82,7 +82,7 @@ def test_what_is_streamed_comes_while_more_is_to_come() -> None:
 
     def words() -> Iterator[str]:
         yield "un"
-        assert more.wait(60), "the first word was to be read first"
+        assert more.wait(300), "the first word was to be read first"
         yield "deux"
 
     app.get("/")(lambda: StreamingResponse(words()))

@@ -147,7 +147,7 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
 
     async def receive() -> Message:
         if len(coming) == 1:
-            await asyncio.wait_for(begun.wait(), 20)
+            await asyncio.wait_for(begun.wait(), 300)
         return coming.pop(0)
 
     async def send(_: Message) -> None:
@@ -164,7 +164,7 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
             "root_path": "",
         }
         await site.client.app(scope, receive, send)
-        await asyncio.wait_for(ended.wait(), 20)
+        await asyncio.wait_for(ended.wait(), 300)
 
     in_a_loop(call())
 

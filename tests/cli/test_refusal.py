@@ -27,7 +27,7 @@ LANDLOCK_CREATE_RULESET, CLONE3 = 444, 435
 def balise(call: int, *arguments: str) -> subprocess.CompletedProcess[str]:
     environment = os.environ | {"PYTHONPATH": str(PROJECT), "PYTHONIOENCODING": "utf-8"}
     command = [sys.executable, "-c", WITHOUT, str(call), *arguments]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=120)
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=300)
 
 
 @pytest.mark.slow

@@ -214,7 +214,7 @@ def test_real_processes_that_start_together_migrate_once(postgres_url: str, tmp_
             assert process.stdin is not None
             process.stdin.write("go\n")
             process.stdin.flush()
-        said = [process.communicate(timeout=120) for process in started]
+        said = [process.communicate(timeout=300) for process in started]
         assert [process.returncode for process in started] == [0] * 4, said
         assert sorted(out for out, _ in said) == ["", "", "", "migrated\n"]
 

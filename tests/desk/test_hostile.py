@@ -42,7 +42,7 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
     there, failed = Event(), []
 
     def then(delete: bool) -> None:
-        there.wait(10)
+        there.wait(300)
         try:
             with database.write() as db:
                 found = editing.find_assignment(db, made, one.id, to_change=True)
@@ -66,5 +66,5 @@ def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_othe
         for thread in others:
             thread.join(0.05)
     for thread in others:
-        thread.join(10)
+        thread.join(300)
     assert {type(error) for error in failed} == {NotFound}, failed

@@ -56,7 +56,7 @@ def play(folder: Path, scene: Callable[[Drawer, Pictures], Awaitable[None]], *, 
     async def whole() -> None:
         drawer = Drawer()
         pictures = Pictures(drawer, Store(folder), most_waiting=most_waiting)
-        await asyncio.wait_for(scene(drawer, pictures), 30)
+        await asyncio.wait_for(scene(drawer, pictures), 300)
         await pictures.close()
 
     in_a_loop(whole())
@@ -247,7 +247,7 @@ def test_the_end_of_the_service_waits_for_nobody(tmp_path: Path) -> None:
         pictures = Pictures(drawer, Store(tmp_path))
         coming = looks(pictures, "a")
         await drawer.begun.wait()
-        await asyncio.wait_for(pictures.close(), 30)
+        await asyncio.wait_for(pictures.close(), 300)
         assert coming.done() or await coming == b"<a>"
 
     in_a_loop(scene())

@@ -21,7 +21,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         asked.append(token)
         ask(wire, token, kind, payload, deadline)
 
-    monkeypatch.setattr(Wire, "ask", counted)
+    monkeypatch.setattr(Wire, "send", counted)
     return asked
 
 

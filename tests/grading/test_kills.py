@@ -135,7 +135,7 @@ class Field:
         below = [*children(self.live.process.pid), *children(self.remote.pid)]
         for process in (self.live.process, self.remote):
             process.terminate()
-            assert process.wait(30) == 0
+            assert process.wait(300) == 0
         self.live.close()
         self.log.close()
         until(lambda: not any(map(alive, below)), "nothing is left running")

@@ -36,7 +36,7 @@ def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
                 supervisor.expect_shutdown()
             first.terminate()
             if told:
-                await asyncio.wait_for(asyncio.gather(*supervisor._tasks), 20)
+                await asyncio.wait_for(asyncio.gather(*supervisor._tasks), 300)
             else:
                 await worker_besides(supervisor, first)
 

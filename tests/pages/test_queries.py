@@ -11,7 +11,6 @@ from uuid import uuid4
 import pytest
 from sqlalchemy import event, select, text
 
-from server.app import Services
 from server.database import Database
 from server.gradebook import repository
 from server.gradebook.models import Grading
@@ -73,16 +72,6 @@ class Ada:
             answer = self.site.client.get(path, headers=self.headers if path.startswith("/api") else {})
         assert answer.status_code == 200, answer.text
         return counted.statements
-
-
-@pytest.fixture(autouse=True)
-def _only_what_pages_ask(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not what the application asks by itself, now and then."""
-
-    async def nothing(_services: Services) -> None:
-        return
-
-    monkeypatch.setattr(Services, "keep_recovering", nothing)
 
 
 @pytest.fixture

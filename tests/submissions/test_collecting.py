@@ -55,7 +55,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
         start = Barrier(len(doing))
 
         def at_once(one: Callable[[Database], None], start: Barrier = start) -> bool:
-            start.wait(20)
+            start.wait(300)
             try:
                 one(database)
             except Conflict:

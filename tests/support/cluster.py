@@ -41,7 +41,7 @@ accounts {{
 }}
 {more}
 """
-PATIENCE = 90.0  # seconds: of a busy machine
+PATIENCE = 300.0  # seconds, against hanging alone: each wait ends by what it waits for
 
 
 #: Below those of connections: what is stopped finds its port free when it comes back.

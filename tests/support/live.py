@@ -17,7 +17,7 @@ from typing import Any
 import httpx
 
 PROJECT = Path(__file__).resolve().parents[2]
-PATIENCE = 60.0
+PATIENCE = 300.0  # seconds, against hanging alone: each wait ends by what it waits for
 AUDIT = """
 CREATE TABLE audit (id TEXT);
 CREATE TRIGGER audit_graded AFTER INSERT ON grading
@@ -34,7 +34,7 @@ def environment(**values: str) -> dict[str, str]:
 def balise(*arguments: str, **values: str) -> subprocess.CompletedProcess[str]:
     """Runs a command of the command line to its end."""
     command = [sys.executable, "-m", "server", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment(**values), check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment(**values), check=False)
 
 
 def until(condition: Callable[[], bool], what: str) -> None:

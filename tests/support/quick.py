@@ -96,11 +96,17 @@ def _upgrade_once(url: str) -> None:
 
 
 @cache
-def _services_without_first_look() -> type[Services]:
-    """It looks for nothing that an earlier service has left: there was none, and the look takes a dozen queries."""
+def _services_without_chores() -> type[Services]:
+    """Services that ask the database nothing by themselves, neither as they start nor every few seconds.
+
+    There is nothing to recover, and what a page asks is counted.
+    """
     from server.app import Services
 
-    return type("BlindServices", (Services,), {"first_look": lambda _services: None})
+    async def nothing(_services: Services) -> None:
+        return
+
+    return type("QuietServices", (Services,), {"first_look": lambda _services: None, "keep_recovering": nothing})
 
 
 _standing: dict[tuple[int, int, str], FastAPI] = {}
@@ -110,11 +116,11 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
     """An application whose routes this process puts together only once; it serves one test at a time.
 
     All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden. It does not
-    look, as it starts, for what was left behind.
+    look for what was left behind.
     """
     from server.app import create_app
 
-    with patch("server.app.Services", _services_without_first_look()):
+    with patch("server.app.Services", _services_without_chores()):
         new = create_app(settings, course=course)
     told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
     app = _standing.setdefault(told, new)

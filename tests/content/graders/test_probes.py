@@ -165,7 +165,8 @@ def asked_of_odd(prober: Prober) -> None:
             functions = sorted(prober.functions)
             source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
             runner = Runner(LOCAL, source.encode(), world.STILL)
-            prober.recognise(runner, [probes.function], [])
+            with np.errstate(all="ignore"):
+                prober.recognise(runner, [probes.function], [])
             runner.close()
 
 

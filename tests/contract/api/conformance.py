@@ -37,7 +37,7 @@ def conforms(operation: Any, mode: str, path: dict[str, str], headers: dict[str,
     def check(case: Any) -> None:
         for name in case.path_parameters.keys() & path.keys():
             case.path_parameters[name] = path[name]
-        case.call_and_validate(headers=headers, checks=list(CONFORMANCE), timeout=20)
+        case.call_and_validate(headers=headers, checks=list(CONFORMANCE), timeout=300)
 
     try:
         check()

@@ -176,7 +176,7 @@ def test_real_processes_are_killed_frozen_stopped_and_left_without_nats(park: Pa
     for process in [*park.workers, park.one.process, park.other.process]:
         if process.poll() is None:
             process.terminate()
-            assert process.wait(30) == 0
+            assert process.wait(300) == 0
     until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in below), "nothing is left running")
 
 
@@ -213,7 +213,7 @@ def a_stopped_worker_gives_its_job_back(park: Park) -> None:
     holder = park.holder()
     leaving = next(one for one in park.workers if one.pid == holder)
     leaving.terminate()
-    assert leaving.wait(30) == 0
+    assert leaving.wait(300) == 0
     assert park.rows("SELECT tries FROM job WHERE tries > 1") == []
     until(lambda: park.holder() != holder, "another has begun it")
     assert park.rows("SELECT tries FROM job") == [(1,)]

@@ -155,7 +155,7 @@ def stop_while_someone_watches(live: Live, headers: dict[str, str]) -> None:
         assert next(answer.iter_lines()) == "event: status"
         before = live.errors.read_text()
         os.killpg(live.process.pid, signal.SIGTERM)
-        assert live.process.wait(20) == 0
+        assert live.process.wait(300) == 0
     live.close()
     until(lambda: not any(map(alive, below)), "nothing is left running")
     told = live.errors.read_text()

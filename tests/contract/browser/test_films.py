@@ -68,7 +68,7 @@ def test_without_scripts_the_verdict_says_what_is_missing(visit: NewVisit) -> No
     page.goto(visitor.server.address + PAGE)
     page.locator("#code").fill(FORGETFUL)
     page.locator("#envoyer").click()
-    page.wait_for_selector("#verdict[data-status=done]", timeout=30_000)
+    page.wait_for_selector("#verdict[data-status=done]", timeout=180_000)
     page.locator("#film-localisation summary").click()
     expect(page.locator("#film-localisation")).to_contain_text("Cette animation se joue avec JavaScript")
     expect(page.locator("#film-localisation .replay-stage")).to_be_hidden()

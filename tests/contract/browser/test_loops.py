@@ -32,7 +32,7 @@ def play(page: Page, check: str, panels: int) -> None:
     if film.get_attribute("open") is None:
         film.locator("summary").click()
     canvases = film.locator("canvas.replay-canvas")
-    expect(canvases).to_have_count(panels, timeout=1000 * LONG)
+    expect(canvases).to_have_count(panels, timeout=180_000)
     assert min(canvas.evaluate(COLOURS) for canvas in canvases.all()) > 2
     mine = canvases.first
     first = mine.evaluate("canvas => canvas.toDataURL()")

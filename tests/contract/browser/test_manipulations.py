@@ -104,13 +104,13 @@ def test_springs_redden_relax_are_cut_and_tied(visit: NewVisit) -> None:
     found = figure(visit(), "ressorts")
     page, said = found.page, found.locator(SAID)
     found.get_by_role("button", name="Détendre").click()
-    expect(said).to_contain_text("12,2", timeout=20_000)
+    expect(said).to_contain_text("12,2")
     drag(page, found.get_by_role("slider", name="Pose 10", exact=True), 0, -40)
     assert total(said.inner_text()) > 500
     page.mouse.up()
     expect(found.locator("[role=status]").last).not_to_be_empty()
     found.get_by_role("button", name="Détendre").click()
-    expect(said).to_contain_text("12,2", timeout=20_000)
+    expect(said).to_contain_text("12,2")
     # With the keys: the pose moves, turns, and hands over to its neighbour.
     pose = found.get_by_role("slider", name="Pose 10", exact=True)
     pose.focus()
@@ -126,10 +126,10 @@ def test_springs_redden_relax_are_cut_and_tied(visit: NewVisit) -> None:
     row = found.get_by_role("row", name=re.compile("6 – 16"))
     found.get_by_label("Noyau des fermetures").select_option("dcs")
     found.get_by_role("button", name="Détendre").click()
-    expect(row).to_contain_text("≈", timeout=20_000)
+    expect(row).to_contain_text("≈")
     found.get_by_role("button", name="Couper la fermeture 6 – 16").click()
     expect(row).to_have_count(0)
-    expect(said).to_contain_text("12,2", timeout=20_000)
+    expect(said).to_contain_text("12,2")
     found.get_by_role("button", name="Tout remettre").click()
     assert round(total(said.inner_text())) == 2111
 
@@ -138,7 +138,7 @@ def test_the_others_follow_the_hand(visit: NewVisit) -> None:
     found = figure(visit(), "ressorts")
     page = found.page
     found.get_by_role("button", name="Détendre").click()
-    expect(found.locator(SAID)).to_contain_text("12,2", timeout=20_000)
+    expect(found.locator(SAID)).to_contain_text("12,2")
     found.get_by_label("Les autres poses suivent la main").check()
     neighbour = found.get_by_role("slider", name="Pose 11", exact=True)
     before = neighbour.get_attribute("aria-valuetext")

@@ -20,7 +20,7 @@ from tests.contract.browser.test_accessibility import check_page
 
 expect = sync_api.expect
 pytestmark = [pytest.mark.slow, pytest.mark.long]
-START_SECONDS = 60
+START_SECONDS = 300
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def address(place: Path, tmp_path: Path) -> Iterator[str]:
             yield _address(process, tmp_path / "log.txt")
         finally:
             process.terminate()
-            process.wait(20)
+            process.wait(300)
 
 
 def replace(path: Path, old: str, fresh: str) -> None:
@@ -172,7 +172,7 @@ def test_a_course_that_was_written_is_checked_and_served(place: Path, tmp_path: 
                 assert "<svg" in client.get(figure[1].replace("&amp;", "&")).text
         finally:
             process.terminate()
-            process.wait(20)
+            process.wait(300)
 
 
 def _address(process: subprocess.Popen[bytes], log: Path) -> str:

@@ -28,7 +28,7 @@ def under(tmp_path: Path) -> Iterator[Server]:
         yield Server(live.address, found[0], str(tmp_path / "data"))
     finally:
         live.process.terminate()
-        live.process.wait(30)
+        live.process.wait(300)
         live.close()
 
 

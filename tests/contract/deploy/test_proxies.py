@@ -25,7 +25,7 @@ FOUND = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/sbin"])
 CERTIFICATE = (
     "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -addext subjectAltName=IP:127.0.0.1"
 )
-PATIENCE = 30.0  # seconds: what is buffered never comes
+PATIENCE = 300.0  # seconds, against hanging alone: each wait ends by what it waits for
 MAIN = """daemon off; user root; pid {folder}/pid; error_log stderr; worker_processes 1; events {{}}
 http {{
     access_log off;

@@ -15,9 +15,8 @@ from server.sandbox.child import landlock, libc, namespaces, outer, seccomp, sys
 from server.sandbox.child.imports import ForkHookRecorder
 from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import run_assault
-
-from .conftest import Lifting
-from .family import descendants, probed, template_of, told_by_living
+from tests.sandbox.conftest import Lifting
+from tests.sandbox.family import descendants, probed, template_of, told_by_living
 
 
 def test_every_wall_that_must_stand_stands_here(monkeypatch: pytest.MonkeyPatch) -> None:

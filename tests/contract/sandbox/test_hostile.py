@@ -18,10 +18,9 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import Sandbox
-
-from .conftest import Lifting
-from .corpus import NEED_A_VIEW, PROGRAMS, bystander, outcome
-from .users import ORDINARY, PROJECT, python_of_nobody
+from tests.sandbox.conftest import Lifting
+from tests.sandbox.corpus import NEED_A_VIEW, PROGRAMS, bystander, outcome
+from tests.sandbox.users import ORDINARY, PROJECT, python_of_nobody
 
 #: One program of each outcome.
 FIRST_OF_FOLDER = list({path.parent: path for path in reversed(PROGRAMS)}.values())

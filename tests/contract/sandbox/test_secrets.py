@@ -21,11 +21,10 @@ import server.sandbox
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
 from server.sandbox import Sandbox, Value
+from tests.sandbox.limits import only
 from tests.support.quick import some, the_course
 
-from .limits import only
-
-TESTS = Path(__file__).resolve().parents[1]
+TESTS = Path(__file__).resolve().parents[2]
 WALKER = (TESTS / "hostile" / "marcheur.py").read_bytes()
 POLICY = only(memory_bytes=2 << 30, frame_bytes=256 << 20, session_bytes=256 << 20)
 #: Shorter lines say what anybody would write, and shorter functions are made of a few instructions that many have.

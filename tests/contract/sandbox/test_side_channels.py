@@ -13,10 +13,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from server.sandbox import FaultKind, ProgramFault, Sandbox, Session, Value
-
-from .channels import CHANNELS, PRELUDE, REAL, RENDEZVOUS
-from .conftest import Lifting
-from .limits import only
+from tests.sandbox.channels import CHANNELS, PRELUDE, REAL, RENDEZVOUS
+from tests.sandbox.conftest import Lifting
+from tests.sandbox.limits import only
 
 POLICY = only(memory_bytes=96 << 20, stdout_bytes=1 << 14)
 

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from .users import ORDINARY, PROJECT, python_of_nobody
+from tests.sandbox.users import ORDINARY, PROJECT, python_of_nobody
 
 AS_ANOTHER = """
 import sys

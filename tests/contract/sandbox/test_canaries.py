@@ -14,10 +14,9 @@ from server.sandbox import ProgramFault, Sandbox, Value
 from server.sandbox.cgroups import usable_hierarchies
 from server.sandbox.child import template
 from server.sandbox.child.walls import WALLS
-
-from .conftest import Lifting
-from .corpus import DRAWN, HOSTILE
-from .limits import only
+from tests.sandbox.conftest import Lifting
+from tests.sandbox.corpus import DRAWN, HOSTILE
+from tests.sandbox.limits import only
 
 POLICY = only(memory_bytes=64 << 20, folder_bytes=1 << 20)
 
