@@ -1,1 +1,1 @@
-"""What is said of work: threads of messages, kept phrases, words to several students. See README.md in this folder."""
+"""Comments on work: threads of messages, kept phrases, notes to several students. See README.md in this folder."""

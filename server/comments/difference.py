@@ -1,4 +1,4 @@
-"""How one text became the next, line by line, within bounded work whatever the texts are."""
+"""Line diff of two texts, with bounded work on any texts."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
-#: Beyond either, between what two texts begin and end with in common, lines are not matched: `difflib` looks at each
-#: pair of equal lines again for each run that it finds.
+#: Bounds on the part between the common beginning and end. Beyond either, lines are not matched: `difflib` examines
+#: each pair of equal lines again for each run that it finds.
 MAX_DIFF_LINES = 500
 MAX_EQUAL_PAIRS = 6000
 
 
 @dataclass(frozen=True)
 class DiffRun:
-    """Lines of the text before, and those that stand in their place after (from 0, the end not included)."""
+    """Lines of the text before and the lines that replace them, as ranges from 0; equal where `is_equal`."""
 
     is_equal: bool
     before: range
@@ -24,23 +24,23 @@ class DiffRun:
 
 @dataclass(frozen=True)
 class LineDiff:
-    """Runs that cover both texts in order. `exact`: each line that stayed was looked for."""
+    """Runs that cover both texts in order. `is_exact`: all lines were matched, within the bounds."""
 
     runs: tuple[DiffRun, ...]
     is_exact: bool = True
 
 
 def split_lines(code: str) -> list[str]:
-    """The lines as they are numbered: an end of line at the end begins no other."""
+    """Split code into its numbered lines; a final end of line begins no other line."""
     lines = code.replace("\r\n", "\n").split("\n")
     return lines[:-1] if len(lines) > 1 and not lines[-1] else lines
 
 
 def diff_lines(before: Sequence[str], after: Sequence[str]) -> LineDiff:
-    """What became of each line. Costs at most one look at each line, and what `MOST_LINES`, `MOST_PAIRS` allow."""
-    head = _common(zip(before, after, strict=False))
+    """Diff two texts in linear time, plus the matching that `MAX_DIFF_LINES` and `MAX_EQUAL_PAIRS` allow."""
+    head = _common_length(zip(before, after, strict=False))
     shorter = min(len(before), len(after)) - head
-    tail = min(shorter, _common(zip(reversed(before), reversed(after), strict=False)))
+    tail = min(shorter, _common_length(zip(reversed(before), reversed(after), strict=False)))
     left, right = before[head : len(before) - tail], after[head : len(after) - tail]
     runs = [DiffRun(True, range(head), range(head))]
     exact = _is_small(left, right)
@@ -56,11 +56,11 @@ def diff_lines(before: Sequence[str], after: Sequence[str]) -> LineDiff:
     return LineDiff(tuple(run for run in runs if run.before or run.after), exact)
 
 
-def _common(pairs: Iterator[tuple[str, str]]) -> int:
-    """How many pairs there are before the first of different lines."""
+def _common_length(pairs: Iterator[tuple[str, str]]) -> int:
+    """Count the pairs before the first pair of different lines."""
     count = 0
-    for one, other in pairs:
-        if one != other:
+    for left, right in pairs:
+        if left != right:
             break
         count += 1
     return count

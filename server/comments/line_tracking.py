@@ -1,4 +1,4 @@
-"""Where what was said of some lines stands in a later text."""
+"""Track commented lines from one text to a later one."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from server.comments.difference import DiffRun, LineDiff
 
 
 class LineFate(StrEnum):
-    """What became of lines: they are the same; some of them were changed; they are not to be found."""
+    """Whether tracked lines are the same, partly changed, or gone."""
 
     carried = "carried"
     changed = "changed"
-    removed = "gone"
+    gone = "gone"
 
 
 @dataclass(frozen=True)
 class LineRange:
-    """Lines, from 1, both included."""
+    """A range of lines, numbered from 1, both ends included."""
 
     first: int
     last: int
@@ -27,34 +27,34 @@ class LineRange:
 
 @dataclass(frozen=True)
 class TrackedLines:
-    """`place` is None for lines that are gone."""
+    """The fate of tracked lines and their range in the later text, None where they are gone."""
 
     fate: LineFate
     lines: LineRange | None
 
 
-GONE = TrackedLines(LineFate.removed, None)
+GONE = TrackedLines(LineFate.gone, None)
 
 
-def track_lines(difference: LineDiff, place: LineRange) -> TrackedLines:
-    """Where the lines of `place` stand after the difference.
+def track_lines(diff: LineDiff, lines: LineRange) -> TrackedLines:
+    """Return where `lines` stand after the diff.
 
-    Lines that were replaced by as many stand one in the place of the other; by fewer or more, all in that of all.
+    Lines replaced by as many map one to one; replaced by fewer or more, they map to the whole replacement.
     """
-    asked = range(place.first - 1, place.last)
-    found = [span for run in difference.runs for span in _after(run, asked, exact=difference.is_exact)]
-    if not found:
+    tracked = range(lines.first - 1, lines.last)
+    spans = [span for run in diff.runs for span in _spans_after(run, tracked, is_exact=diff.is_exact)]
+    if not spans:
         return GONE
-    landed = LineRange(found[0].start + 1, found[-1].stop)
-    whole = all(run.is_equal for run in difference.runs if _overlap(run.before, asked))
-    same = whole and landed.last - landed.first == place.last - place.first
-    return TrackedLines(LineFate.carried if same else LineFate.changed, landed)
+    moved = LineRange(spans[0].start + 1, spans[-1].stop)
+    unchanged = all(run.is_equal for run in diff.runs if _overlap(run.before, tracked))
+    same = unchanged and moved.last - moved.first == lines.last - lines.first
+    return TrackedLines(LineFate.carried if same else LineFate.changed, moved)
 
 
-def _after(run: DiffRun, asked: range, *, exact: bool) -> Iterator[range]:
-    """The lines in which those that are asked for have ended, if any."""
-    common = _overlap(run.before, asked)
-    if not common or not run.after or not (run.is_equal or exact):
+def _spans_after(run: DiffRun, tracked: range, *, is_exact: bool) -> Iterator[range]:
+    """Yield the later lines of a run that the tracked lines map to."""
+    common = _overlap(run.before, tracked)
+    if not common or not run.after or not (run.is_equal or is_exact):
         return
     if len(run.before) == len(run.after):
         shift = run.after.start - run.before.start
@@ -63,5 +63,5 @@ def _after(run: DiffRun, asked: range, *, exact: bool) -> Iterator[range]:
         yield run.after
 
 
-def _overlap(one: range, other: range) -> range:
-    return range(max(one.start, other.start), min(one.stop, other.stop))
+def _overlap(left: range, right: range) -> range:
+    return range(max(left.start, right.start), min(left.stop, right.stop))

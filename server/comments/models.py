@@ -1,4 +1,4 @@
-"""Threads of messages on a student's work, the phrases that a teacher keeps, words to several students."""
+"""Threads of messages on a student's work, kept phrases, and notes to several students."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -15,7 +15,7 @@ TITLE_LENGTH = 300
 
 
 class ThreadState(StrEnum):
-    """`open`: the student spoke last, and waits; `answered`: who teaches did; `settled`: there is no more to say."""
+    """`open`: the student wrote last, and waits; `answered`: a teacher wrote last; `settled`: closed by either."""
 
     open = "open"
     answered = "answered"
@@ -23,11 +23,11 @@ class ThreadState(StrEnum):
 
 
 class Thread(Base):
-    """What is said of one thing in the work of `account_id`: lines of a submission, a check of its verdict, or all.
+    """A discussion of the work of `account_id`: lines of a submission, a check of its verdict, or the whole of it.
 
-    Without a submission it is of the exercise as a whole. `work_at` is when the work was sent, or else the thread
-    begun: it decides who may read (`server.rights`). `by_staff`: who reads the work began it. `staff_at` is the time
-    of their last message, `seen_at` when the student last looked.
+    Without a submission it is about the exercise as a whole. `work_at` is when the work was submitted, else when the
+    thread began: it decides who may read the thread (`server.rights`). `by_staff`: staff began it. `staff_at` is the
+    time of their last message, `seen_at` when the student last looked.
     """
 
     __tablename__ = "thread"
@@ -52,7 +52,7 @@ class Thread(Base):
 
 
 class Message(Base):
-    """One message. `as_staff`: of who reads the work, not of who did it. No author where that account is gone."""
+    """A message. `as_staff`: not by the author of the work. `author_id` is None once the account is erased."""
 
     __tablename__ = "message"
 
@@ -65,7 +65,7 @@ class Message(Base):
 
 
 class Phrase(Base):
-    """What a teacher or an assistant keeps to say again, for an exercise and a misconception or for any."""
+    """A phrase that a teacher or an assistant keeps for reuse, for an exercise and a misconception or for any."""
 
     __tablename__ = "phrase"
 
@@ -79,7 +79,7 @@ class Phrase(Base):
 
 
 class Note(Base):
-    """A word to several students of a class on an exercise; `link` is the path of what they are sent to, or empty."""
+    """A note to several students of a class on an exercise; `link` is the path that it points to, or empty."""
 
     __tablename__ = "note"
 
@@ -94,7 +94,7 @@ class Note(Base):
 
 
 class NoteReader(Base):
-    """A student whom a word is for; `seen_at` is when they said that they have read it."""
+    """A student to whom a note is sent; `seen_at` is when they confirmed reading it."""
 
     __tablename__ = "note_reader"
 

@@ -1,4 +1,4 @@
-"""What is said more than once: phrases that one keeps, a word to all who have a misconception now.
+"""Kept phrases, and notes to all students who have a misconception now.
 
 Every function works inside the caller's transaction.
 """
@@ -36,26 +36,26 @@ ALL_HELD = (
 
 
 def suggest_phrases(db: Session, by: Account, exercise: str, misconception: str | None) -> Sequence[Phrase]:
-    """Phrases to choose from: first those kept for this misconception, then those for this exercise."""
+    """Return phrases to choose from: those kept for this misconception, then those for this exercise, then others."""
     return repository.load_ranked_phrases(db, by.id, exercise, misconception, MAX_SUGGESTED)
 
 
 def keep_phrase(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
-    """Keeps a phrase; one that is kept already stays as it is. Raises Invalid or Conflict."""
-    kept = validate_text(text)
-    known = repository.find_phrase_by_text(db, by.id, kept)
-    if known is not None:
-        return known
+    """Keep a phrase, unless the same text is kept already. Raises Invalid or Conflict."""
+    text = validate_text(text)
+    existing = repository.find_phrase_by_text(db, by.id, text)
+    if existing is not None:
+        return existing
     if repository.count_phrases(db, by.id) >= MAX_PHRASES:
         raise Conflict(TOO_MANY_PHRASES)
-    phrase = Phrase(account_id=by.id, text=kept, exercise=exercise, misconception=misconception)
+    phrase = Phrase(account_id=by.id, text=text, exercise=exercise, misconception=misconception)
     db.add(phrase)
     db.flush()
     return phrase
 
 
 def prepend_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) -> str:
-    """What was typed, after the kept phrase that was chosen, which is used once more. Raises NotFound."""
+    """Return a typed text after the chosen phrase, whose use is counted. Raises NotFound."""
     if phrase_id is None:
         return text
     phrase = repository.find_phrase(db, by.id, phrase_id)
@@ -66,7 +66,7 @@ def prepend_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) 
 
 
 def parse_phrase_id(text: str) -> UUID | None:
-    """A phrase's name as a form has it: none where none was chosen. Raises NotFound."""
+    """Parse a form's phrase id, empty where none is chosen. Raises NotFound."""
     try:
         return UUID(text) if text else None
     except ValueError as error:
@@ -88,23 +88,23 @@ def send_note(
     link: str,
     settings: Settings,
 ) -> tuple[Note, int]:
-    """A word to all active students of the class whose latest attempt has this misconception: how many they are.
+    """Send a note to the active students whose latest attempt has this misconception, or to all without one.
 
-    To all of them where no misconception is named. Whoever a test holds that attempt back from is not told of what is
-    found of it. Raises Invalid, Conflict or TooMany.
+    Students whose diagnosis is held back are left out. Returns the note and the number of its readers. Raises Invalid,
+    Conflict or RateLimited.
     """
     require_open(school_class)
-    said = validate_text(text)
+    text = validate_text(text)
     limits.take_token(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
-    concerned = repository.load_student_ids_with_misconception(db, school_class.id, exercise, misconception)
-    readers = concerned if misconception is None else _told(db, concerned, exercise)
+    students = repository.load_student_ids_with_misconception(db, school_class.id, exercise, misconception)
+    readers = students if misconception is None else _without_held(db, students, exercise)
     if not readers:
-        raise Conflict(ALL_HELD if concerned else NO_READERS)
+        raise Conflict(ALL_HELD if students else NO_READERS)
     note = Note(
         class_id=school_class.id,
         exercise=exercise,
         misconception=misconception,
-        text=said,
+        text=text,
         link=link,
         account_id=by.id,
         created_at=utc_now(),
@@ -113,13 +113,13 @@ def send_note(
     return note, len(readers)
 
 
-def _told(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
-    """Those from whom no diagnosis is held back there: a word to all who share one would tell it."""
-    held = feedback.load_holds_by_student(db, accounts, exercise)
-    return [one for one in accounts if one not in held or held[one].diagnosis is None]
+def _without_held(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
+    """Leave out the accounts whose diagnosis is held back: the note would reveal it."""
+    holds = feedback.load_holds_by_student(db, accounts, exercise)
+    return [account for account in accounts if account not in holds or holds[account].diagnosis is None]
 
 
 def mark_note_read(db: Session, account: Account, note_id: UUID) -> None:
-    """Raises NotFound."""
+    """Record that an account has read a note. Raises NotFound."""
     if not repository.mark_note_read(db, note_id, account.id, utc_now()):
         raise NotFound(UNKNOWN_NOTE)

@@ -1,4 +1,4 @@
-"""Queries on kept phrases and on words to several students."""
+"""Queries on kept phrases and on notes to several students."""
 
 from collections.abc import Collection, Sequence
 from datetime import datetime
@@ -22,18 +22,20 @@ MAX_CLASS_NOTES = 100
 
 
 @prepared
-def _phrases(account_id: UUID, exercise: str, misconception: str | None, *, most: int) -> Select[Phrase]:
-    fits = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
-    here = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
+def _ranked_phrases(account_id: UUID, exercise: str, misconception: str | None, *, limit: int) -> Select[Phrase]:
+    misconception_rank = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
+    exercise_rank = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
     query = select(Phrase).where(Phrase.account_id == account_id)
-    return query.order_by(fits, here, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id).limit(most)
+    return query.order_by(
+        misconception_rank, exercise_rank, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id
+    ).limit(limit)
 
 
 def load_ranked_phrases(
-    db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int
+    db: Session, account_id: UUID, exercise: str, misconception: str | None, limit: int
 ) -> Sequence[Phrase]:
-    """One's phrases: first those for this misconception, then those for this exercise, then those most used."""
-    return db.execute(*_phrases(account_id, exercise, misconception, most=most)).scalars().all()
+    """Load an account's phrases: those for this misconception, then those for this exercise, then the most used."""
+    return db.execute(*_ranked_phrases(account_id, exercise, misconception, limit=limit)).scalars().all()
 
 
 def load_all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:
@@ -74,8 +76,8 @@ def delete_phrase(db: Session, account_id: UUID, phrase_id: UUID) -> bool:
 def load_student_ids_with_misconception(
     db: Session, class_id: UUID, exercise: str, misconception: str | None
 ) -> Sequence[UUID]:
-    """The active students of a class whose latest attempt at the exercise has this misconception; all without one."""
-    if misconception is not None and not misconception.isprintable():  # no database looks for a zero byte
+    """Load the active students whose latest attempt at the exercise has this misconception; all without one."""
+    if misconception is not None and not misconception.isprintable():  # databases refuse a zero byte
         return ()
     query = select(Membership.account_id).where(
         Membership.class_id == class_id, Membership.role == ClassRole.student, Membership.status == Status.active
@@ -87,7 +89,7 @@ def load_student_ids_with_misconception(
 
 
 def load_current_misconceptions(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[str, str, int]]:
-    """The misconceptions that active students of a class have now in an exercise: name, title, how many have it."""
+    """Load the current misconceptions of a class in an exercise: id, title, number of active students."""
     title = func.max(Grading.verdict["diagnosis"]["title"].as_string())
     count = func.count(Standing.account_id.distinct())
     query = (
@@ -104,14 +106,14 @@ def load_current_misconceptions(db: Session, class_id: UUID, exercise: str) -> S
         .group_by(Standing.last_diagnosis)
         .order_by(count.desc(), Standing.last_diagnosis)
     )
-    return [(name, shown or name, many) for name, shown, many in db.execute(query) if name is not None]
+    return [(name, title or name, count) for name, title, count in db.execute(query) if name is not None]
 
 
 def load_some_members(db: Session, class_id: UUID, accounts: Collection[UUID]) -> Sequence[Member]:
-    """Some of the members of a class, in the order of a list of names."""
+    """Load some members of a class, sorted by name."""
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
     query = query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
-    return sorted((Member(*row) for row in db.execute(query)), key=lambda one: (*one.sort_key, str(one.id)))
+    return sorted((Member(*row) for row in db.execute(query)), key=lambda member: (*member.sort_key, str(member.id)))
 
 
 def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
@@ -122,7 +124,7 @@ def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
 
 
 @prepared
-def _words(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -> Select[*tuple[Any, ...]]:
+def _received_notes(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -> Select[*tuple[Any, ...]]:
     query = (
         select(*table_of(Note).c, Account.name, NoteReader.seen_at)
         .select_from(Note)
@@ -138,9 +140,9 @@ def _words(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -
 def load_received_notes(
     db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False
 ) -> Sequence[ReceivedNote]:
-    """What somebody was told with others, newest first: on one exercise, or on all."""
-    found = ask(db, *_words(account_id, exercise or "", everywhere=exercise is None, unread=unread))
-    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, found)]
+    """Load the notes sent to an account, newest first, on one exercise or on all."""
+    rows = ask(db, *_received_notes(account_id, exercise or "", everywhere=exercise is None, unread=unread))
+    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, rows)]
 
 
 def load_all_received_notes(db: Session, account_id: UUID) -> Sequence[ReceivedNote]:
@@ -154,7 +156,7 @@ def load_all_received_notes(db: Session, account_id: UUID) -> Sequence[ReceivedN
 
 
 def mark_note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) -> bool:
-    """That somebody has read a word for them: False where there is none."""
+    """Record that a reader has read a note; return False where there is none for them."""
     statement = (
         update(NoteReader)
         .where(NoteReader.note_id == note_id, NoteReader.account_id == account_id)
@@ -166,7 +168,7 @@ def mark_note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) 
 
 
 def load_class_notes(db: Session, class_id: UUID) -> Sequence[SentNote]:
-    """The latest words to students of a class, with how many have them and have read them."""
+    """Load the latest notes to a class, with their numbers of readers and of confirmed readers."""
     query = (
         select(Note, Account.name, func.count(NoteReader.account_id), func.count(NoteReader.seen_at))
         .outerjoin(NoteReader, NoteReader.note_id == Note.id)
@@ -184,8 +186,8 @@ def load_sent_notes(db: Session, account_id: UUID) -> Sequence[Note]:
     return db.execute(query.order_by(Note.created_at, Note.id)).scalars().all()
 
 
-def move_notes(db: Session, old: UUID, new: UUID) -> None:
-    """Gives an account the words for a guest; one that both have stays as the account has it."""
-    own = select(NoteReader.note_id).where(NoteReader.account_id == new)
-    moved = update(NoteReader).where(NoteReader.account_id == old, NoteReader.note_id.not_in(own))
-    db.execute(moved.values(account_id=new).execution_options(synchronize_session=False))
+def move_notes(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Move the notes for a guest to an account, except those that the account has already."""
+    own = select(NoteReader.note_id).where(NoteReader.account_id == account_id)
+    moved = update(NoteReader).where(NoteReader.account_id == guest_id, NoteReader.note_id.not_in(own))
+    db.execute(moved.values(account_id=account_id).execution_options(synchronize_session=False))

@@ -1,4 +1,4 @@
-"""What goes into the room, and what comes out of it."""
+"""Inputs and results of the comment services."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNREADABLE = "Ce message contient des caractères qui ne peuvent pas être gard�
 
 @dataclass(frozen=True)
 class ThreadTarget:
-    """What a thread is about: some lines, a check by its name, or, without either, the work as a whole."""
+    """The subject of a thread: lines, a check by its id, or, without either, the work as a whole."""
 
     lines: LineRange | None = None
     check: str | None = None
@@ -29,7 +29,7 @@ WHOLE_WORK = ThreadTarget()
 
 @dataclass(frozen=True)
 class AuthoredMessage:
-    """A message, with the name that its author's account has; `name` is empty where there is no account any more."""
+    """A message with its author's name, empty once the account is erased."""
 
     message: Message
     name: str
@@ -41,10 +41,10 @@ class AuthoredMessage:
 
 @dataclass(frozen=True)
 class Conversation:
-    """A thread as it stands beside one submission, its messages oldest first.
+    """A thread seen from one submission, with its messages, oldest first.
 
-    `fate` and `place` are of its lines there (`place` is None where it is about none, or they are gone); `number` and
-    `origin` are of the attempt that it was written on, where that is another.
+    `fate` and `lines` locate its lines in that submission (`lines` is None without any, or where they are gone).
+    `number` and `origin` identify the attempt that it was written on, where that is another.
     """
 
     thread: Thread
@@ -60,7 +60,7 @@ class Conversation:
 
     @property
     def is_new(self) -> bool:
-        """To the student, whose turn it is to read."""
+        """Whether the student has not read the last staff message."""
         return is_new(self.thread)
 
 
@@ -70,7 +70,7 @@ def is_new(thread: Thread) -> bool:
 
 @dataclass(frozen=True)
 class UnreadThread:
-    """What a student has not read yet: a thread, and which of their attempts it is on."""
+    """A thread that the student has not read, with its last message."""
 
     thread: Thread
     text: str
@@ -78,7 +78,7 @@ class UnreadThread:
 
 @dataclass(frozen=True)
 class ThreadSummary:
-    """A thread of a class's list, with its first message, and whose work it is about."""
+    """A thread in a class's list, with its student, first message and number of messages."""
 
     thread: Thread
     student: str
@@ -88,7 +88,7 @@ class ThreadSummary:
 
 @dataclass(frozen=True)
 class ThreadPage:
-    """A page of a class's threads, newest first, and how many there are of each state."""
+    """A page of a class's threads, newest first, and the number of threads in each state."""
 
     threads: Sequence[ThreadSummary]
     counts: dict[ThreadState, int]
@@ -98,7 +98,7 @@ class ThreadPage:
 
 @dataclass(frozen=True)
 class ReceivedNote:
-    """A word to several students, as one of them has it."""
+    """A note as one of its readers sees it."""
 
     note: Note
     author: str
@@ -107,7 +107,7 @@ class ReceivedNote:
 
 @dataclass(frozen=True)
 class SentNote:
-    """A word as those who teach see it: for how many it is, and how many say that they have read it."""
+    """A note as the staff see it, with its number of readers and of those who confirmed reading it."""
 
     note: Note
     author: str
@@ -117,7 +117,7 @@ class SentNote:
 
 @dataclass(frozen=True)
 class AccountComments:
-    """All that is kept of one person in this room."""
+    """All comments, phrases and notes of one account."""
 
     conversations: Sequence[Conversation] = field(default=())
     staff_messages: Sequence[tuple[Message, str]] = field(default=())
@@ -127,7 +127,7 @@ class AccountComments:
 
 
 def validate_text(raw: str) -> str:
-    """What is kept of what somebody has typed. Raises Invalid."""
+    """Return a typed text normalised for storage. Raises Invalid."""
     text = raw.replace("\r\n", "\n").replace("\x00", "␀").strip()
     if not text:
         raise Invalid(EMPTY)

@@ -1,4 +1,4 @@
-"""Two texts side by side: rows to show, the long runs that did not change folded, within bounds."""
+"""Side-by-side view of two texts: a bounded number of rows, with long unchanged runs folded."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Kind = Literal["same", "changed", "removed", "added", "folded"]
 
 @dataclass(frozen=True)
 class NumberedLine:
-    """A line, with its number from 1; cut where it is very long."""
+    """A line with its number from 1, truncated where it is very long."""
 
     number: int
     text: str
@@ -27,7 +27,7 @@ class NumberedLine:
 
 @dataclass(frozen=True)
 class DiffRow:
-    """A line before and after; None where there is none. `folded` rows stand for `hidden` lines of both."""
+    """A line before and after; None where there is none. A `folded` row stands for `hidden` unchanged lines."""
 
     kind: Kind
     before: NumberedLine | None = None
@@ -37,7 +37,7 @@ class DiffRow:
 
 @dataclass(frozen=True)
 class SideBySide:
-    """`added` and `removed` count lines. `exact` as in `Difference`; `whole`: no row was left out at the end."""
+    """`added` and `removed` count lines. `is_exact` as in `LineDiff`; `is_complete`: no row is left out at the end."""
 
     rows: tuple[DiffRow, ...]
     added: int
@@ -48,29 +48,29 @@ class SideBySide:
 
 def compare_side_by_side(before: str, after: str) -> SideBySide:
     left, right = split_lines(before), split_lines(after)
-    difference = diff_lines(left, right)
-    rows = tuple(islice(_rows(difference.runs, left, right), MAX_ROWS + 1))
-    changed = [run for run in difference.runs if not run.is_equal]
+    diff = diff_lines(left, right)
+    rows = tuple(islice(_rows(diff.runs, left, right), MAX_ROWS + 1))
+    changed = [run for run in diff.runs if not run.is_equal]
     return SideBySide(
         rows=rows[:MAX_ROWS],
         added=sum(len(run.after) for run in changed),
         removed=sum(len(run.before) for run in changed),
-        is_exact=difference.is_exact,
+        is_exact=diff.is_exact,
         is_complete=len(rows) <= MAX_ROWS,
     )
 
 
 def _rows(runs: Sequence[DiffRun], left: Sequence[str], right: Sequence[str]) -> Iterator[DiffRow]:
-    for place, run in enumerate(runs):
+    for index, run in enumerate(runs):
         if run.is_equal:
-            yield from _kept(run, left, right, is_first=place == 0, is_last=place == len(runs) - 1)
+            yield from _equal_rows(run, left, right, is_first=index == 0, is_last=index == len(runs) - 1)
         else:
             for i, j in zip_longest(run.before, run.after):
                 kind: Kind = "added" if i is None else "removed" if j is None else "changed"
-                yield DiffRow(kind, _side(left, i), _side(right, j))
+                yield DiffRow(kind, _numbered(left, i), _numbered(right, j))
 
 
-def _kept(
+def _equal_rows(
     run: DiffRun, left: Sequence[str], right: Sequence[str], *, is_first: bool, is_last: bool
 ) -> Iterator[DiffRow]:
     above, below = 0 if is_first else CONTEXT, 0 if is_last else CONTEXT
@@ -79,15 +79,15 @@ def _kept(
     if hidden <= 1:  # a fold takes as much room as a line
         hidden, above = 0, len(pairs)
     for i, j in pairs[:above]:
-        yield DiffRow("same", _side(left, i), _side(right, j))
+        yield DiffRow("same", _numbered(left, i), _numbered(right, j))
     if hidden:
         yield DiffRow("folded", hidden=hidden)
         for i, j in pairs[len(pairs) - below :] if below else ():
-            yield DiffRow("same", _side(left, i), _side(right, j))
+            yield DiffRow("same", _numbered(left, i), _numbered(right, j))
 
 
-def _side(lines: Sequence[str], place: int | None) -> NumberedLine | None:
-    if place is None:
+def _numbered(lines: Sequence[str], index: int | None) -> NumberedLine | None:
+    if index is None:
         return None
-    text = lines[place]
-    return NumberedLine(place + 1, text if len(text) <= MAX_LINE_LENGTH else text[:MAX_LINE_LENGTH] + CUT)
+    text = lines[index]
+    return NumberedLine(index + 1, text if len(text) <= MAX_LINE_LENGTH else text[:MAX_LINE_LENGTH] + CUT)

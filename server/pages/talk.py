@@ -136,7 +136,7 @@ def _diagnosis(attempt: Attempt | None) -> str | None:
 
 
 def _stands_on_a_line(talk: Conversation, shown: int) -> bool:
-    return talk.lines is not None and talk.fate is not LineFate.removed and talk.lines.last <= shown
+    return talk.lines is not None and talk.fate is not LineFate.gone and talk.lines.last <= shown
 
 
 def code_view(code: str, talks: Sequence[Conversation], account: Account | None) -> CodeView:

@@ -21,7 +21,7 @@ A_TEACHER, A_STUDENT = "un enseignant", "l’élève"
 FATES = {
     LineFate.carried: "",
     LineFate.changed: "la ligne a changé depuis",
-    LineFate.removed: "ces lignes ne se retrouvent pas ici",
+    LineFate.gone: "ces lignes ne se retrouvent pas ici",
 }
 CHANGED_MANY = "ces lignes ont changé depuis"
 SHORT = 160

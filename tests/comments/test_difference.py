@@ -31,8 +31,8 @@ CASES: list[tuple[str, Callable[[list[str]], list[str]], tuple[int, int], tuple[
     ("a line between", lambda a: [*a[:4], "    y *= 2", *a[4:]], (4, 5), (LineFate.changed, (4, 6))),
     ("one line by two", lambda a: [*a[:3], "    z = x", "    y = z", *a[4:]], (4, 4), (LineFate.changed, (4, 5))),
     ("its end", lambda a: [*a[:4], *a[5:]], (4, 5), (LineFate.changed, (4, 4))),
-    ("it is taken away", lambda a: [*a[:3], *a[5:]], (4, 5), (LineFate.removed, None)),
-    ("all of it", lambda _: [], (1, 8), (LineFate.removed, None)),
+    ("it is taken away", lambda a: [*a[:3], *a[5:]], (4, 5), (LineFate.gone, None)),
+    ("all of it", lambda _: [], (1, 8), (LineFate.gone, None)),
 ]
 
 
@@ -65,7 +65,7 @@ def test_what_is_carried_reads_the_same(before: list[str], after: list[str], dat
     last = data.draw(st.integers(first, len(before)))
     found = track_lines(diff_lines(before, after), LineRange(first, last))
     if found.lines is None:
-        assert found.fate is LineFate.removed
+        assert found.fate is LineFate.gone
         return
     assert 1 <= found.lines.first <= found.lines.last <= len(after)
     if found.fate is LineFate.carried:
@@ -142,7 +142,7 @@ def test_what_was_not_compared_is_said_and_carries_nothing() -> None:
     before, after = [str(n) for n in range(MAX_DIFF_LINES + 1)], [str(-n) for n in range(1, MAX_DIFF_LINES + 5)]
     difference = diff_lines(before, after)
     assert not difference.is_exact
-    assert track_lines(difference, LineRange(3, 4)) == TrackedLines(LineFate.removed, None)
+    assert track_lines(difference, LineRange(3, 4)) == TrackedLines(LineFate.gone, None)
     assert not compare_side_by_side("\n".join(before), "\n".join(after)).is_exact
     assert track_lines(diff_lines(["a", *before, "z"], ["a", *after, "z"]), LineRange(1, 1)) == TrackedLines(
         LineFate.carried, LineRange(1, 1)
