@@ -104,7 +104,7 @@ async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, board
     """What changes on the board, as server-sent events. Ends after some minutes: come back, or when one may not see it
     any more."""
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
-    boards.require_room(account.id)
+    boards.require_free_stream(account.id)
     allowed = partial(_allowed, database, account, place)
     stream = _told(boards.follow(place.school_class.id, account.id, allowed))
     return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
@@ -117,7 +117,7 @@ def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
 
 def _allowed(database: Database, account: Account, place: ClassAccess) -> bool:
     with database.read() as db:
-        return service.may_watch(db, account.id, place.school_class.id)
+        return service.may_watch_board(db, account.id, place.school_class.id)
 
 
 async def _told(boards: AsyncIterator[Board | None]) -> AsyncIterator[str]:

@@ -66,7 +66,7 @@ def groups(db: Session, exercise: str, most: int) -> list[Found]:
 
 
 def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | None:
-    group, program = repository.group(db, group_id), repository.load_shortest_program(db, group_id)
+    group, program = repository.find_group(db, group_id), repository.load_shortest_program(db, group_id)
     if group is None or program is None:
         return None
     name = repository.find_latest_name(db, group_id)

@@ -1,7 +1,7 @@
-"""A group that a teacher has named, as a misconception for the authors of the course: see `graders/core/README.md`.
+"""Export a named group as a misconception for the authors of the course: see `graders/core/README.md`.
 
-The archive holds what is to be added to the exercise's `misconceptions.toml`, and `misconceptions/<id>.py`: the
-shortest program of the group, without comments, texts and whatever else tells who wrote it.
+The archive holds an entry to be added to the exercise's `misconceptions.toml`, and `misconceptions/<id>.py`: the
+shortest program of the group, anonymised.
 """
 
 import ast
@@ -20,9 +20,9 @@ from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
 
-LONGEST_ID = 40
-CREDITS = frozenset({f"__{one}__" for one in ("author", "authors", "contact", "copyright", "credits", "email")})
-UNREAD = """\
+MAX_ID_LENGTH = 40
+CREDITS = frozenset({f"__{name}__" for name in ("author", "authors", "contact", "copyright", "credits", "email")})
+UNREAD_GUARD = """\
 RELU = False  # Programme d’élève, qui sera exécuté sans bac à sable : relisez-le, puis écrivez True.
 if RELU:
 """
@@ -30,65 +30,63 @@ UNREADABLE = "Ce programme ne se relit pas sans ses commentaires : il ne peut pa
 
 
 def render_archive(
-    exercise: Exercise, group: BehaviourGroup, words: GroupDescription, source: bytes, names: Collection[str] = ()
+    exercise: Exercise, group: BehaviourGroup, description: GroupDescription, source: bytes, names: Collection[str] = ()
 ) -> tuple[str, bytes]:
-    """The misconception's id, and the archive; `names` are its author's. Raises Invalid for a program that cannot be
-    rewritten."""
-    identity = misconception_id(words.title, exercise.grader.mistakes() | SLIPS.keys())
-    wrong = [one.name for one in exercise.functions if one.name in group.functions]
-    functions = wrong or [one.name for one in exercise.functions]
-    held = io.BytesIO()
-    with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as archived:
-        archived.writestr(MISCONCEPTIONS, catalogue_entry(exercise.id, identity, functions, words))
-        archived.writestr(f"misconceptions/{identity}.py", guard_unread_program(anonymise_program(source, names)))
-    return identity, held.getvalue()
+    """Return the misconception's id, and the archive; `names` are the author's. Raise Invalid for a program that cannot
+    be rewritten."""
+    identity = misconception_id(description.title, exercise.grader.mistakes() | SLIPS.keys())
+    wrong = [function.name for function in exercise.functions if function.name in group.functions]
+    functions = wrong or [function.name for function in exercise.functions]
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(MISCONCEPTIONS, catalogue_entry(exercise.id, identity, functions, description))
+        archive.writestr(f"misconceptions/{identity}.py", guard_unread_program(anonymise_program(source, names)))
+    return identity, content.getvalue()
 
 
 def misconception_id(title: str, taken: Collection[str]) -> str:
-    """A name for files and tables, from a title: "La rotation est oubliée" is la_rotation_est_oubliee."""
+    """Return an unused id made of a title: "La rotation est oubliée" gives la_rotation_est_oubliee."""
     letters = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
-    name = "_".join(re.findall("[a-z0-9]+", letters))[:LONGEST_ID].strip("_") or "erreur"
+    name = "_".join(re.findall("[a-z0-9]+", letters))[:MAX_ID_LENGTH].strip("_") or "erreur"
     name = name if name[0].isalpha() else f"erreur_{name}"
-    places = (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3)))
-    return next(one for one in places if one not in taken)
+    candidates = (name, *(f"{name}_{number}" for number in range(2, len(taken) + 3)))
+    return next(candidate for candidate in candidates if candidate not in taken)
 
 
-def catalogue_entry(exercise_id: str, identity: str, functions: Collection[str], words: GroupDescription) -> str:
-    """What is to be added to the catalogue. A JSON text is a TOML one where no DEL is in it."""
+def catalogue_entry(exercise_id: str, identity: str, functions: Collection[str], description: GroupDescription) -> str:
+    """Return the entry for the catalogue, in TOML: JSON strings without DEL are TOML strings."""
     members = {
         "id": identity,
         "functions": list(functions),
-        "title": words.title,
-        "explanation": words.explanation,
-        "question": words.question,
+        "title": description.title,
+        "explanation": description.explanation,
+        "question": description.question,
     }
     lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in members.items()]
     return "\n".join([f"# À ajouter à graders/{exercise_id}/{MISCONCEPTIONS}", "[[misconception]]", *lines, ""])
 
 
 def guard_unread_program(program: str) -> str:
-    """A program that does nothing, until who writes the course has read it and says so in its first line.
+    """Return a program that does nothing until an author of the course has read it, and says so in its first line.
 
-    Misconceptions are run where verdicts are made, without walls: what a student has written must not be, unread.
+    Misconceptions run without a sandbox, in the grading process: a student's program must not run there unread.
     """
-    return UNREAD + textwrap.indent(program or "pass\n", "    ")
+    return UNREAD_GUARD + textwrap.indent(program or "pass\n", "    ")
 
 
 def anonymise_program(source: bytes, names: Collection[str] = ()) -> str:
-    """The program without comments, loose texts, who wrote it, future imports, and what only runs by itself; in the
-    texts that it needs, these names are replaced.
-
-    Raises Invalid.
+    """Return the program without comments, loose strings, credits, future imports and main blocks; these names are
+    replaced in its other strings. Raise Invalid.
     """
     try:
-        tree = _Bare(names).visit(ast.parse(source))
+        tree = _Anonymiser(names).visit(ast.parse(source))
         return ast.unparse(ast.fix_missing_locations(tree)) + "\n"
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise Invalid(UNREADABLE) from error
 
 
-class _Bare(ast.NodeTransformer):
-    """Takes out what a program does not need."""
+class _Anonymiser(ast.NodeTransformer):
+    """Removes the parts that a program does not need."""
 
     def __init__(self, names: Collection[str]) -> None:
         words = sorted((re.escape(name) for name in names if len(name) > 2), key=len, reverse=True)
@@ -109,7 +107,7 @@ class _Bare(ast.NodeTransformer):
         return None if isinstance(node.target, ast.Name) and node.target.id in CREDITS else self.generic_visit(node)
 
     def visit_If(self, node: ast.If) -> ast.AST | None:
-        alone = any(isinstance(one, ast.Name) and one.id == "__name__" for one in ast.walk(node.test))
+        alone = any(isinstance(child, ast.Name) and child.id == "__name__" for child in ast.walk(node.test))
         return None if alone else self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> ast.AST:
@@ -118,7 +116,7 @@ class _Bare(ast.NodeTransformer):
         return node
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
-        """A block of which everything was taken out does nothing."""
+        """Put `pass` into a block that has become empty."""
         visited = super().generic_visit(node)
         if getattr(visited, "body", None) == [] and not isinstance(visited, ast.Module):
             setattr(visited, "body", [ast.Pass()])  # noqa: B010

@@ -1,8 +1,8 @@
-"""The job that asks a failed program how it behaves, once its verdict is there, and puts it into a group.
+"""The background job that observes how a failed program behaves, and puts it into a group of equal behaviour.
 
-Every failed attempt of a class is asked, those that a misconception names too: a group shows all who answer so,
-whatever else was found. Attempts are looked for by `Sweeper`, off the way of any verdict; one job at a time is put, in
-a rank behind every grading's: however many attempts wait to be asked, a grading waits for one of them at most.
+Every failed attempt of a class is observed, those with a known misconception too. `FingerprintSweeper` looks for
+attempts, away from the hot path of verdicts. There is one job at a time, in a rank behind all gradings: a grading waits
+for one observation at most.
 """
 
 import logging
@@ -34,25 +34,25 @@ from server.sandbox.values import LIBRARY_MENTION, LibraryFile
 log = logging.getLogger(__name__)
 
 FINGERPRINT = "fingerprint"
-#: There is one job of this kind at a time.
+#: The key of the only job of this kind.
 KEY = "next"
-#: Behind every submission, whoever sent it.
+#: Ranks behind every submission.
 SENDER = Sender(name=FINGERPRINT, flow=FINGERPRINT, rank=9)
-#: How long ago an attempt may have been graded to be asked still: what came later than it (a class, a list) included.
-LOOKED_BACK = timedelta(days=30)
-SWEEP_EVERY = 2.0  # seconds
-EVERYTHING = timedelta(hours=1)
-OVERLAP = timedelta(minutes=2)
-#: What a program may use to answer: less than for its verdict, for nobody waits for it.
+#: Attempts that were graded earlier are not observed. An attempt may be sent before its author joins a class.
+MAX_GRADING_AGE = timedelta(days=30)
+SWEEP_INTERVAL = 2.0  # seconds
+FULL_SWEEP_INTERVAL = timedelta(hours=1)
+COMMIT_DELAY = timedelta(minutes=2)
+#: Limits of an observation, tighter than those of a grading, as nobody waits for it.
 CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
 
-#: Starts programs under a policy, with what they may import of earlier ones.
+#: Starts programs under a policy, with the files that they may import.
 StartProgram = Callable[[Policy, Sequence[LibraryFile]], Programs]
 
 
 def tighten_limits(policy: Policy) -> Policy:
-    """The limits under which a program is asked how it behaves."""
+    """Return the policy of an exercise within the limits of an observation."""
     return replace(
         policy,
         cpu_seconds=min(policy.cpu_seconds, CPU_SECONDS),
@@ -62,89 +62,93 @@ def tighten_limits(policy: Policy) -> Policy:
     )
 
 
-def versions(course: Course) -> Mapping[str, str]:
-    """The exercises whose programs can be asked, with the version that asks."""
-    return {one.id: one.version for one in course.exercises.values() if one.kind == "code"}
+def observable_versions(course: Course) -> Mapping[str, str]:
+    """Return the versions of the exercises whose programs can be observed, by exercise."""
+    return {exercise.id: exercise.version for exercise in course.exercises.values() if exercise.kind == "code"}
 
 
-def put(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:
-    """Has the program of a grading asked how it behaves, after whatever else waits; then others graded `since`."""
+def queue_fingerprint(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:
+    """Queue the observation of a grading's program; its end queues the next grading that ended after `since`."""
     queue.enqueue(db, FINGERPRINT, KEY, {"grading": str(grading_id), "since": since.isoformat()}, SENDER)
 
 
 class FingerprintSweeper:
-    """Looks again and again for attempts to ask: at the latest ones, and at all that may be asked once an hour.
+    """Looks periodically for attempts to observe: recent ones each time, all that may be observed once an hour.
 
-    Each worker has one, in a thread of its own: whoever could ask looks for what to ask.
+    Each worker runs one, in a thread of its own.
     """
 
     def __init__(
         self, database: Database, queue: Queue, course: Course, clock: Callable[[], datetime] = utc_now
     ) -> None:
         self._database, self._queue, self._course, self._clock = database, queue, course, clock
-        self._seen: datetime | None = None
-        self._whole = clock() - EVERYTHING
+        self._swept_until: datetime | None = None
+        self._last_full_sweep = clock() - FULL_SWEEP_INTERVAL
 
-    def keep_looking(self, stopping: Event) -> None:
-        """Until it is to stop. What fails is tried again at the next look."""
-        while not stopping.wait(SWEEP_EVERY):
+    def run_until(self, stopping: Event) -> None:
+        """Sweep until `stopping` is set. After an error, try again at the next sweep."""
+        while not stopping.wait(SWEEP_INTERVAL):
             try:
-                self.look()
+                self.sweep()
             except Exception:
                 log.exception("failed attempts could not be looked for; trying again later")
 
-    def look(self) -> None:
-        """Has the newest attempt without fingerprint asked, unless a job is there already.
+    def sweep(self) -> None:
+        """Queue the observation of the newest attempt without fingerprint, unless a job is queued already.
 
-        Where nothing is found, the next look begins here; a verdict may be committed a while after it was found.
+        Where there is none, the next sweep begins at this time, less the time that a verdict may take to be committed.
         """
         now = self._clock()
-        if now - self._whole >= EVERYTHING:
-            self._seen, self._whole = None, now
-        since = now - LOOKED_BACK if self._seen is None else self._seen - OVERLAP
+        if now - self._last_full_sweep >= FULL_SWEEP_INTERVAL:
+            self._swept_until, self._last_full_sweep = None, now
+        since = now - MAX_GRADING_AGE if self._swept_until is None else self._swept_until - COMMIT_DELAY
         with self._database.read() as db:
-            if self._waits(db):
+            if self._is_queued(db):
                 return
-            found = repository.to_ask(db, versions(self._course), since)
-        if found is None:
-            self._seen = now
+            grading_id = repository.find_grading_to_observe(db, observable_versions(self._course), since)
+        if grading_id is None:
+            self._swept_until = now
             return
         try:
             with self._database.write() as db:
-                if not self._waits(db):
-                    put(db, self._queue, found, since)
+                if not self._is_queued(db):
+                    queue_fingerprint(db, self._queue, grading_id, since)
         except IntegrityError:
             log.info("another worker has put a job at the same time")
 
-    def _waits(self, db: Session) -> bool:
+    def _is_queued(self, db: Session) -> bool:
         return self._queue.position(db, FINGERPRINT, KEY) is not None
 
 
 class FingerprintTask:
-    """Fills the port `server.queue.interfaces.Task`."""
+    """Implements the port `server.queue.interfaces.Task`."""
 
     def __init__(self, course: Course, queue: Queue, start: StartProgram) -> None:
         self._course, self._queue, self._start = course, queue, start
-        self._versions = versions(course)
+        self._versions = observable_versions(course)
         self._observers: dict[str, Observer] = {}
         self.give_up = give_up
 
     def read(self, db: Session, lease: Lease) -> FingerprintRequest | None:
-        """None when the attempt has gone, or its exercise has another version now: it would be asked other things."""
-        asked = repository.asked(db, _grading(lease), datetime.fromisoformat(lease.payload["since"]))
-        if asked is None or self._versions.get(asked.exercise) != asked.version:
+        """Return the request; None where the attempt is gone, or the exercise has another version by now."""
+        request = repository.load_request(db, _grading_id(lease), datetime.fromisoformat(lease.payload["since"]))
+        if request is None or self._versions.get(request.exercise) != request.version:
             return None
-        if LIBRARY_MENTION not in asked.source:
-            return asked
+        if LIBRARY_MENTION not in request.source:
+            return request
         return replace(
-            asked,
-            own=importable_files.load_importable_files(db, self._course, repository.submission(db, asked.grading_id)),
+            request,
+            own=importable_files.load_importable_files(
+                db, self._course, repository.load_submission(db, request.grading_id)
+            ),
         )
 
-    def run(self, work: FingerprintRequest) -> Behaviour:
-        exercise = self._course.exercises[work.exercise]
-        library = reuse.shelves(self._course, work.exercise, work.own)
-        return self._observer(work.exercise).observe(work.source, self._start(tighten_limits(exercise.policy), library))
+    def run(self, request: FingerprintRequest) -> Behaviour:
+        exercise = self._course.exercises[request.exercise]
+        library = reuse.shelves(self._course, request.exercise, request.own)
+        return self._observer(request.exercise).observe(
+            request.source, self._start(tighten_limits(exercise.policy), library)
+        )
 
     def _observer(self, exercise_id: str) -> Observer:
         if exercise_id not in self._observers:
@@ -153,45 +157,47 @@ class FingerprintTask:
             self._observers[exercise_id] = Observer(exercise.grader, exercise.version)
         return self._observers[exercise_id]
 
-    def record(self, db: Session, work: FingerprintRequest, result: Behaviour) -> None:
-        """Its end has the next one asked, so that those that wait are asked one after the other."""
-        if repository.held(db, work.grading_id):
-            shown = shown_by(work, result)
-            repository.keep(db, work.grading_id, None if shown is None else place(db, shown))
-        following = repository.to_ask(db, self._versions, work.since)
-        if following is not None:
-            put(db, self._queue, following, work.since)
+    def record(self, db: Session, request: FingerprintRequest, result: Behaviour) -> None:
+        """Store the group of the program, and queue the next observation."""
+        if repository.lock_grading(db, request.grading_id):
+            observed = observed_behaviour(request, result)
+            repository.add_fingerprint(
+                db, request.grading_id, None if observed is None else find_or_create_group(db, observed)
+            )
+        next_grading = repository.find_grading_to_observe(db, self._versions, request.since)
+        if next_grading is not None:
+            queue_fingerprint(db, self._queue, next_grading, request.since)
 
 
-def shown_by(work: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:
-    """What the program is looked for by; None where it only lacks what is asked for, which its verdict says.
+def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:
+    """Return the behaviour that identifies a group; None for a program that only lacks a function, as its verdict says.
 
-    Programs whose answers are all right, or that do not load, may have failed each for its own reason: such a one is
-    alike with its very own text alone.
+    Programs that do not load, or whose answers are all right, may have failed for different reasons: they share a group
+    with equal sources only.
     """
     if behaviour.lacking and behaviour.loads and not behaviour.wrong:
         return None
-    answers = behaviour.answers if behaviour.tells else (*behaviour.answers, f"programme {work.digest}")
+    answers = behaviour.answers if behaviour.tells else (*behaviour.answers, f"programme {request.digest}")
     example = behaviour.example.to_json() if behaviour.example else None
-    return ObservedBehaviour(work.exercise, work.version, answers, behaviour.functions, example)
+    return ObservedBehaviour(request.exercise, request.version, answers, behaviour.functions, example)
 
 
-def place(db: Session, shown: ObservedBehaviour) -> str:
-    """The first group whose programs answer so, up to the tolerance, or a new one."""
-    repository.one_at_a_time(db)
-    key = (shown.exercise, shown.version, structure(shown.answers), projection(shown.answers))
-    for group_id, answers in repository.near(db, *key):
-        if same_all(unpacked(answers), shown.answers):
+def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
+    """Return the oldest group whose programs give these answers, up to the tolerance, or a new one."""
+    repository.lock_groups(db)
+    key = (observed.exercise, observed.version, structure(observed.answers), projection(observed.answers))
+    for group_id, answers in repository.iter_similar_groups(db, *key):
+        if same_all(unpacked(answers), observed.answers):
             return group_id
     group = BehaviourGroup(
         id=secrets.token_hex(5),
-        exercise=shown.exercise,
-        exercise_version=shown.version,
+        exercise=observed.exercise,
+        exercise_version=observed.version,
         structure=key[2],
         projection=key[3],
-        answers=packed(shown.answers),
-        functions=list(shown.functions),
-        example=shown.example,
+        answers=packed(observed.answers),
+        functions=list(observed.functions),
+        example=observed.example,
     )
     db.add(group)
     db.flush()
@@ -199,17 +205,17 @@ def place(db: Session, shown: ObservedBehaviour) -> str:
 
 
 def give_up(db: Session, lease: Lease) -> None:
-    """A program that ended its workers is not asked again: it stays without a group."""
-    grading_id = _grading(lease)
+    """Leave a program that crashed its workers without a group; it is not observed again."""
+    grading_id = _grading_id(lease)
     log.error("grading %s: its program could not be asked how it behaves", grading_id)
-    if repository.held(db, grading_id):
-        repository.keep(db, grading_id, None)
+    if repository.lock_grading(db, grading_id):
+        repository.add_fingerprint(db, grading_id, None)
 
 
 def give_up_handlers() -> Mapping[str, GiveUpHandler]:
-    """For whoever takes jobs back without ever asking a program."""
+    """Return the handlers of abandoned jobs, for processes that observe no programs."""
     return {FINGERPRINT: give_up}
 
 
-def _grading(lease: Lease) -> UUID:
+def _grading_id(lease: Lease) -> UUID:
     return UUID(lease.payload["grading"])

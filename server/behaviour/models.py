@@ -1,4 +1,4 @@
-"""Groups of programs that answer the same, who is in them, and what a class's teacher calls them."""
+"""Tables of groups of programs with equal answers, their members, and the names that teachers give to them."""
 
 from datetime import datetime
 from typing import Any
@@ -16,10 +16,10 @@ QUESTION_LENGTH = 1000
 
 
 class BehaviourGroup(Base):
-    """What programs of one group answer, as the first of them did: `answers` is `graders.core.code.plain.packed`.
+    """A group of programs with the same answers. `answers`: those of the first, as `graders.core.code.plain.packed`.
 
-    Equal answers have the same `structure`, and projections that are near; `functions` are those that answer wrongly,
-    `example` is a `graders.core.code.behaviour.Example`.
+    Equal answers have the same `structure` and near projections; `functions` are those that answer wrongly, `example`
+    is a `graders.core.code.behaviour.Example`.
     """
 
     __tablename__ = "behaviour_group"
@@ -38,7 +38,7 @@ class BehaviourGroup(Base):
 
 
 class Fingerprint(Base):
-    """Which group a graded submission's program belongs to; none where it shows nothing, or could not be asked."""
+    """The group of a graded program; no group where nothing was observed, or it could not be."""
 
     __tablename__ = "fingerprint"
 
@@ -48,7 +48,7 @@ class Fingerprint(Base):
 
 
 class BehaviourName(Base):
-    """What a teacher says, once, to all of a class whose programs are of a group. Plain text."""
+    """A teacher's name and explanation of a group, shown to all of a class whose programs are in it. Plain text."""
 
     __tablename__ = "behaviour_name"
 

@@ -1,4 +1,4 @@
-"""Queries on groups of behaviour. Lists never read a source, nor what a group answers."""
+"""Queries on groups of behaviour. Lists never read a source, nor the answers of a group."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from datetime import datetime
@@ -12,27 +12,29 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import ask, one_of, prepared, upsert_statement, utc_now
+from server.database import upsert_statement, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
 
-#: The key of PostgreSQL's lock for putting programs into groups.
-PLACING = 0x67726F75
-#: Outcomes of programs that ran. What was never run behaves in no way, and its verdict says why.
-OBSERVED = tuple(sorted({str(one) for one in blamed_on(Blame.STUDENT)} - {Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR}))
+#: The key of PostgreSQL's advisory lock on the groups.
+GROUPS_LOCK = 0x67726F75
+#: Outcomes of programs that ran.
+OBSERVABLE_OUTCOMES = tuple(
+    sorted({str(outcome) for outcome in blamed_on(Blame.STUDENT)} - {Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR})
+)
 
 
-def one_at_a_time(db: Session) -> None:
-    """Until the commit, nobody else makes a group (on SQLite nobody else writes at all)."""
+def lock_groups(db: Session) -> None:
+    """Lock the creation of groups until the commit (SQLite locks all writes anyway)."""
     if db.get_bind().dialect.name == "postgresql":
-        db.execute(select(func.pg_advisory_xact_lock(PLACING)))
+        db.execute(select(func.pg_advisory_xact_lock(GROUPS_LOCK)))
 
 
-def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | None:
-    """The newest failed grading that counts, of a student of a class that learns the exercise's module, which ended
-    after `since` under the version that the exercise has now, and has no fingerprint."""
-    learns = (
+def find_grading_to_observe(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | None:
+    """Return the newest failed counting grading without fingerprint that ended after `since`, under the present version
+    of its exercise, of a student in a class on the exercise's module."""
+    in_class = (
         select(Membership.account_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
         .where(
@@ -49,10 +51,10 @@ def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | 
         .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
         .where(
             Grading.finished_at >= since,
-            Grading.outcome.in_(OBSERVED),
+            Grading.outcome.in_(OBSERVABLE_OUTCOMES),
             Fingerprint.grading_id.is_(None),
             tuple_(Submission.exercise, Grading.exercise_version).in_(list(versions.items())),
-            learns.exists(),
+            in_class.exists(),
         )
         .order_by(Grading.finished_at.desc())
         .limit(1)
@@ -60,8 +62,8 @@ def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | 
     return db.execute(query).scalar_one_or_none()
 
 
-def asked(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
-    """None where the grading has gone, with its author, or has its fingerprint."""
+def load_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
+    """Load what an observation needs; None where the grading is gone, or has its fingerprint."""
     query = (
         select(Grading.id, Submission.exercise, Grading.exercise_version, Submission.source, Submission.digest)
         .join(Submission, Submission.id == Grading.submission_id)
@@ -72,26 +74,28 @@ def asked(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest 
     return None if row is None else FingerprintRequest(*row, since)
 
 
-def submission(db: Session, grading_id: UUID) -> Submission:
-    """What a grading, which is there, is of."""
+def load_submission(db: Session, grading_id: UUID) -> Submission:
+    """Load the submission of a grading that exists."""
     query = select(Submission).join(Grading, Grading.submission_id == Submission.id).where(Grading.id == grading_id)
     return db.execute(query).scalar_one()
 
 
-def held(db: Session, grading_id: UUID) -> bool:
-    """Is the grading still there? It stays until the commit then."""
+def lock_grading(db: Session, grading_id: UUID) -> bool:
+    """Whether the grading still exists, which then stays until the commit."""
     query = select(Grading.id).where(Grading.id == grading_id).with_for_update(read=True, key_share=True)
     return db.execute(query).first() is not None
 
 
-def keep(db: Session, grading_id: UUID, group_id: str | None) -> None:
-    """A fingerprint, unless there is one already."""
+def add_fingerprint(db: Session, grading_id: UUID, group_id: str | None) -> None:
+    """Add a fingerprint, unless there is one already."""
     row = {"grading_id": grading_id, "group_id": group_id, "made_at": utc_now()}
     db.execute(upsert_statement(db, Fingerprint).on_conflict_do_nothing(), row)
 
 
-def near(db: Session, exercise: str, version: str, structure: str, projection: float) -> Iterator[tuple[str, bytes]]:
-    """The groups that may be this one, the oldest first, with what they answer."""
+def iter_similar_groups(
+    db: Session, exercise: str, version: str, structure: str, projection: float
+) -> Iterator[tuple[str, bytes]]:
+    """Yield the groups that may give the same answers, the oldest first, with their packed answers."""
     query = (
         select(BehaviourGroup)
         .options(undefer(BehaviourGroup.answers))
@@ -107,41 +111,35 @@ def near(db: Session, exercise: str, version: str, structure: str, projection: f
         yield group.id, group.answers
 
 
-@prepared
-def _name_for(account_id: UUID, grading_id: UUID) -> Select[str, str, str, str]:
+def load_name_of_grading(db: Session, account_id: UUID, grading_id: UUID) -> Row[str, str, str, str] | None:
+    """Return group, title, explanation and question: the newest name that a teacher of the author has given to the
+    behaviour of this grading's program."""
     name = BehaviourName
-    return (
+    query = (
         select(name.group_id, name.title, name.explanation, name.question)
-        .select_from(BehaviourName)
-        .join(Fingerprint, Fingerprint.group_id == BehaviourName.group_id)
-        .join(Membership, Membership.class_id == BehaviourName.class_id)
+        .join(Fingerprint, Fingerprint.group_id == name.group_id)
+        .join(Membership, Membership.class_id == name.class_id)
         .where(
             Fingerprint.grading_id == grading_id,
             Membership.account_id == account_id,
             Membership.role == ClassRole.student,
-            one_of(Membership.status, (Status.active, Status.left)),
+            Membership.status.in_((Status.active, Status.left)),
         )
-        .order_by(BehaviourName.named_at.desc(), BehaviourName.class_id)
-        .limit(1)
+        .order_by(name.named_at.desc(), name.class_id)
     )
+    return db.execute(query.limit(1)).one_or_none()
 
 
-def name_for(db: Session, account_id: UUID, grading_id: UUID) -> Row[str, str, str, str] | None:
-    """Group, title, explanation and question: what a teacher of the author's calls the behaviour of this grading's
-    program; the newest name of several."""
-    return ask(db, *_name_for(account_id, grading_id)).one_or_none()
-
-
-def group(db: Session, group_id: str) -> BehaviourGroup | None:
+def find_group(db: Session, group_id: str) -> BehaviourGroup | None:
     return db.get(BehaviourGroup, group_id)
 
 
-def name(db: Session, class_id: UUID, group_id: str) -> BehaviourName | None:
+def find_name(db: Session, class_id: UUID, group_id: str) -> BehaviourName | None:
     return db.get(BehaviourName, (class_id, group_id))
 
 
-def names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]:
-    """Those that a class has for groups of an exercise, whatever its version, the newest first."""
+def list_names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]:
+    """Return a class's names for groups of an exercise in any version, the newest first."""
     query = (
         select(BehaviourName)
         .join(BehaviourGroup, BehaviourGroup.id == BehaviourName.group_id)
@@ -151,51 +149,42 @@ def names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]
     return db.execute(query).scalars().all()
 
 
-@prepared
-def _unnamed(class_id: UUID, students: Collection[UUID]) -> Select[str, str | None, UUID, UUID, str]:
-    """What fails is found first: SQLite would look through all that they have sent."""
+def list_latest_unnamed(
+    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Sequence[tuple[str, str, UUID, UUID, str | None]]:
+    """Return exercise, group, student, submission and title of each latest attempt that failed without a known
+    misconception, the newest first."""
+    # The failures are materialised first: SQLite would look through all attempts of the students.
     failed = (
         select(Standing.account_id, Standing.exercise, Standing.last_at)
         .where(
             Standing.account_id.in_(students),
-            Standing.last_outcome.in_(OBSERVED),
+            Standing.last_outcome.in_(OBSERVABLE_OUTCOMES),
             Standing.last_diagnosis.is_(None),
         )
         .cte("failed")
         .prefix_with("MATERIALIZED")
     )
-    return (
+    is_latest = and_(
+        Submission.account_id == failed.c.account_id,
+        Submission.exercise == failed.c.exercise,
+        Submission.created_at == failed.c.last_at,
+    )
+    in_class = and_(BehaviourName.group_id == Fingerprint.group_id, BehaviourName.class_id == class_id)
+    query = (
         select(failed.c.exercise, Fingerprint.group_id, failed.c.account_id, Submission.id, BehaviourName.title)
-        .join(
-            Submission,
-            and_(
-                Submission.account_id == failed.c.account_id,
-                Submission.exercise == failed.c.exercise,
-                Submission.created_at == failed.c.last_at,
-            ),
-        )
+        .join(Submission, is_latest)
         .join(Fingerprint, Fingerprint.grading_id == Submission.grading_id)
-        .outerjoin(
-            BehaviourName,
-            and_(BehaviourName.group_id == Fingerprint.group_id, BehaviourName.class_id == class_id),
-        )
+        .outerjoin(BehaviourName, in_class)
         .where(Fingerprint.group_id.is_not(None))
         .order_by(failed.c.last_at.desc(), Submission.id)
     )
-
-
-def unnamed(
-    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
-) -> Sequence[tuple[str, str, UUID, UUID, str | None]]:
-    """Exercise, group, student, submission and title of each latest attempt that failed without a misconception,
-    the newest first. In one query, of all exercises: to look for each exercise of each student would take longer."""
-    found = ask(db, *_unnamed(class_id, students))
-    return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in found if row[0] in exercises]
+    return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in db.execute(query) if row[0] in exercises]
 
 
 def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
-    """Attempts of a group by students who are, or were, in the class."""
-    learns = (
+    """Return a condition: the attempt is in the group, by an active student of the class."""
+    is_student = (
         select(Membership.account_id)
         .where(
             Membership.class_id == class_id,
@@ -205,7 +194,7 @@ def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
         )
         .exists()
     )
-    return and_(Fingerprint.group_id == group_id, learns)
+    return and_(Fingerprint.group_id == group_id, is_student)
 
 
 def _attempts(class_id: UUID, group_id: str) -> Select[UUID]:
@@ -220,9 +209,8 @@ def has_members(db: Session, class_id: UUID, group_id: str) -> bool:
     return db.execute(_attempts(class_id, group_id).limit(1)).first() is not None
 
 
-def counts(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
-    """How many attempts of the class are in the group, by how many students, and of how many a misconception was
-    named."""
+def count_members(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
+    """Count the attempts of the class in the group, their students, and those with a known misconception."""
     query = (
         select(func.count(), func.count(Submission.account_id.distinct()), func.count(Grading.diagnosis))
         .select_from(Submission)
@@ -234,8 +222,8 @@ def counts(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
     return row[0], row[1], row[2]
 
 
-def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[GroupMember]:
-    """The attempts of the class in a group, those who have sent nothing since first, then the newest first."""
+def list_members(db: Session, class_id: UUID, group_id: str, limit: int) -> Sequence[GroupMember]:
+    """Return the attempts of the class in a group: each student's latest attempts first, then the newest first."""
     latest = func.coalesce(Standing.last_at <= Submission.created_at, True)
     query = (
         select(Submission.id, Submission.account_id, Submission.created_at, Grading.score, latest)
@@ -247,13 +235,13 @@ def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[G
         )
         .where(_members(class_id, group_id))
         .order_by(latest.desc(), Submission.created_at.desc(), Submission.id)
-        .limit(most)
+        .limit(limit)
     )
     return [GroupMember(row[0], row[1], row[2], row[3], bool(row[4])) for row in db.execute(query)]
 
 
-def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
-    """The shortest program of the class in a group: the one that is read."""
+def find_shortest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
+    """Return the shortest program of the class in a group."""
     query = (
         select(Submission)
         .where(Submission.id.in_(_attempts(class_id, group_id)))
@@ -263,9 +251,9 @@ def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
     return db.execute(query).scalar_one_or_none()
 
 
-def list_unexplained_groups(db: Session, exercise: str, most: int) -> Sequence[tuple[str, int, int]]:
-    """Groups of an exercise in which no misconception was found, in any class: how many attempts that count, by how
-    many students; the most students first."""
+def list_unexplained_groups(db: Session, exercise: str, limit: int) -> Sequence[tuple[str, int, int]]:
+    """Return the groups of an exercise without a known misconception, in any class: id, number of counting attempts and
+    of students; the most students first."""
     students = func.count(Submission.account_id.distinct())
     query = (
         select(Fingerprint.group_id, func.count(), students)
@@ -274,19 +262,19 @@ def list_unexplained_groups(db: Session, exercise: str, most: int) -> Sequence[t
         .where(
             Submission.exercise == exercise,
             Grading.diagnosis.is_(None),
-            Grading.outcome.in_(OBSERVED),
+            Grading.outcome.in_(OBSERVABLE_OUTCOMES),
             Fingerprint.group_id.is_not(None),
         )
         .group_by(Fingerprint.group_id)
         .order_by(students.desc(), func.count().desc(), Fingerprint.group_id)
-        .limit(most)
+        .limit(limit)
     )
     return [(str(row[0]), row[1], row[2]) for row in db.execute(query)]
 
 
 def load_shortest_program(db: Session, group_id: str) -> tuple[bytes, Sequence[str]] | None:
-    """The shortest program of a group in which no misconception was found, and its author's names, as the account and
-    the lists of their classes have them."""
+    """Return the shortest program of a group without a known misconception, and all names of its author, in the account
+    and in the lists of classes."""
     query = (
         select(Submission.source, Account)
         .join(Account, Account.id == Submission.account_id)
@@ -306,22 +294,22 @@ def load_shortest_program(db: Session, group_id: str) -> tuple[bytes, Sequence[s
 
 
 def find_latest_name(db: Session, group_id: str) -> BehaviourName | None:
-    """What a teacher calls a group, the newest name first."""
+    """Return the newest name of a group, in any class."""
     query = select(BehaviourName).where(BehaviourName.group_id == group_id).order_by(BehaviourName.named_at.desc())
     return db.execute(query.limit(1)).scalar_one_or_none()
 
 
-def attempt(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:
-    """An attempt of the class, where it is in the group."""
+def find_member(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:
+    """Return an attempt of the class, where it is in the group."""
     query = select(Submission).where(Submission.id == submission_id, Submission.id.in_(_attempts(class_id, group_id)))
     return db.execute(query).scalar_one_or_none()
 
 
 def delete_empty_groups(db: Session) -> int:
-    """Removes the groups in which nobody is any more, and to which nobody gave a name."""
+    """Delete the groups without attempts and without names. Return how many."""
     used = select(Fingerprint.group_id).where(Fingerprint.group_id == BehaviourGroup.id).exists()
-    called = select(BehaviourName.group_id).where(BehaviourName.group_id == BehaviourGroup.id).exists()
-    empty = db.execute(select(BehaviourGroup.id).where(~used, ~called)).scalars().all()
-    for one in empty:
-        db.delete(db.get_one(BehaviourGroup, one))
+    named = select(BehaviourName.group_id).where(BehaviourName.group_id == BehaviourGroup.id).exists()
+    empty = db.execute(select(BehaviourGroup.id).where(~used, ~named)).scalars().all()
+    for group_id in empty:
+        db.delete(db.get_one(BehaviourGroup, group_id))
     return len(empty)

@@ -1,4 +1,4 @@
-"""What the room takes and gives."""
+"""Inputs and outputs of the room."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from server.course.reuse import Own
 
 @dataclass(frozen=True)
 class GroupDescription:
-    """What a teacher says of a group: plain text, within bounds, without blanks around."""
+    """A teacher's description of a group: plain text, bounded, without blanks around."""
 
     title: str
     explanation: str
@@ -22,9 +22,9 @@ class GroupDescription:
 
 @dataclass(frozen=True)
 class FingerprintRequest:
-    """A grading whose program is to be asked how it behaves; others that ended `since` follow.
+    """A grading whose program is to be observed, followed by others that ended after `since`.
 
-    `own`: the files of its author that it may import from.
+    `own`: the files of its author that it may import.
     """
 
     grading_id: UUID
@@ -38,7 +38,7 @@ class FingerprintRequest:
 
 @dataclass(frozen=True)
 class ObservedBehaviour:
-    """What a program showed, as it is looked for among the groups of its exercise's version."""
+    """The observed behaviour of a program, by which its group is found among those of the exercise's version."""
 
     exercise: str
     version: str
@@ -49,9 +49,9 @@ class ObservedBehaviour:
 
 @dataclass(frozen=True)
 class UnnamedGroup:
-    """Students whose latest attempt failed alike, without a misconception; `title` is their teacher's, or None.
+    """Students whose latest attempts failed alike, without a known misconception; `title`: their teacher's, or None.
 
-    `submission` is one of these attempts.
+    `submission`: one of these attempts.
     """
 
     exercise: str
@@ -63,7 +63,7 @@ class UnnamedGroup:
 
 @dataclass(frozen=True)
 class GroupMember:
-    """A program of a group: whose it is and when it was sent; `latest`: its author has sent none since."""
+    """A program of a group: author and time; `latest`: its author has sent none since."""
 
     submission: UUID
     student: UUID
@@ -74,8 +74,8 @@ class GroupMember:
 
 @dataclass(frozen=True)
 class ClassGroup:
-    """A group as a class knows it: `total` attempts by so many `students`, the first of them in `lines`; in `known` of
-    them a misconception was named."""
+    """A group within a class: `total` attempts by `students` students, some of them in `lines`; `known` of them have a
+    known misconception."""
 
     group: BehaviourGroup
     name: BehaviourName | None

@@ -1,4 +1,4 @@
-"""Groups of behaviour as a class knows them, and their names. Functions work inside the caller's transaction."""
+"""Groups of behaviour within a class, and their names. Functions work inside the caller's transaction."""
 
 import re
 import unicodedata
@@ -29,25 +29,26 @@ from server.gradebook.schemas import Attempt
 from server.submissions.models import Submission
 
 UNKNOWN = "Ce groupe d’essais n’existe pas dans cette classe."
-MOST_LINES = 200
+MAX_LINES = 200
 LINE_END = re.compile("\r\n|\r|\n")
 EMPTY = "{what} ne peut pas être vide."
 TOO_LONG = "{what} est trop long : {length} caractères, {most} au plus."
 
 
 def load_verdict(db: Session, attempt: Attempt) -> Verdict | None:
-    """The verdict that counts, as it is kept; where no misconception is named, with what the teacher says of its group.
+    """Return the counting verdict as the account may see it; without a known misconception, with the teacher's name for
+    its group as diagnosis.
 
-    What is kept never changes: the name is joined as it is read. What is held back from who looks is left out.
+    The stored verdict never changes: the name is joined when it is read.
     """
     if attempt.grading is None:
         return None
     verdict = attempt.verdict
     if verdict is None or attempt.feedback.diagnosis is not None:
         return verdict
-    if verdict.diagnosis is not None or verdict.outcome not in repository.OBSERVED:
+    if verdict.diagnosis is not None or verdict.outcome not in repository.OBSERVABLE_OUTCOMES:
         return verdict
-    name = repository.name_for(db, attempt.submission.account_id, attempt.grading.id)
+    name = repository.load_name_of_grading(db, attempt.submission.account_id, attempt.grading.id)
     if name is None:
         return verdict
     return bounded(Judgement(replace(verdict, diagnosis=_diagnosis(*name)))).verdict
@@ -60,23 +61,25 @@ def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Di
 def list_unnamed_groups(
     db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
 ) -> Sequence[UnnamedGroup]:
-    """The groups of the latest attempts that failed without a misconception: most students first, then the newest.
+    """Return the groups of the latest attempts that failed without a known misconception, in one query.
 
-    In one query, whatever the class. A group that has a name from its teacher says it.
+    Most students first, then the newest.
     """
-    found: dict[tuple[str, str], list[tuple[UUID, UUID, str | None]]] = {}
-    for exercise, group, student, submission, title in repository.unnamed(db, class_id, students, exercises):
-        found.setdefault((exercise, group), []).append((student, submission, title))
+    rows_by_group: dict[tuple[str, str], list[tuple[UUID, UUID, str | None]]] = {}
+    for exercise, group, student, submission, title in repository.list_latest_unnamed(
+        db, class_id, students, exercises
+    ):
+        rows_by_group.setdefault((exercise, group), []).append((student, submission, title))
     groups = [
         UnnamedGroup(exercise, group, tuple(dict.fromkeys(row[0] for row in rows)), rows[0][1], rows[0][2])
-        for (exercise, group), rows in found.items()
+        for (exercise, group), rows in rows_by_group.items()
     ]
-    return sorted(groups, key=lambda one: -len(one.students))
+    return sorted(groups, key=lambda group: -len(group.students))
 
 
 def find_group(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> BehaviourGroup:
-    """A group that some student of the class is in, of an exercise of its module. Raises NotFound."""
-    group = repository.group(db, group_id) if group_id.isalnum() else None  # no database looks for a zero byte
+    """Return a group with a student of the class, of an exercise of its module. Raise NotFound."""
+    group = repository.find_group(db, group_id) if group_id.isalnum() else None  # no database looks for a zero byte
     known = group is not None and group.exercise == exercise and exercise.startswith(f"{school_class.module}/")
     if group is None or not known or not repository.has_members(db, school_class.id, group_id):
         raise NotFound(UNKNOWN)
@@ -84,61 +87,62 @@ def find_group(db: Session, school_class: SchoolClass, exercise: str, group_id: 
 
 
 def load_class_group(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> ClassGroup:
-    """The group with its name and its attempts in this class. Raises NotFound."""
+    """Return the group with its name and its attempts in this class. Raise NotFound."""
     group = find_group(db, school_class, exercise, group_id)
-    lines = tuple(repository.members(db, school_class.id, group_id, MOST_LINES))
-    total, students, known = repository.counts(db, school_class.id, group_id)
-    return ClassGroup(group, repository.name(db, school_class.id, group_id), lines, total, students, known)
+    lines = tuple(repository.list_members(db, school_class.id, group_id, MAX_LINES))
+    total, students, known = repository.count_members(db, school_class.id, group_id)
+    return ClassGroup(group, repository.find_name(db, school_class.id, group_id), lines, total, students, known)
 
 
 def count_students(db: Session, school_class: SchoolClass, group: BehaviourGroup) -> int:
-    """How many of the class have sent such a program."""
-    return repository.counts(db, school_class.id, group.id)[1]
+    """Count the students of the class with a program in the group."""
+    return repository.count_members(db, school_class.id, group.id)[1]
 
 
 def load_program(
     db: Session, school_class: SchoolClass, group_id: str, submission_id: UUID | None = None
 ) -> Submission:
-    """A program of the class in this group: the one that is wanted, or else the shortest. Raises NotFound."""
+    """Return a program of the class in this group: a given one, else the shortest. Raise NotFound."""
     if submission_id is None:
-        submission = repository.smallest(db, school_class.id, group_id)
+        submission = repository.find_shortest(db, school_class.id, group_id)
     else:
-        submission = repository.attempt(db, school_class.id, group_id, submission_id)
+        submission = repository.find_member(db, school_class.id, group_id, submission_id)
     if submission is None:
         raise NotFound(UNKNOWN)
     return submission
 
 
-def list_other_names(db: Session, school_class: SchoolClass, exercise: str, besides: str) -> Sequence[BehaviourName]:
-    """What the class calls other groups of an exercise: the same words may fit, as after a change of its version.
+def list_other_names(
+    db: Session, school_class: SchoolClass, exercise: str, excluded_group: str
+) -> Sequence[BehaviourName]:
+    """Return the class's names of other groups of an exercise, which may fit again after a change of its version.
 
-    Of equal words one is enough.
+    Equal descriptions are returned once.
     """
-    found = {
-        description_of(one): one for one in repository.names(db, school_class.id, exercise) if one.group_id != besides
-    }
-    return list(found.values())
+    names = repository.list_names(db, school_class.id, exercise)
+    by_description = {description_of(name): name for name in names if name.group_id != excluded_group}
+    return list(by_description.values())
 
 
 def parse_description(title: str, explanation: str, question: str) -> GroupDescription:
-    """What a teacher writes, within bounds. Raises Invalid, with the place. A question is not required."""
-    given = GroupDescription(" ".join(_lines(title).split("\n")), _lines(explanation), _lines(question))
+    """Return a cleaned description within bounds; the question is optional. Raise Invalid."""
+    description = GroupDescription(" ".join(_lines(title).split("\n")), _lines(explanation), _lines(question))
     bounds = (
-        ("title", "Le titre", given.title, TITLE_LENGTH),
-        ("explanation", "Le texte de l’explication", given.explanation, EXPLANATION_LENGTH),
-        ("question", "Le texte de la question", given.question, QUESTION_LENGTH),
+        ("title", "Le titre", description.title, TITLE_LENGTH),
+        ("explanation", "Le texte de l’explication", description.explanation, EXPLANATION_LENGTH),
+        ("question", "Le texte de la question", description.question, QUESTION_LENGTH),
     )
-    for place, what, text, most in bounds:
-        if not text and place != "question":
-            raise Invalid(EMPTY.format(what=what))
-        if len(text) > most:
-            raise Invalid(TOO_LONG.format(what=what, length=len(text), most=most))
-    return given
+    for field, label, text, limit in bounds:
+        if not text and field != "question":
+            raise Invalid(EMPTY.format(what=label))
+        if len(text) > limit:
+            raise Invalid(TOO_LONG.format(what=label, length=len(text), most=limit))
+    return description
 
 
 def _lines(text: str) -> str:
-    """Without what is no text: blank lines part paragraphs, whatever the browser's ends of lines."""
-    lines = ("".join(one for one in line if _is_text(one)).rstrip() for line in LINE_END.split(text))
+    """Normalise line ends, and drop control characters and trailing blanks."""
+    lines = ("".join(character for character in line if _is_text(character)).rstrip() for line in LINE_END.split(text))
     return "\n".join(lines).strip()
 
 
@@ -147,15 +151,15 @@ def _is_text(character: str) -> bool:
 
 
 def set_group_name(
-    db: Session, school_class: SchoolClass, group: BehaviourGroup, given: GroupDescription, by: UUID
+    db: Session, school_class: SchoolClass, group: BehaviourGroup, description: GroupDescription, by: UUID
 ) -> BehaviourName:
-    """All of the class in the group are told so from now on."""
-    name = repository.name(db, school_class.id, group.id)
+    """Show this description to all of the class in the group from now on."""
+    name = repository.find_name(db, school_class.id, group.id)
     before = None if name is None else _values(name)
     if name is None:
         name = BehaviourName(class_id=school_class.id, group_id=group.id)
         db.add(name)
-    name.title, name.explanation, name.question = given.title, given.explanation, given.question
+    name.title, name.explanation, name.question = description.title, description.explanation, description.question
     name.named_by, name.named_at = by, utc_now()
     after = _values(name)
     if before != after:
@@ -166,8 +170,8 @@ def set_group_name(
 
 
 def withdraw_group_name(db: Session, school_class: SchoolClass, group: BehaviourGroup, by: UUID) -> bool:
-    """Nobody is told so any more; False where there was no name."""
-    name = repository.name(db, school_class.id, group.id)
+    """Withdraw the name of a group in a class. Return False where there was none."""
+    name = repository.find_name(db, school_class.id, group.id)
     if name is None:
         return False
     audit.record_event(db, school_class.id, by, AuditAction.name_withdrawn, about=_about(group), before=_values(name))

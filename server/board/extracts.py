@@ -10,10 +10,10 @@ from functools import cache
 from pygments.lexer import Lexer
 from pygments.token import Comment, Name, String, _TokenType
 
-MOST_LINES = 16
-LONGEST_LINE = 100
-MOST_CHARACTERS = 8_000  # of a function, before anything is read in it
-SHORTEST_NAME = 3
+MAX_LINES = 16
+MAX_LINE_LENGTH = 100
+MAX_CHARACTERS = 8_000  # of a function, before anything is read in it
+MIN_NAME_LENGTH = 3
 TEXT, SOMEBODY, MORE = "'…'", "nom", "# …"
 WORD = re.compile(r"[^\W\d_]+")
 
@@ -26,7 +26,7 @@ def _lexer() -> Lexer:
     return PythonLexer(stripnl=False, ensurenl=False)
 
 
-def function_of(code: str, names: Collection[str]) -> str:
+def extract_function(code: str, names: Collection[str]) -> str:
     """The text of the first of these functions that is defined at the beginning of a line; empty where none is."""
     lines = code.split("\n")
     heads = tuple(f"{word} {name}" for name in names for word in ("def", "class"))
@@ -35,7 +35,7 @@ def function_of(code: str, names: Collection[str]) -> str:
         return ""
     body = lines[starts[0] + 1 :]
     ends = (place for place, line in enumerate(body) if line and not line[0].isspace() and line[0] not in ")]}#")
-    return "\n".join([lines[starts[0]], *body[: next(ends, len(body))]])[:MOST_CHARACTERS].rstrip()
+    return "\n".join([lines[starts[0]], *body[: next(ends, len(body))]])[:MAX_CHARACTERS].rstrip()
 
 
 def _ends(line: str, heads: Collection[str]) -> bool:
@@ -43,18 +43,18 @@ def _ends(line: str, heads: Collection[str]) -> bool:
     return any(line.startswith(head) and not line[len(head) :][:1].isidentifier() for head in heads)
 
 
-def words_of(people: Iterable[str]) -> frozenset[str]:
+def name_words(people: Iterable[str]) -> frozenset[str]:
     """Of which somebody's name is made: for `anonymous`."""
-    return frozenset(_plain(word) for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME)
+    return frozenset(_plain(word) for name in people for word in WORD.findall(name) if len(word) >= MIN_NAME_LENGTH)
 
 
-def anonymous(code: str, people: Collection[str]) -> str:
+def anonymise_extract(code: str, people: Collection[str]) -> str:
     """The same without comments, nor texts, nor words that are part of somebody's name; some lines at most."""
     text = "".join(_written(code, people))
     lines = [line.rstrip() for line in text.split("\n")]
     told = [line for line in lines if line and line.strip() != TEXT]
-    cut = [line if len(line) <= LONGEST_LINE else line[:LONGEST_LINE] + " …" for line in told[:MOST_LINES]]
-    return "\n".join([*cut, *([MORE] if len(told) > MOST_LINES else [])])
+    cut = [line if len(line) <= MAX_LINE_LENGTH else line[:MAX_LINE_LENGTH] + " …" for line in told[:MAX_LINES]]
+    return "\n".join([*cut, *([MORE] if len(told) > MAX_LINES else [])])
 
 
 def _written(code: str, known: Collection[str]) -> Iterator[str]:

@@ -29,16 +29,16 @@ from server.submissions.job_events import JobEvents
 log = logging.getLogger(__name__)
 
 MAX_STREAMS_PER_ACCOUNT = 8  # streams of one account
-LEAST_REST = 1.0  # seconds between two readings of a class
-SHARE = 10  # a class is read for a tenth of the time at most, however large it is
-AS_TIME_GOES = 30.0  # seconds: who is stuck changes by itself
+MIN_READ_INTERVAL = 1.0  # seconds between two readings of a class
+READ_TIME_DIVISOR = 10  # a class is read for a tenth of the time at most, however large it is
+MAX_READING_AGE = 30.0  # seconds: who is stuck changes by itself
 MAX_STREAM_SECONDS = 600.0  # seconds: then a browser comes back by itself, and shows again who it is
-SIGN_OF_LIFE = 15.0  # seconds
+HEARTBEAT_INTERVAL = 15.0  # seconds
 TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, ou actualisez la page à la main."
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class BoardReading:
     """A class as it was read; `done` when it is no more. The same as another that shows the same."""
 
     pulse: Sequence[object]
@@ -51,7 +51,7 @@ class Reading:
         return self.board is None
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Reading) and self.version == other.version
+        return isinstance(other, BoardReading) and self.version == other.version
 
     def __hash__(self) -> int:
         return hash(self.version)
@@ -62,11 +62,11 @@ class Reading:
 
 
 @dataclass(eq=False)
-class Channel:
+class WatchedClass:
     """A class that is watched: what its watchers are shown, what was read last, and who is to be woken."""
 
-    reading: Reading | None = None
-    last: Reading | None = None
+    reading: BoardReading | None = None
+    last: BoardReading | None = None
     ended: bool = False
     watchers: set[asyncio.Event] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
@@ -81,11 +81,11 @@ class LiveBoards:
 
     def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
         self._database, self._course, self._events = database, course, events
-        self._channels: dict[UUID, Channel] = {}
+        self._channels: dict[UUID, WatchedClass] = {}
         self._streams: Counter[UUID] = Counter()
         self.stays_open = MAX_STREAM_SECONDS
 
-    def require_room(self, account: UUID) -> None:
+    def require_free_stream(self, account: UUID) -> None:
         """Raises TooMany for an account that watches enough already."""
         if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
             raise RateLimited(TOO_MANY, retry_after=60)
@@ -107,7 +107,7 @@ class LiveBoards:
                 left = ends - time.monotonic()
                 if left <= 0 and reading is not None:
                     return
-                await _wait(woken, min(SIGN_OF_LIFE, max(left, LEAST_REST)))
+                await _wait(woken, min(HEARTBEAT_INTERVAL, max(left, MIN_READ_INTERVAL)))
 
     @contextmanager
     def _stream(self, account: UUID) -> Iterator[None]:
@@ -120,10 +120,10 @@ class LiveBoards:
                 del self._streams[account]
 
     @contextmanager
-    def _watch(self, class_id: UUID) -> Iterator[tuple[Channel, asyncio.Event]]:
+    def _watch(self, class_id: UUID) -> Iterator[tuple[WatchedClass, asyncio.Event]]:
         channel = self._channels.get(class_id)
         if channel is None:
-            channel = self._channels[class_id] = Channel()
+            channel = self._channels[class_id] = WatchedClass()
             channel.task = asyncio.create_task(self._keep_reading(class_id, channel))
         woken = asyncio.Event()
         channel.watchers.add(woken)
@@ -134,20 +134,20 @@ class LiveBoards:
             if not channel.watchers:
                 self._close(class_id, channel)
 
-    def _close(self, class_id: UUID, channel: Channel) -> None:
+    def _close(self, class_id: UUID, channel: WatchedClass) -> None:
         if self._channels.get(class_id) is channel:
             del self._channels[class_id]
         if channel.task is not None:
             channel.task.cancel()
 
-    async def _keep_reading(self, class_id: UUID, channel: Channel) -> None:
+    async def _keep_reading(self, class_id: UUID, channel: WatchedClass) -> None:
         """Until nobody watches any more, or the server stops. Whatever goes wrong ends the streams: browsers return."""
         try:
             read = partial(self._read, class_id, channel)
             async for reading in self._events.follow(f"class:{class_id}", read, watches_all_jobs=True):
                 channel.reading = reading
                 channel.wake()
-                await asyncio.sleep(max(LEAST_REST, SHARE * reading.took))
+                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * reading.took))
         except Exception:
             log.exception("class %s could not be read for those who watch it", class_id)
         finally:
@@ -156,17 +156,17 @@ class LiveBoards:
                 del self._channels[class_id]
             channel.wake()
 
-    def _read(self, class_id: UUID, channel: Channel) -> Reading:
+    def _read(self, class_id: UUID, channel: WatchedClass) -> BoardReading:
         """The same reading again where nothing of the class was graded meanwhile; in a thread."""
         last, began = channel.last, time.monotonic()
         with self._database.read() as db:
             pulse = repository.load_pulse(db, class_id)
-            if last is not None and last.pulse == pulse and began - last.read_at < AS_TIME_GOES:
+            if last is not None and last.pulse == pulse and began - last.read_at < MAX_READING_AGE:
                 return last
             school_class = classes.find_class(db, class_id)
             shown = None if school_class is None else load_board(db, self._course, school_class, utc_now())
         ended = time.monotonic()
-        channel.last = Reading(pulse, shown, ended, ended - began)
+        channel.last = BoardReading(pulse, shown, ended, ended - began)
         return channel.last
 
 

@@ -166,7 +166,7 @@ def _unexplained_failures(
     return (*groups, *single)
 
 
-def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
+def may_watch_board(db: Session, account_id: UUID, class_id: UUID) -> bool:
     """Whether an account may (still) see the board of a class."""
     account = db.get(Account, account_id)
     return account is not None and rights.has_right(db, account, Right.read_work, class_id)

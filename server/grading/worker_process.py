@@ -112,7 +112,7 @@ def _run(
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)
-        threading.Thread(target=sweeper.keep_looking, args=(_stopping.requested,), name="sweeper", daemon=True).start()
+        threading.Thread(target=sweeper.run_until, args=(_stopping.requested,), name="sweeper", daemon=True).start()
         try:
             keep_working(
                 Worker(database, queue, settings, tasks, capabilities=_able(settings, course), graceful_stop=_stopping)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-FULL = 20.0
+FULL_POINTS = 20.0
 ROUNDING_NOISE = 1e-9
 
 
@@ -29,9 +29,9 @@ def median(values: Sequence[float]) -> float | None:
 
 def round_points(points: float) -> float:
     """Round to the nearest hundredth, halves up. Less than full points is never rounded to full."""
-    if points >= FULL - ROUNDING_NOISE:
-        return FULL
-    return min(math.floor(points * 100 + 0.5 + ROUNDING_NOISE) / 100, FULL - 0.01)
+    if points >= FULL_POINTS - ROUNDING_NOISE:
+        return FULL_POINTS
+    return min(math.floor(points * 100 + 0.5 + ROUNDING_NOISE) / 100, FULL_POINTS - 0.01)
 
 
 def format_number(value: float, decimal_sign: str = ",") -> str:

@@ -23,7 +23,7 @@ from server.gradebook.service import load_withholding_times
 from server.identity.models import Account
 from server.marks import repository
 from server.marks.loading import load_gradebook, load_unassigned_mark
-from server.marks.means import FULL
+from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
 from server.marks.schemas import EffectivePoints, ExerciseMark, OwnMarks, StudentExercise
 
@@ -45,7 +45,7 @@ def load_effective_points(
     The automatic points are those of the best attempt. Pairs with neither attempt nor override are left out.
     """
     totals_by_pair = standings.load_standings(db, students, exercises)
-    points = {pair: EffectivePoints(FULL * totals.best_score) for pair, totals in totals_by_pair.items()}
+    points = {pair: EffectivePoints(FULL_POINTS * totals.best_score) for pair, totals in totals_by_pair.items()}
     for pair, override in repository.load_overrides(db, class_id, students, exercises).items():
         points[pair] = EffectivePoints(points[pair].automatic if pair in points else None, override)
     return points
@@ -61,7 +61,7 @@ def parse_points(text: str) -> float:
 
 
 def _check_points(points: float) -> float:
-    if not (math.isfinite(points) and 0 <= points <= FULL):
+    if not (math.isfinite(points) and 0 <= points <= FULL_POINTS):
         raise Invalid(OUT_OF_RANGE)
     return points + 0.0  # turns a negative zero into a zero
 

@@ -94,8 +94,8 @@ def test_a_sweep_puts_one_job_at_a_time_behind_every_grading(database: Database,
     for _ in range(3):
         sent(database, ada, SUM)
     sweeper = FingerprintSweeper(database, QUIET, the_course())
-    sweeper.look()
-    sweeper.look()
+    sweeper.sweep()
+    sweeper.sweep()
     with database.write() as db:
         assert db.execute(select(func.count()).select_from(Job)).scalar_one() == 1
         waiting = Submissions(both, QUIET).submit(db, ada, EXERCISE, "x = 1", address=ADDRESS)
@@ -111,16 +111,16 @@ def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
 ) -> None:
     now = [utc_now()]
     sweeper = FingerprintSweeper(database, QUIET, the_course(), clock=lambda: now[0])
-    sweeper.look()
+    sweeper.sweep()
     late = new_account(database, name="Late")
     sent(database, late, SUM)
     now[0] += timedelta(minutes=30)
-    sweeper.look()
+    sweeper.sweep()
     seat(database, made, late)  # and what was sent before belongs to the class
-    sweeper.look()
+    sweeper.sweep()
     assert not asking_worker(database, both).run_one()
     now[0] += timedelta(minutes=31)
-    sweeper.look()
+    sweeper.sweep()
     assert asking_worker(database, both).run_one()
 
 
@@ -134,7 +134,7 @@ def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
         return LOCAL
 
     sent(database, ada, SUM)
-    FingerprintSweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).sweep()
     worker = asking_worker(database, both, start=forgetting)
     assert [worker.run_one(), worker.run_one()] == [True, False]
     assert fingerprints(database) == 0
@@ -144,7 +144,7 @@ def test_an_exercise_that_changed_meanwhile_is_not_asked_with_other_questions(
     database: Database, ada: Account, both: Settings
 ) -> None:
     sent(database, ada, SUM)
-    FingerprintSweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).sweep()
     course, exercise = the_course(), the_course().exercises[EXERCISE]
     changed = replace(exercise, version="another")
     module = course.modules["l20"]

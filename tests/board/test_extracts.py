@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.board.extracts import MORE, MOST_LINES, anonymous, function_of, words_of
+from server.board.extracts import MAX_LINES, MORE, anonymise_extract, extract_function, name_words
 
 CODE = '''"""Devoir d'Évariste Galois."""
 import numpy as np
@@ -30,21 +30,21 @@ class Reste:
 
 
 def test_a_function_is_found_whole_and_alone() -> None:
-    found = function_of(CODE, ["composer"])
+    found = extract_function(CODE, ["composer"])
     assert found.startswith("def composer(\n")
     assert found.endswith("return galois_evariste")
-    assert function_of(CODE, ["relatif", "Reste"]) == "class Reste:\n    pass"
-    assert function_of(CODE, ["compose"]) == ""
-    assert function_of("", ["composer"]) == ""
+    assert extract_function(CODE, ["relatif", "Reste"]) == "class Reste:\n    pass"
+    assert extract_function(CODE, ["compose"]) == ""
+    assert extract_function("", ["composer"]) == ""
 
 
 def test_comments_texts_and_names_are_left_out() -> None:
-    told = anonymous(function_of(CODE, ["composer"]), words_of(["Évariste Galois", "Li Wu"]))
+    told = anonymise_extract(extract_function(CODE, ["composer"]), name_words(["Évariste Galois", "Li Wu"]))
     assert "nom_nom = a + b" in told
     assert "return nom_nom" in told
     for word in ("Galois", "variste", "par", "#", '"'):
         assert word.casefold() not in told.casefold()
-    assert anonymous("def f(li):\n    return li", words_of(["Li Wu"])) == "def f(li):\n    return li", (
+    assert anonymise_extract("def f(li):\n    return li", name_words(["Li Wu"])) == "def f(li):\n    return li", (
         "a name of two letters is a word"
     )
 
@@ -53,8 +53,10 @@ def test_comments_texts_and_names_are_left_out() -> None:
     "code", ["(" * 50_000, "'" * 50_001, "\x00def f(:", 'f"{' * 20_000, "-" * 60_000 + "1", "é" * 9000]
 )
 def test_whatever_was_sent_is_read_within_bounds(code: str) -> None:
-    told = anonymous(function_of(f"def composer(a, b):\n    {code}\n", ["composer"]), words_of(["Ada Lovelace"]))
+    told = anonymise_extract(
+        extract_function(f"def composer(a, b):\n    {code}\n", ["composer"]), name_words(["Ada Lovelace"])
+    )
     assert len(told) < 250
-    long = anonymous("def f(x):\n" + "    x = x + 1\n" * 500, words_of([]))
+    long = anonymise_extract("def f(x):\n" + "    x = x + 1\n" * 500, name_words([]))
     assert long.endswith(MORE)
-    assert long.count("\n") == MOST_LINES
+    assert long.count("\n") == MAX_LINES

@@ -42,7 +42,7 @@ class Watched:
     def may(self, account: Account) -> Callable[[], bool]:
         def allowed() -> bool:
             with self.database.read() as db:
-                return service.may_watch(db, account.id, self.made.id)
+                return service.may_watch_board(db, account.id, self.made.id)
 
         return allowed
 
@@ -57,8 +57,8 @@ class Watched:
 
 @pytest.fixture
 def watched(sqlite: Database, course: Course, monkeypatch: pytest.MonkeyPatch) -> Watched:
-    monkeypatch.setattr(live, "LEAST_REST", 0.01)
-    monkeypatch.setattr(live, "SHARE", 0)
+    monkeypatch.setattr(live, "MIN_READ_INTERVAL", 0.01)
+    monkeypatch.setattr(live, "READ_TIME_DIVISOR", 0)
     return Watched(sqlite, course)
 
 
@@ -157,13 +157,13 @@ def test_an_account_has_some_streams_only(watched: Watched) -> None:
     async def scene() -> None:
         opened = [streams(watched.teacher.id) for _ in range(MAX_STREAMS_PER_ACCOUNT)]
         for one in opened:
-            watched.boards.require_room(watched.teacher.id)
+            watched.boards.require_free_stream(watched.teacher.id)
             one.__enter__()
         with pytest.raises(RateLimited):
-            watched.boards.require_room(watched.teacher.id)
-        watched.boards.require_room(uuid4())
+            watched.boards.require_free_stream(watched.teacher.id)
+        watched.boards.require_free_stream(uuid4())
         opened[0].__exit__(None, None, None)
-        watched.boards.require_room(watched.teacher.id)
+        watched.boards.require_free_stream(watched.teacher.id)
 
     in_a_loop(scene())
 

@@ -9,7 +9,7 @@ from statistics import median as statistics_median
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.marks.means import FULL, format_points, mean, median, round_points, weighted_mean
+from server.marks.means import FULL_POINTS, format_points, mean, median, round_points, weighted_mean
 
 points = st.floats(0, 20)
 weights = st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.0])
@@ -36,7 +36,7 @@ def test_the_median_and_the_mean(values: list[float]) -> None:
 @given(points)
 def test_rounding_moves_by_half_a_hundredth_and_makes_nothing_full(value: float) -> None:
     assert abs(round_points(value) - value) <= 0.01
-    assert (round_points(value) == FULL) == (value >= FULL - 1e-9)
+    assert (round_points(value) == FULL_POINTS) == (value >= FULL_POINTS - 1e-9)
     assert float(format_points(value).replace(",", ".")) == round_points(value)
     assert "." not in format_points(value)
 

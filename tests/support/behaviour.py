@@ -76,7 +76,7 @@ def asking_worker(
 def ask_all(database: Database, settings: Settings, start: StartProgram = lambda *_: LOCAL) -> int:
     """Has every attempt asked that may be, for one look at what there is; how many jobs that took."""
     worker, steps = asking_worker(database, settings, start=start), 0
-    FingerprintSweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).sweep()
     while worker.run_one():
         steps += 1
     return steps

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from server.base.errors import NotFound
 from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
-from server.board.extracts import anonymous, function_of, words_of
+from server.board.extracts import anonymise_extract, extract_function, name_words
 from server.board.progress import ClassProgress
 from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, ImprovementStats, MisconceptionStats
 from server.course import Course, Exercise
@@ -85,7 +85,7 @@ def _extracts(
     if exercise.answers is not None:
         return ()
     functions = known.functions or tuple(function.name for function in exercise.functions)
-    people = words_of(student.name for student in progress.students)
+    people = name_words(student.name for student in progress.students)
     rows = repository.load_sources(db, progress.scope, exercise.id, misconception, MAX_SOURCES)
     by_student = {row[0]: row[1] for row in reversed(rows)}
     texts = {_extract(source, functions, people) for source in by_student.values()} - {""}
@@ -94,4 +94,4 @@ def _extracts(
 
 def _extract(source: bytes, functions: Sequence[str], people: Collection[str]) -> str:
     code = source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-    return anonymous(function_of(code, functions), people)
+    return anonymise_extract(extract_function(code, functions), people)

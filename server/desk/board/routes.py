@@ -63,7 +63,7 @@ async def events(
 ) -> StreamingResponse:  # fmt: skip
     """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
-    boards.require_room(account.id)
+    boards.require_free_stream(account.id)
     allowed = partial(_may_watch, database, account, place)
     view = OpenBoard(course, href_of(place.school_class), last_event_id or version, bool(erreurs))
     stream = _event_stream(boards.follow(place.school_class.id, account.id, allowed), view)
@@ -77,7 +77,7 @@ def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
 
 def _may_watch(database: Database, account: Account, place: ClassAccess) -> bool:
     with database.read() as db:
-        return service.may_watch(db, account.id, place.school_class.id)
+        return service.may_watch_board(db, account.id, place.school_class.id)
 
 
 async def _event_stream(boards: AsyncIterator[Board | None], view: OpenBoard) -> AsyncIterator[str]:
