@@ -54,7 +54,7 @@ from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
 from server.routers import ROUTERS
-from server.steps.service import Steps
+from server.steps.service import StepService
 from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
@@ -127,8 +127,8 @@ class Services:
         return Cells(self.settings, self.course.kits, walls=self.walls)
 
     @cached_property
-    def steps(self) -> Steps:
-        return Steps(self.course, self.database, self.settings, self.cells.ask)
+    def steps(self) -> StepService:
+        return StepService(self.course, self.database, self.settings, self.cells.ask)
 
     @cached_property
     def boards(self) -> LiveBoards:

@@ -57,7 +57,7 @@ def _run(sandbox: Sandbox, question: dict[str, str]) -> bytes:
 
 
 def _followed(sandbox: Sandbox, asked: bytes) -> bytes:
-    from server.steps.questions import Question
-    from server.steps.run import answer  # with the graders, which who only runs cells need not wait for
+    from server.steps.questions import TraceQuestion
+    from server.steps.run import answer_question  # with the graders, which who only runs cells need not wait for
 
-    return answer(sandbox, Question.model_validate_json(asked)).model_dump_json().encode()
+    return answer_question(sandbox, TraceQuestion.model_validate_json(asked)).model_dump_json().encode()

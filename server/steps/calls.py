@@ -1,4 +1,4 @@
-"""A call as somebody types it, « predire2d((0, 0, 0), 1, np.pi / 2) », read without running anything."""
+"""Parses a call as a student types it, « predire2d((0, 0, 0), 1, np.pi / 2) », without executing anything."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from server.sandbox import Value
 from server.sandbox.child.codec import ValueLimits, ValueTooBig, encode
 from server.text.plain import visible
 
-#: Values that are written of an array, a list, a dictionary.
-SHOWN = 16
-#: What goes to the sandbox: more is refused here, where it can be said.
+#: Maximum number of items written of an array, a list or a dictionary.
+MAX_ITEMS_WRITTEN = 16
+#: Bounds of arguments sent to the sandbox, checked here so that the refusal can explain itself.
 _SENDABLE = ValueLimits(size=1 << 26, depth=32, items=1 << 20)
-#: Characters of a call, parts of it, items of an array made by its shape, digits of a number.
-LONGEST, PARTS, ITEMS, DIGITS = 4000, 2000, 10_000, 300
+#: Bounds of a call: characters, syntax nodes, items of an array created by shape, digits of a number.
+MAX_CHARACTERS, MAX_NODES, MAX_ARRAY_ITEMS, MAX_DIGITS = 4000, 2000, 10_000, 300
 
 Number: TypeAlias = "bool | int | float | complex"
 _NUMBERS = (bool, int, float, complex)
@@ -35,64 +35,68 @@ _SUMS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-_FILLED: Mapping[str, Callable[..., Any]] = {"zeros": np.zeros, "ones": np.ones, "eye": np.eye}
+_ARRAY_FACTORIES: Mapping[str, Callable[..., Any]] = {"zeros": np.zeros, "ones": np.ones, "eye": np.eye}
 _HOW = "Écrivez-le comme dans Python, valeurs comprises : par exemple « composer((1, 2, 0), (1, 0, pi / 2)) »."
 
 
 @dataclass(frozen=True)
-class Call:
-    """What is called with what."""
+class TypedCall:
+    """A parsed call: function, positional and keyword arguments."""
 
     function: str
     arguments: tuple[Value, ...]
     named: Mapping[str, Value]
 
 
-def read(typed: str) -> Call:
-    """Raises Invalid, with what is not understood."""
-    if len(typed) > LONGEST:
-        raise Invalid(f"Cet appel est trop long : {LONGEST} caractères au plus.")
-    call = _parsed(typed.strip())
+def parse_call(typed: str) -> TypedCall:
+    """Parse a call. Raises Invalid, with the part that is not understood."""
+    if len(typed) > MAX_CHARACTERS:
+        raise Invalid(f"Cet appel est trop long : {MAX_CHARACTERS} caractères au plus.")
+    call = _parse_expression(typed.strip())
     if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
         raise Invalid(f"Ce n’est pas l’appel d’une fonction de votre programme. {_HOW}")
-    if sum(1 for _ in ast.walk(call)) > PARTS:
+    if sum(1 for _ in ast.walk(call)) > MAX_NODES:
         raise Invalid("Cet appel a trop de valeurs pour être suivi pas à pas.")
     try:
         named: dict[str, Value] = {}
-        for one in call.keywords:
-            if (name := _name(one)) in named:
+        for keyword in call.keywords:
+            if (name := _keyword_name(keyword)) in named:
                 raise Invalid(f"L’argument {name} est donné deux fois.")
-            named[name] = _value(one.value)
-        read = Call(call.func.id, tuple(map(_value, call.args)), named)
+            named[name] = _evaluate_literal(keyword.value)
+        read = TypedCall(call.func.id, tuple(map(_evaluate_literal, call.args)), named)
         encode((read.arguments, named), _SENDABLE)
     except (RecursionError, ValueTooBig) as error:
         raise Invalid("Cet appel est imbriqué trop profondément pour être suivi pas à pas.") from error
     return read
 
 
-def written(call: Call) -> str:
-    """The call in words of ours, its large values by their shapes."""
-    named = (f"{name}={_written(value)}" for name, value in call.named.items())
-    return f"{call.function}({', '.join([*map(_written, call.arguments), *named])})"
+def format_call(call: TypedCall) -> str:
+    """Write the call as text, large values by their shapes."""
+    named = (f"{name}={_format_value(value)}" for name, value in call.named.items())
+    return f"{call.function}({', '.join([*map(_format_value, call.arguments), *named])})"
 
 
-def _written(value: Value) -> str:
+def _format_value(value: Value) -> str:
     if isinstance(value, np.ndarray):
         shape = " × ".join(map(str, value.shape))
-        return f"np.array({_written(value.tolist())})" if value.size <= SHOWN else f"[tableau {shape}]"
+        return f"np.array({_format_value(value.tolist())})" if value.size <= MAX_ITEMS_WRITTEN else f"[tableau {shape}]"
     if isinstance(value, tuple | list):
-        items = ", ".join(map(_written, value[:SHOWN]))
+        items = ", ".join(map(_format_value, value[:MAX_ITEMS_WRITTEN]))
         items = (
-            f"{items}, …" if len(value) > SHOWN else f"{items}," if type(value) is tuple and len(value) == 1 else items
+            f"{items}, …"
+            if len(value) > MAX_ITEMS_WRITTEN
+            else f"{items},"
+            if type(value) is tuple and len(value) == 1
+            else items
         )
         return f"({items})" if isinstance(value, tuple) else f"[{items}]"
     if isinstance(value, dict):
-        pairs = ", ".join(f"{key!r}: {_written(one)}" for key, one in [*value.items()][:SHOWN])
-        return f"{{{pairs}{', …' * (len(value) > SHOWN)}}}"
+        pairs = ", ".join(f"{key!r}: {_format_value(item)}" for key, item in [*value.items()][:MAX_ITEMS_WRITTEN])
+        return f"{{{pairs}{', …' * (len(value) > MAX_ITEMS_WRITTEN)}}}"
     return visible(repr(value))
 
 
-def _parsed(typed: str) -> ast.expr:
+def _parse_expression(typed: str) -> ast.expr:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of what is typed, a warning concerns nobody
@@ -101,127 +105,133 @@ def _parsed(typed: str) -> ast.expr:
         raise Invalid(f"Python ne comprend pas cet appel. {_HOW}") from error
 
 
-def _name(keyword: ast.keyword) -> str:
+def _keyword_name(keyword: ast.keyword) -> str:
     if keyword.arg is None:
         raise Invalid("« ** » n’a pas de sens ici : écrivez chaque argument.")
     return keyword.arg
 
 
-def _value(node: ast.expr) -> Value:
-    """The value of a literal, or of a little more than that."""
+def _evaluate_literal(node: ast.expr) -> Value:
+    """Evaluate a literal, simple arithmetic, a constant or an array constructor."""
     value: Value
     match node:
         case ast.Constant():
-            value = _constant(node)
+            value = _evaluate_constant(node)
         case ast.List(items):
-            value = [_value(item) for item in items]
+            value = [_evaluate_literal(item) for item in items]
         case ast.Tuple(items):
-            value = tuple(map(_value, items))
+            value = tuple(map(_evaluate_literal, items))
         case ast.Dict(keys, items):
-            value = {_key(key): _value(item) for key, item in zip(keys, items, strict=True)}
+            value = {_dict_key(key): _evaluate_literal(item) for key, item in zip(keys, items, strict=True)}
         case ast.UnaryOp() | ast.BinOp():
-            value = _computed(node)
+            value = _evaluate_arithmetic(node)
         case ast.Name() | ast.Attribute():
-            value = _named(node)
+            value = _evaluate_name(node)
         case ast.Call():
-            value = _array(node)
+            value = _evaluate_array(node)
         case _:
-            raise _unknown(node)
+            raise _not_understood(node)
     return value
 
 
-def _constant(node: ast.Constant) -> Value:
+def _evaluate_constant(node: ast.Constant) -> Value:
     value = node.value
     if isinstance(value, str) or value is None:
         return value
     if not isinstance(value, _NUMBERS):
-        raise _unknown(node)
-    return _bounded(value)
+        raise _not_understood(node)
+    return _check_digits(value)
 
 
-def _key(node: ast.expr | None) -> str:
+def _dict_key(node: ast.expr | None) -> str:
     if not (isinstance(node, ast.Constant) and isinstance(node.value, str)):
         raise Invalid('Les clés d’un dictionnaire sont des textes : { "a": 1 }.')
     return node.value
 
 
-def _computed(node: ast.UnaryOp | ast.BinOp) -> Value:
-    """Simple arithmetic of numbers."""
+def _evaluate_arithmetic(node: ast.UnaryOp | ast.BinOp) -> Value:
+    """Evaluate simple arithmetic of numbers."""
     try:
         if isinstance(node, ast.UnaryOp) and type(node.op) in _SIGNS:
-            return _bounded(_SIGNS[type(node.op)](_number(node.operand)))
+            return _check_digits(_SIGNS[type(node.op)](_evaluate_number(node.operand)))
         if isinstance(node, ast.BinOp) and type(node.op) in _SUMS:
-            return _bounded(_SUMS[type(node.op)](_number(node.left), _number(node.right)))
+            return _check_digits(_SUMS[type(node.op)](_evaluate_number(node.left), _evaluate_number(node.right)))
     except (ArithmeticError, ValueError) as error:
-        raise Invalid(f"Ce calcul est impossible : « {_text(node)} ».") from error
-    raise _unknown(node)
+        raise Invalid(f"Ce calcul est impossible : « {_source_excerpt(node)} ».") from error
+    raise _not_understood(node)
 
 
-def _number(node: ast.expr) -> Number:
-    value = _value(node)
+def _evaluate_number(node: ast.expr) -> Number:
+    value = _evaluate_literal(node)
     if not isinstance(value, _NUMBERS):
-        raise Invalid(f"On ne calcule ici qu’avec des nombres : « {_text(node)} » n’en est pas un.")
+        raise Invalid(f"On ne calcule ici qu’avec des nombres : « {_source_excerpt(node)} » n’en est pas un.")
     return value
 
 
-def _bounded(value: Number) -> Number:
-    if isinstance(value, int) and abs(value) >= 10**DIGITS:
-        raise Invalid(f"Un nombre de plus de {DIGITS} chiffres ne se suit pas pas à pas.")
+def _check_digits(value: Number) -> Number:
+    if isinstance(value, int) and abs(value) >= 10**MAX_DIGITS:
+        raise Invalid(f"Un nombre de plus de {MAX_DIGITS} chiffres ne se suit pas pas à pas.")
     return value
 
 
-def _named(node: ast.Name | ast.Attribute) -> float:
-    """pi, np.pi, math.inf…"""
+def _evaluate_name(node: ast.Name | ast.Attribute) -> float:
+    """Evaluate pi, np.pi, math.inf…"""
     if isinstance(node, ast.Attribute):
         module = node.value
-        known = isinstance(module, ast.Name) and module.id in _MODULES
-        name = node.attr if known else ""
+        is_known = isinstance(module, ast.Name) and module.id in _MODULES
+        name = node.attr if is_known else ""
     else:
         name = node.id if node.id != "e" else ""
     if name not in _NAMES:
-        raise Invalid(f"« {_text(node)} » n’est pas connu ici : écrivez sa valeur.")
+        raise Invalid(f"« {_source_excerpt(node)} » n’est pas connu ici : écrivez sa valeur.")
     return _NAMES[name]
 
 
-def _array(node: ast.Call) -> Value:
-    """np.array([…]), np.zeros(3), np.ones((2, 3)), np.eye(2)."""
-    made = node.func
-    if not (isinstance(made, ast.Attribute) and isinstance(made.value, ast.Name) and made.value.id in _MODULES):
-        raise _unknown(node)
+def _evaluate_array(node: ast.Call) -> Value:
+    """Evaluate np.array([…]), np.zeros(3), np.ones((2, 3)), np.eye(2)."""
+    constructor = node.func
+    if not (
+        isinstance(constructor, ast.Attribute)
+        and isinstance(constructor.value, ast.Name)
+        and constructor.value.id in _MODULES
+    ):
+        raise _not_understood(node)
     if len(node.args) != 1 or node.keywords:
-        raise Invalid(f"Un seul argument est compris ici : « {_text(node)} ».")
-    given = _value(node.args[0])
-    if made.attr in ("array", "asarray"):
-        return _numbers(given, node)
-    if made.attr in _FILLED and _is_shape(given, flat=made.attr == "eye"):
-        filled: Value = _FILLED[made.attr](given)
+        raise Invalid(f"Un seul argument est compris ici : « {_source_excerpt(node)} ».")
+    argument = _evaluate_literal(node.args[0])
+    if constructor.attr in ("array", "asarray"):
+        return _numeric_array(argument, node)
+    if constructor.attr in _ARRAY_FACTORIES and _is_shape(argument, flat=constructor.attr == "eye"):
+        filled: Value = _ARRAY_FACTORIES[constructor.attr](argument)
         return filled
-    raise _unknown(node)
+    raise _not_understood(node)
 
 
-def _numbers(given: Value, node: ast.expr) -> Value:
+def _numeric_array(argument: Value, node: ast.expr) -> Value:
     try:
-        array = np.array(given)
+        array = np.array(argument)
     except (ValueError, OverflowError) as error:
-        raise Invalid(f"Les lignes de ce tableau n’ont pas toutes la même longueur : « {_text(node)} ».") from error
+        raise Invalid(
+            f"Les lignes de ce tableau n’ont pas toutes la même longueur : « {_source_excerpt(node)} »."
+        ) from error
     if array.dtype.kind not in "biufc":
-        raise Invalid(f"Un tableau ne tient ici que des nombres : « {_text(node)} ».")
+        raise Invalid(f"Un tableau ne tient ici que des nombres : « {_source_excerpt(node)} ».")
     return array
 
 
-def _is_shape(given: Value, *, flat: bool) -> bool:
-    sides = given if isinstance(given, tuple | list) and not flat else (given,)
-    if not all(type(side) is int and 0 <= side <= ITEMS for side in sides) or len(sides) > 4:
+def _is_shape(argument: Value, *, flat: bool) -> bool:
+    sides = argument if isinstance(argument, tuple | list) and not flat else (argument,)
+    if not all(type(side) is int and 0 <= side <= MAX_ARRAY_ITEMS for side in sides) or len(sides) > 4:
         return False
     items = math.prod(side for side in sides if type(side) is int)
-    return (items * items if flat else items) <= ITEMS
+    return (items * items if flat else items) <= MAX_ARRAY_ITEMS
 
 
-def _unknown(node: ast.AST) -> Invalid:
-    return Invalid(f"Ceci n’est pas compris dans un appel : « {_text(node)} ». {_HOW}")
+def _not_understood(node: ast.AST) -> Invalid:
+    return Invalid(f"Ceci n’est pas compris dans un appel : « {_source_excerpt(node)} ». {_HOW}")
 
 
-def _text(node: ast.AST) -> str:
-    """The beginning of what was typed there."""
+def _source_excerpt(node: ast.AST) -> str:
+    """Return the beginning of the typed expression."""
     text = ast.unparse(node)
     return text if len(text) <= 60 else f"{text[:59]}…"

@@ -1,4 +1,4 @@
-"""Which line of a program a named misconception speaks of: the one at which undoing it makes the check pass."""
+"""Locates the line of a named misconception: the line at which undoing the mistake makes the check pass."""
 
 from __future__ import annotations
 
@@ -14,51 +14,56 @@ from graders.core.contract.program import Foreseen, KitSettings, Program, Progra
 from graders.typography import french
 from server.steps.schemas import MarkOut
 
-#: Repaired programs that are tried, those after one that passes, and the seconds that they may take.
-MOST, DOUBTS, LONGEST = 60, 12, 1.0
+#: Maximum number of repairs tried, of those tried after a first success, and seconds for all of them.
+MAX_REPAIRS, MAX_FURTHER_REPAIRS, MAX_SECONDS = 60, 12, 1.0
 
 
-def of(
+def locate_mistake(
     definition: CodeDefinition, mistakes: Sequence[str], source: bytes, check_id: str, programs: Programs, *, seed: int
 ) -> MarkOut | None:
-    """None where nothing is named, where no change of the program undoes the mistake, and where several lines do."""
-    known = next((one for one in definition.misconceptions if one.id in mistakes), None)
-    if known is None or definition.prober is None:
+    """Return the line to mark; None where nothing is named, no repair undoes the mistake, or several lines do."""
+    named = next((mistake for mistake in definition.misconceptions if mistake.id in mistakes), None)
+    if named is None or definition.prober is None:
         return None
     try:
         text = source.decode()
     except UnicodeDecodeError:
         return None
-    until = time.monotonic() + LONGEST
+    deadline = time.monotonic() + MAX_SECONDS
 
     def spent() -> bool:
-        return time.monotonic() > until
+        return time.monotonic() > deadline
 
-    found = repairs(definition.prober.model, known.id, known.functions, text, spent)
-    hurried = itertools.takewhile(lambda _: not spent(), itertools.islice(found, MOST))
-    lines = _that_undo_it(definition, text, hurried, check_id, _Until(programs, spent), seed)
-    return MarkOut(line=lines.pop()[0], words=french(known.title)) if len(lines) == 1 else None
+    candidates = repairs(definition.prober.model, named.id, named.functions, text, spent)
+    within_time = itertools.takewhile(lambda _: not spent(), itertools.islice(candidates, MAX_REPAIRS))
+    lines = _lines_that_repair(definition, text, within_time, check_id, _ProgramsUntil(programs, spent), seed)
+    return MarkOut(line=lines.pop()[0], words=french(named.title)) if len(lines) == 1 else None
 
 
 @dataclass(frozen=True)
-class _Until:
-    """Programs of which none starts any more once one's patience is spent: a check may start dozens."""
+class _ProgramsUntil:
+    """Starts no program once the time is spent: a check may start dozens."""
 
     programs: Programs
-    spent: Callable[[], bool]
+    is_expired: Callable[[], bool]
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
-        if self.spent():
+        if self.is_expired():
             raise StudentFault(Outcome.TIMEOUT, "", fatal=True)
         return self.programs.open(source, kit, ahead)
 
 
-def _that_undo_it(
-    definition: CodeDefinition, text: str, found: Iterable[Repair], check_id: str, programs: _Until, seed: int
+def _lines_that_repair(
+    definition: CodeDefinition,
+    text: str,
+    candidates: Iterable[Repair],
+    check_id: str,
+    programs: _ProgramsUntil,
+    seed: int,
 ) -> set[tuple[int, ...]]:
-    """The lines at which the program is changed, and by no change too many, so that it passes the check.
+    """Return the lines of minimal repairs with which the program passes the check.
 
-    None where it passes as it is. Once there are some, a few others are tried, which would make it a doubt.
+    Empty where it passes as it is. After the first success, a few more repairs are tried, to find ambiguities.
     """
     grader = definition.bind(sorted(definition.judged))
     checks = [check for check in grader.checks if check.id == check_id]
@@ -68,12 +73,12 @@ def _that_undo_it(
     def passes(text: str) -> bool:
         return grader.first_failed(text.encode(), programs, seed=seed, checks=checks) is None
 
-    for place, repair in enumerate(found):
-        if (place == 0 and passes(text)) or after > DOUBTS:
+    for index, repair in enumerate(candidates):
+        if (index == 0 and passes(text)) or after > MAX_FURTHER_REPAIRS:
             break
         after += bool(lines)
         if repair.lines in lines or not passes(repair.text) or any(map(passes, repair.parts)):
             continue
-        if not (repair.parts and programs.spent()):  # what could not be tried has not failed
+        if not (repair.parts and programs.is_expired()):  # parts that could not be tried have not failed
             lines.add(repair.lines)
     return lines

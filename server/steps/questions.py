@@ -1,4 +1,4 @@
-"""What the service asks the process that follows programs, as JSON on the line between them."""
+"""Requests of the service to the tracing process, as JSON on the pipe between them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from server.sandbox import LibraryFile, Policy
 
 Bytes = Annotated[
     bytes,
-    BeforeValidator(lambda told: base64.b64decode(told) if isinstance(told, str) else told),
+    BeforeValidator(lambda data: base64.b64decode(data) if isinstance(data, str) else data),
     PlainSerializer(lambda data: base64.b64encode(data).decode(), return_type=str),
 ]
 
@@ -21,8 +21,8 @@ class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Earlier(_Frozen):
-    """A file of which the program may import functions (`server.sandbox.Shelf`)."""
+class LibraryFileData(_Frozen):
+    """A file from which the program may import functions (`server.sandbox.LibraryFile`)."""
 
     label: str
     functions: tuple[str, ...]
@@ -30,41 +30,41 @@ class Earlier(_Frozen):
     compiled: bool
 
     @classmethod
-    def of(cls, shelf: LibraryFile) -> Earlier:
-        return cls(label=shelf.label, functions=shelf.functions, source=shelf.source, compiled=shelf.compiled)
+    def from_file(cls, file: LibraryFile) -> LibraryFileData:
+        return cls(label=file.label, functions=file.functions, source=file.source, compiled=file.compiled)
 
-    def shelf(self) -> LibraryFile:
+    def to_file(self) -> LibraryFile:
         return LibraryFile(self.label, self.functions, self.source, self.compiled)
 
 
-class AskedCell(_Frozen):
-    """A cell of a module."""
+class CellTraceRequest(_Frozen):
+    """A request to trace a cell of a module."""
 
     kind: Literal["cell"] = "cell"
     module: str
     code: str
 
 
-class AskedCall(_Frozen):
-    """One's own call of a program of an exercise, as it was typed."""
+class CallTraceRequest(_Frozen):
+    """A request to trace a call that the student typed, on a program of an exercise."""
 
     kind: Literal["call"] = "call"
     exercise: str
     source: Bytes
-    library: tuple[Earlier, ...]
+    library: tuple[LibraryFileData, ...]
     call: str
 
 
-class AskedReplay(_Frozen):
-    """The case that a failed check shows: what its verdict says of its inputs, and by which seed they were drawn.
+class ReplayTraceRequest(_Frozen):
+    """A request to replay the case of a failed check: its inputs as the verdict shows them, and their seed.
 
-    `policy` is what the exercise's programs may use; `mistakes` are the ids of what was named.
+    `policy` is the exercise's; `mistakes` are the ids of the named misconceptions.
     """
 
     kind: Literal["replay"] = "replay"
     exercise: str
     source: Bytes
-    library: tuple[Earlier, ...]
+    library: tuple[LibraryFileData, ...]
     check: str
     inputs: dict[str, Any]
     seed: int
@@ -81,10 +81,10 @@ class AskedReplay(_Frozen):
         return [(name, value, defaults[name]) for name, value in self.limits.items()]
 
 
-Asked = Annotated[AskedCell | AskedCall | AskedReplay, Field(discriminator="kind")]
+TraceRequest = Annotated[CellTraceRequest | CallTraceRequest | ReplayTraceRequest, Field(discriminator="kind")]
 
 
-class Question(_Frozen):
-    """One question of the line."""
+class TraceQuestion(_Frozen):
+    """The envelope of a request on the pipe."""
 
-    steps: Asked
+    steps: TraceRequest

@@ -1,4 +1,4 @@
-"""Which failed checks show one call, which can be made again: asked before it is offered, by all that offers it."""
+"""Decides whether the counterexample of a failed check is a single call that can be replayed."""
 
 from __future__ import annotations
 
@@ -11,37 +11,37 @@ from graders.core.compare.words import MORE
 from graders.core.contract.verdict import CheckResult
 from server.course import Exercise
 
-#: The numbers that JSON tells as text.
+#: Numbers that JSON holds as text.
 SPECIAL = frozenset({"nan", "inf", "-inf"})
 _PARAMETERS = re.compile(r"\((.*)\)\s*$", re.DOTALL)
 
 
 def can_replay(exercise: Exercise, check: CheckResult) -> bool:
-    """Whether what a check of a verdict shows is one call of a function, with its arguments whole.
+    """Whether the counterexample of a check is one call of a function, with complete arguments.
 
-    So it is where the check says so, or where what it gives are arguments of the one function that it judges. A check
-    of several functions does not say which of them it called, but for one of arguments that must stay as they are.
+    That holds where the check says so, or where its inputs are the arguments of the one function that it judges. A
+    check of several functions does not say which one it called, except for checks of unmodified arguments.
     """
-    shown, grader = check.counterexample, exercise.grader
-    if exercise.kind != "code" or check.passed or shown is None or not isinstance(grader, CodeGrader):
+    counterexample, grader = check.counterexample, exercise.grader
+    if exercise.kind != "code" or check.passed or counterexample is None or not isinstance(grader, CodeGrader):
         return False
-    found = next((one for one in grader.checks if one.id == check.id), None)
-    if found is None or not _is_whole(shown.inputs):
+    graded = next((candidate for candidate in grader.checks if candidate.id == check.id), None)
+    if graded is None or not _is_whole(counterexample.inputs):
         return False
-    if len(found.functions) > 1 and not isinstance(found, Untouched):
+    if len(graded.functions) > 1 and not isinstance(graded, Untouched):
         return False
-    if not found.tells_call and any(map(_is_described, shown.inputs.values())):
+    if not graded.tells_call and any(map(_is_described, counterexample.inputs.values())):
         return False
-    names = set(shown.inputs)
-    parameters = [_parameters(exercise, function) for function in found.functions]
-    if found.tells_call:
-        return any(names & known for known, _ in parameters)
-    return any(names and required <= names <= known for known, required in parameters)
+    names = set(counterexample.inputs)
+    parameters = [_parameters(exercise, function) for function in graded.functions]
+    if graded.tells_call:
+        return any(names & accepted for accepted, _ in parameters)
+    return any(names and required <= names <= accepted for accepted, required in parameters)
 
 
 def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
-    """The names of the arguments of a function that is asked for, and of those that must be given."""
-    signature = next((one.signature for one in exercise.functions if one.name == function), "")
+    """Return the names of all parameters of a requested function, and of the required ones."""
+    signature = next((wanted.signature for wanted in exercise.functions if wanted.name == function), "")
     inside = _PARAMETERS.search(signature)
     parts = inside[1].split(",") if inside else []
     names = {part.split("=")[0].split(":")[0].strip(" *"): "=" not in part for part in parts}
@@ -49,11 +49,11 @@ def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
 
 
 def _is_described(value: object) -> bool:
-    """Whether words stand for the value (« 40 scans »), and not the value itself."""
+    """Whether the value is a description (« 40 scans ») instead of the value itself."""
     return isinstance(value, str) and value not in SPECIAL
 
 
 def _is_whole(inputs: dict[str, object]) -> bool:
-    """Whether nothing was left out of them (see `graders.core.compare.words.to_jsonable`)."""
+    """Whether no value was shortened (see `graders.core.compare.words.to_jsonable`)."""
     written = json.dumps(inputs, ensure_ascii=False)
     return f'"{MORE}"' not in written and '"premiers"' not in written and f'{MORE}"' not in written

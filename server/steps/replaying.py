@@ -1,7 +1,7 @@
-"""The call that a failed check shows, found again: the check is run once more, and what it asks is noted.
+"""Finds the call of a failed check again: runs the check once more and records its calls.
 
-A check draws its inputs from the seed of its grading: run again on the same program, it comes to the same case. What a
-verdict holds of that case is for people to read; the call is made of the very values.
+A check draws its inputs from the seed of its grading: run again on the same program, it reaches the same case. A
+verdict holds a readable form of that case; the replay needs the exact values.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, 
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
-#: Seconds that looking for the call may take.
-LONGEST = 8.0
-#: Calls of which the answers are remembered.
-REMEMBERED = 500
-_NOT_ASKED = "La recherche de ce cas a pris trop de temps."
+#: Seconds for finding the call.
+MAX_SECONDS = 8.0
+#: Number of last calls whose answers are remembered.
+MAX_REMEMBERED_CALLS = 500
+_TIMED_OUT = "La recherche de ce cas a pris trop de temps."
 
 
 @dataclass(frozen=True)
-class Case:
-    """A call, the kit under which it was made, and what came back of it; None for a fault."""
+class ReplayCase:
+    """A call, its kit settings, and its reply; None for a fault."""
 
     function: str
     arguments: Arguments
@@ -42,7 +42,7 @@ class Case:
     reply: Reply | None
 
 
-def find(
+def find_case(
     definition: CodeDefinition,
     check_id: str,
     inputs: Mapping[str, Any],
@@ -50,129 +50,137 @@ def find(
     programs: Programs,
     *,
     seed: int,
-) -> Case | None:
-    """The call whose arguments a verdict shows as `inputs`; None where the check does not come to it any more."""
-    check = next((one for one in definition.checks if one.id == check_id), None)
+) -> ReplayCase | None:
+    """Find the call whose arguments a verdict shows as `inputs`; None where the check no longer makes it."""
+    check = next((candidate for candidate in definition.checks if candidate.id == check_id), None)
     if check is None:
         return None
     kit = definition.kit(stream(seed, "kit"))
-    noted = _Noted(programs, inputs)
-    runner = Runner(noted, source, kit)
+    recorder = _RecordingPrograms(programs, inputs)
+    runner = Runner(recorder, source, kit)
     try:
-        _run(check, Bench(check.id, runner, stream(seed, check.id), kit), noted)
+        _run_check(check, Bench(check.id, runner, stream(seed, check.id), kit), recorder)
     except StudentFault:
         pass
     finally:
         runner.close()
-    return noted.case
+    return recorder.case
 
 
-def _run(check: Check, bench: Bench, noted: _Noted) -> None:
+def _run_check(check: Check, bench: Bench, recorder: _RecordingPrograms) -> None:
     try:
         run_alone(check.run, bench)
     except Rejection as rejection:
-        if rejection.call is not None and _same(rejection.inputs or {}, noted.inputs):
-            noted.settle(*rejection.call)
+        if rejection.call is not None and _shows_same_inputs(rejection.inputs or {}, recorder.inputs):
+            recorder.set_case(*rejection.call)
 
 
-def _same(inputs: Mapping[str, Value], told: Mapping[str, Any]) -> bool:
-    return {name: to_jsonable(value) for name, value in inputs.items()} == told
+def _shows_same_inputs(inputs: Mapping[str, Value], shown: Mapping[str, Any]) -> bool:
+    return {name: to_jsonable(value) for name, value in inputs.items()} == shown
 
 
 @dataclass(frozen=True)
-class _Answered:
+class _AnsweredCall:
     function: str
     arguments: Arguments
     reply: Reply | None
 
     def is_of(self, function: str, arguments: Arguments) -> bool:
-        """Whether it is the call of these very objects."""
+        """Whether it is the call with these very objects."""
         pairs = zip(self.arguments, arguments, strict=False)
         return (self.function, len(self.arguments)) == (function, len(arguments)) and all(a is b for a, b in pairs)
 
 
-class _Noted:
-    """Programs of which each call is compared with what a verdict shows; the last that is the same is `case`."""
+class _RecordingPrograms:
+    """Starts programs that compare each call with the inputs of a verdict; `case` is the last equal call."""
 
     def __init__(self, programs: Programs, inputs: Mapping[str, Any]) -> None:
         self.inputs = dict(inputs)
-        self.case: Case | None = None
+        self.case: ReplayCase | None = None
         self._programs = programs
-        self._sought = sorted(map(_key, inputs.values()))
-        self._until = time.monotonic() + LONGEST
+        self._sought = sorted(map(_sort_key, inputs.values()))
+        self._until = time.monotonic() + MAX_SECONDS
         self._kit: KitSettings | None = None
-        self.last: deque[_Answered] = deque(maxlen=REMEMBERED)
+        self.answered_calls: deque[_AnsweredCall] = deque(maxlen=MAX_REMEMBERED_CALLS)
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
-        self.must_last()
-        return _NotedProgram(self._programs.open(source, kit, ahead), kit, self)
+        self.require_time()
+        return _RecordingProgram(self._programs.open(source, kit, ahead), kit, self)
 
-    def must_last(self) -> None:
-        """Raises StudentFault, which ends the check, once it takes too long."""
+    def require_time(self) -> None:
+        """Raise StudentFault, which ends the check, once it takes too long."""
         if time.monotonic() > self._until:
-            raise StudentFault(Outcome.TIMEOUT, _NOT_ASKED, fatal=True)
+            raise StudentFault(Outcome.TIMEOUT, _TIMED_OUT, fatal=True)
 
-    def note(self, function: str, arguments: Arguments, kit: KitSettings) -> Case | None:
-        """The call as a case, where it is the one that is sought; arguments are kept as they were before it."""
+    def match_call(self, function: str, arguments: Arguments, kit: KitSettings) -> ReplayCase | None:
+        """Return the call as a case if it is the one sought, with a copy of its arguments."""
         self._kit = kit
-        if len(arguments) != len(self._sought) or sorted(_key(to_jsonable(one)) for one in arguments) != self._sought:
+        if (
+            len(arguments) != len(self._sought)
+            or sorted(_sort_key(to_jsonable(value)) for value in arguments) != self._sought
+        ):
             return None
-        return Case(function, copy.deepcopy(arguments), kit, None)
+        return ReplayCase(function, copy.deepcopy(arguments), kit, None)
 
-    def settle(self, function: str, arguments: Arguments) -> None:
-        """The check itself has told the call."""
-        assert self._kit is not None, "what is rejected was called"
-        answers = (call.reply for call in reversed(self.last) if call.is_of(function, arguments))
-        self.case = Case(function, arguments, self._kit, next(answers, None))
+    def set_case(self, function: str, arguments: Arguments) -> None:
+        """Record the call that the check itself reports."""
+        assert self._kit is not None, "a rejected call was made"
+        answers = (call.reply for call in reversed(self.answered_calls) if call.is_of(function, arguments))
+        self.case = ReplayCase(function, arguments, self._kit, next(answers, None))
 
 
-class _NotedProgram:
-    def __init__(self, program: Program, kit: KitSettings, noted: _Noted) -> None:
-        self._program, self._kit, self._noted = program, kit, noted
+class _RecordingProgram:
+    def __init__(self, program: Program, kit: KitSettings, recorder: _RecordingPrograms) -> None:
+        self._program, self._kit, self._recorder = program, kit, recorder
 
     @property
     def functions(self) -> frozenset[str]:
         return self._program.functions
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
-        self._noted.must_last()
-        case = self._noted.note(function, args, self._kit)
-        self._noted.case = case or self._noted.case
+        self._recorder.require_time()
+        case = self._recorder.match_call(function, args, self._kit)
+        self._recorder.case = case or self._recorder.case
         reply = self._program.call(function, *args, return_arguments=return_arguments)
-        self._noted.last.append(_Answered(function, args, reply))
+        self._recorder.answered_calls.append(_AnsweredCall(function, args, reply))
         if case is not None:
-            self._noted.case = Case(case.function, case.arguments, case.kit, reply)
+            self._recorder.case = ReplayCase(case.function, case.arguments, case.kit, reply)
         return reply
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
-        asked: deque[tuple[Arguments, Case | None]] = deque()
+        pending: deque[tuple[Arguments, ReplayCase | None]] = deque()
 
-        def noted() -> Iterator[Arguments]:
+        def recorded() -> Iterator[Arguments]:
             for arguments in calls:
-                asked.append((arguments, self._noted.note(function, arguments, self._kit)))
+                pending.append((arguments, self._recorder.match_call(function, arguments, self._kit)))
                 yield arguments
 
-        for answer in self._program.call_many(function, noted(), faults=faults):
-            self._answered(function, asked, answer)
+        for answer in self._program.call_many(function, recorded(), faults=faults):
+            self._record_answer(function, pending, answer)
             yield answer
 
     def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        noted = [deque((args, self._noted.note(one.function, args, self._kit)) for args in one.calls) for one in asked]
+        pending = [
+            deque((args, self._recorder.match_call(batch.function, args, self._kit)) for args in batch.calls)
+            for batch in asked
+        ]
         for number, answers in self._program.together(asked):
             for answer in answers:
-                self._answered(asked[number].function, noted[number], answer)
+                self._record_answer(asked[number].function, pending[number], answer)
             yield number, answers
 
-    def _answered(self, function: str, asked: deque[tuple[Arguments, Case | None]], answer: Answer) -> None:
-        """The answer to the first of these."""
-        self._noted.must_last()
-        if not asked:
+    def _record_answer(
+        self, function: str, pending: deque[tuple[Arguments, ReplayCase | None]], answer: Answer
+    ) -> None:
+        """Record the answer to the first pending call."""
+        self._recorder.require_time()
+        if not pending:
             return
-        arguments, case = asked.popleft()
+        arguments, case = pending.popleft()
         reply = answer if isinstance(answer, Reply) else None
-        self._noted.last.append(_Answered(function, arguments, reply))
+        self._recorder.answered_calls.append(_AnsweredCall(function, arguments, reply))
         if case is not None:
-            self._noted.case = Case(case.function, case.arguments, case.kit, reply)
+            self._recorder.case = ReplayCase(case.function, case.arguments, case.kit, reply)
 
     def stdout(self) -> str:
         return self._program.stdout()
@@ -181,5 +189,5 @@ class _NotedProgram:
         self._program.close()
 
 
-def _key(value: Any) -> str:
+def _sort_key(value: Any) -> str:
     return json.dumps(value, sort_keys=True)

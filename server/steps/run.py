@@ -1,4 +1,4 @@
-"""Following one program: in the sandbox, with the kit that it is graded with, to what the page shows."""
+"""Traces one program in the sandbox, with the kit of its grading, and builds the trace that the page shows."""
 
 from __future__ import annotations
 
@@ -16,18 +16,24 @@ from graders.core.contract.values import Arguments, same_value
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import FaultKind, Kit, Policy, ProgramFault, Sandbox, TraceResult, Value
 from server.steps import calls, marks, replaying, trace_messages, values
-from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question
+from server.steps.questions import (
+    CallTraceRequest,
+    CellTraceRequest,
+    LibraryFileData,
+    ReplayTraceRequest,
+    TraceQuestion,
+    TraceRequest,
+)
 from server.steps.schemas import EndOut, MarkOut, TraceOut
-from server.steps.trace_reader import VALUE, Told
-from server.steps.values import Malformed
+from server.steps.trace_reader import MAX_VALUE_BYTES, TraceReader
+from server.steps.values import MalformedTrace
 from server.text.plain import visible
 
 KIB, MIB = 1 << 10, 1 << 20
 FILENAME, CELL = "solution.py", "cellule.py"
-#: Of one's own calls: the same each time that they are made. A cell's is that of its run.
+#: Seed of typed calls and of cells, so that each run gives the same trace.
 SEED = 20
-#: What a program that is followed may use. Its answer is one step: of these, and of all of them, the tracer has bounds
-#: of its own, below.
+#: Limits of a traced program. An answer is one step; the tracer has lower bounds of its own.
 POLICY = Policy(
     cpu_seconds=4.0,
     wall_seconds=5.0,
@@ -42,8 +48,8 @@ POLICY = Policy(
 
 
 @dataclass(frozen=True)
-class _Program:
-    """A source, the call of it (None: its top level), what it finds, and what is said of the whole."""
+class _TracedProgram:
+    """A source, the call to trace (None: its top level), its kit, and the call as text."""
 
     source: bytes
     filename: str
@@ -55,74 +61,77 @@ class _Program:
     drawing: bool = False
 
 
-def answer(sandbox: Sandbox, question: Question) -> TraceOut:
-    """Raises SandboxFault, or whatever a grader raises, when the fault is ours."""
+def answer_question(sandbox: Sandbox, question: TraceQuestion) -> TraceOut:
+    """Trace the requested program. Raises SandboxFault, or any exception of a grader, when the fault is ours."""
     start = time.monotonic()
-    trace = _answered(sandbox, question.steps)
+    trace = _dispatch(sandbox, question.steps)
     return trace.model_copy(update={"milliseconds": round(1000 * (time.monotonic() - start))})
 
 
-def _answered(sandbox: Sandbox, asked: Asked) -> TraceOut:
-    match asked:
-        case AskedCell():
-            return _cell(sandbox, asked)
-        case AskedCall():
-            return _call(sandbox, asked)
-        case AskedReplay():
-            return _replay(sandbox, asked)
+def _dispatch(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
+    match request:
+        case CellTraceRequest():
+            return _trace_cell(sandbox, request)
+        case CallTraceRequest():
+            return _trace_call(sandbox, request)
+        case ReplayTraceRequest():
+            return _trace_replay(sandbox, request)
 
 
-def _cell(sandbox: Sandbox, asked: AskedCell) -> TraceOut:
-    kit = Kit(asked.module, {"seed": SEED})
-    return _traced(sandbox, _Program(asked.code.encode(), CELL, None, (), {}, kit, drawing=True))
+def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
+    kit = Kit(request.module, {"seed": SEED})
+    return _trace_program(sandbox, _TracedProgram(request.code.encode(), CELL, None, (), {}, kit, drawing=True))
 
 
-def _call(sandbox: Sandbox, asked: AskedCall) -> TraceOut:
-    call = calls.read(asked.call)
-    kit = _kit(_definition(asked.exercise).kit(stream(SEED, "kit")), asked.library)
-    return _traced(
-        sandbox, _Program(asked.source, FILENAME, call.function, call.arguments, call.named, kit, calls.written(call))
+def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
+    call = calls.parse_call(request.call)
+    kit = _make_kit(_find_definition(request.exercise).kit(stream(SEED, "kit")), request.library)
+    return _trace_program(
+        sandbox,
+        _TracedProgram(
+            request.source, FILENAME, call.function, call.arguments, call.named, kit, calls.format_call(call)
+        ),
     )
 
 
-def _replay(sandbox: Sandbox, asked: AskedReplay) -> TraceOut:
-    definition = _definition(asked.exercise)
-    hurried = replace(
-        asked.policy,
-        cpu_seconds=min(asked.policy.cpu_seconds, replaying.LONGEST),
-        wall_seconds=min(asked.policy.wall_seconds, replaying.LONGEST),
+def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
+    definition = _find_definition(request.exercise)
+    tight = replace(
+        request.policy,
+        cpu_seconds=min(request.policy.cpu_seconds, replaying.MAX_SECONDS),
+        wall_seconds=min(request.policy.wall_seconds, replaying.MAX_SECONDS),
     )
-    library = [one.shelf() for one in asked.library]
-    programs = SandboxPrograms(sandbox, hurried, library)
-    case = replaying.find(definition, asked.check, asked.inputs, asked.source, programs, seed=asked.seed)
+    library = [file.to_file() for file in request.library]
+    programs = SandboxPrograms(sandbox, tight, library)
+    case = replaying.find_case(definition, request.check, request.inputs, request.source, programs, seed=request.seed)
     if case is None:
-        return _untraced(
-            asked.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.NOT_THE_SAME), cut=True
+        return _empty_trace(
+            request.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, trace_messages.NOT_THE_SAME), cut=True
         )
-    call = calls.Call(case.function, case.arguments, {})
-    kit = _kit(case.kit, asked.library)
-    program = _Program(asked.source, FILENAME, case.function, case.arguments, {}, kit, calls.written(call))
-    brief = replace(hurried, cpu_seconds=marks.LONGEST, wall_seconds=marks.LONGEST)
-    tried = SandboxPrograms(sandbox, brief, library)
-    mark = marks.of(definition, asked.mistakes, asked.source, asked.check, tried, seed=asked.seed)
-    return _traced(sandbox, program, before=case.reply, mark=mark)
+    call = calls.TypedCall(case.function, case.arguments, {})
+    kit = _make_kit(case.kit, request.library)
+    program = _TracedProgram(request.source, FILENAME, case.function, case.arguments, {}, kit, calls.format_call(call))
+    brief = replace(tight, cpu_seconds=marks.MAX_SECONDS, wall_seconds=marks.MAX_SECONDS)
+    repairs = SandboxPrograms(sandbox, brief, library)
+    mark = marks.locate_mistake(definition, request.mistakes, request.source, request.check, repairs, seed=request.seed)
+    return _trace_program(sandbox, program, before=case.reply, mark=mark)
 
 
-def _definition(exercise: str) -> CodeDefinition:
+def _find_definition(exercise: str) -> CodeDefinition:
     definition = discovery.find(exercise)
-    assert isinstance(definition, CodeDefinition), "only exercises of code are asked about"
+    assert isinstance(definition, CodeDefinition), "only exercises of code are request about"
     return definition
 
 
-def _kit(settings: KitSettings, library: tuple[Earlier, ...]) -> Kit:
-    return Kit(settings.module, dict(settings.parameters), settings.without, tuple(one.shelf() for one in library))
+def _make_kit(settings: KitSettings, library: tuple[LibraryFileData, ...]) -> Kit:
+    return Kit(settings.module, dict(settings.parameters), settings.without, tuple(file.to_file() for file in library))
 
 
-def _traced(
-    sandbox: Sandbox, program: _Program, *, before: Reply | None = None, mark: MarkOut | None = None
+def _trace_program(
+    sandbox: Sandbox, program: _TracedProgram, *, before: Reply | None = None, mark: MarkOut | None = None
 ) -> TraceOut:
-    """`before` is what the same call has returned among the others."""
-    waits = program.function is None
+    """Trace a program; `before` is the reply of the same call during the grading."""
+    is_top_level = program.function is None
     try:
         session = sandbox.open(
             program.source,
@@ -130,66 +139,66 @@ def _traced(
             policy=POLICY,
             filename=program.filename,
             drawing=program.drawing,
-            echo_last=waits,
-            deferred=waits,
+            echo_last=is_top_level,
+            deferred=is_top_level,
         )
     except ProgramFault as unloaded:
-        trace = _untraced(program.source, program.filename, unloaded)
+        trace = _empty_trace(program.source, program.filename, unloaded)
         return trace.model_copy(update={"call": program.call, "stdout": visible(unloaded.stdout)})
     with session:
-        followed = session.trace(program.function, *program.arguments, named=program.named)
-    told = Told(len(_lines(program.source)))
-    end, reply = understood(told, followed, waits=waits)
-    left_out = trace_messages.left_out(told.left, truncated=session.stdout_truncated)
+        result = session.trace(program.function, *program.arguments, named=program.named)
+    reader = TraceReader(len(_split_lines(program.source)))
+    end, reply = read_trace(reader, result, is_top_level=is_top_level)
+    omissions = trace_messages.omission_messages(reader.omissions, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
-        left_out.append(trace_messages.ANSWERED_OTHERWISE)
+        omissions.append(trace_messages.ANSWERED_OTHERWISE)
     return TraceOut(
-        lines=_lines(program.source),
+        lines=_split_lines(program.source),
         filename=program.filename,
         call=program.call,
-        frames=told.frames,
-        steps=told.steps,
+        frames=reader.frames,
+        steps=reader.steps,
         end=end,
-        left_out=left_out,
+        left_out=omissions,
         stdout=visible(session.stdout()),
         mark=mark,
         milliseconds=0,
     )
 
 
-def understood(told: Told, followed: TraceResult, *, waits: bool) -> tuple[EndOut, tuple[Value, ...]]:
-    """Reads the steps; how it ended, and what came back where it could be sent."""
-    fault = followed.fault
+def read_trace(reader: TraceReader, result: TraceResult, *, is_top_level: bool) -> tuple[EndOut, tuple[Value, ...]]:
+    """Read the steps; return the end, and the returned value in a tuple where it could be sent."""
+    fault = result.fault
     try:
-        told.read(followed.steps)
+        reader.read(result.steps)
         if fault is None:
-            return _returned(followed.value, waits=waits)
-    except Malformed:
+            return _read_returned(result.value, is_top_level=is_top_level)
+    except MalformedTrace:
         fault = ProgramFault(FaultKind.INVALID_OUTPUT, trace_messages.FORGED)
-    if fault.kind == FaultKind.TIMEOUT and trace_messages.given_up(told.left):
+    if fault.kind == FaultKind.TIMEOUT and trace_messages.was_tracing_stopped(reader.omissions):
         return EndOut(kind="cut", title=trace_messages.CUT, message=trace_messages.NOT_ENDED), ()
-    return _faulty(fault), ()
+    return _fault_end(fault), ()
 
 
-def _returned(answer: Value, *, waits: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def _read_returned(answer: Value, *, is_top_level: bool) -> tuple[EndOut, tuple[Value, ...]]:
     match answer:
         case (described, tuple() as reply) if len(reply) < 2:
-            value = values.read(described)
-            if len(value.model_dump_json().encode()) <= VALUE:
-                return EndOut(kind="returned", value=None if waits else value), reply
-    raise Malformed("no answer of a tracer")
+            value = values.read_value(described)
+            if len(value.model_dump_json().encode()) <= MAX_VALUE_BYTES:
+                return EndOut(kind="returned", value=None if is_top_level else value), reply
+    raise MalformedTrace("no answer of a tracer")
 
 
-def _faulty(fault: ProgramFault) -> EndOut:
+def _fault_end(fault: ProgramFault) -> EndOut:
     title = Outcome(fault.kind.value).wording().title
     return EndOut(kind="fault", title=title, message=fault.message, line=fault.line)
 
 
-def _untraced(source: bytes, filename: str, fault: ProgramFault, *, cut: bool = False) -> TraceOut:
-    """Nothing was followed, and why."""
-    end = EndOut(kind="cut", title=trace_messages.NOT_FOUND, message=fault.message) if cut else _faulty(fault)
+def _empty_trace(source: bytes, filename: str, fault: ProgramFault, *, cut: bool = False) -> TraceOut:
+    """Return a trace without steps that says why."""
+    end = EndOut(kind="cut", title=trace_messages.NOT_FOUND, message=fault.message) if cut else _fault_end(fault)
     return TraceOut(
-        lines=_lines(source),
+        lines=_split_lines(source),
         filename=filename,
         call="",
         frames=[],
@@ -202,6 +211,6 @@ def _untraced(source: bytes, filename: str, fault: ProgramFault, *, cut: bool = 
     )
 
 
-def _lines(source: bytes) -> list[str]:
-    """As the interpreter counts them."""
+def _split_lines(source: bytes) -> list[str]:
+    """Split into lines as the interpreter counts them."""
     return [visible(line) for line in re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))]

@@ -1,4 +1,4 @@
-"""What a page asks to see step by step, and the trace that it gets."""
+"""Request bodies and traces of the step-by-step view."""
 
 from __future__ import annotations
 
@@ -11,30 +11,30 @@ class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class NewCall(_Frozen):
-    """One's own call: the text in the editor, and the call as it would be typed (« predire2d((0, 0, 0), 1, 0.5) »)."""
+class CallBody(_Frozen):
+    """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »)."""
 
     code: str
     call: str = Field(max_length=4000)
 
 
-class NewReplay(_Frozen):
+class ReplayBody(_Frozen):
     """The failed check of an attempt whose counterexample is to be replayed."""
 
     check: str = Field(max_length=200)
 
 
-class NewCell(_Frozen):
+class CellBody(_Frozen):
     """A lesson's cell as the reader has changed it."""
 
     code: str
 
 
-class NothingOut(_Frozen):
+class NoneValueOut(_Frozen):
     kind: Literal["none"] = "none"
 
 
-class TruthOut(_Frozen):
+class BoolValueOut(_Frozen):
     kind: Literal["bool"] = "bool"
     value: bool
 
@@ -56,9 +56,9 @@ class TextOut(_Frozen):
 
 
 class SequenceOut(_Frozen):
-    """`type`: list, tuple, set, frozenset, deque, range…; the first of its `length` items.
+    """A sequence with the first of its `length` items; `type`: list, tuple, set, frozenset, deque, range…
 
-    Of `alias`, here and below: the same number is the same object, all along the trace; None where there is but one.
+    `alias`, here and below, identifies the object along the whole trace; None for immutable ones.
     """
 
     kind: Literal["sequence"] = "sequence"
@@ -97,15 +97,15 @@ class OtherOut(_Frozen):
 
 
 Value = Annotated[
-    NothingOut | TruthOut | NumberOut | TextOut | SequenceOut | MappingOut | ArrayOut | OtherOut,
+    NoneValueOut | BoolValueOut | NumberOut | TextOut | SequenceOut | MappingOut | ArrayOut | OtherOut,
     Field(discriminator="kind"),
 ]
 
 
 class ChangeOut(_Frozen):
-    """A variable of the frame that has another value than at its step before.
+    """A variable of the frame whose value has changed since the frame's previous step.
 
-    `entries`: of an array of the same shape, the flat indices of what differs.
+    `entries`: flat indices of the changed items of an array of the same shape.
     """
 
     name: str
@@ -115,7 +115,7 @@ class ChangeOut(_Frozen):
 
 
 class FrameOut(_Frozen):
-    """A call that was entered: `line` is that of its `def`, `parent` the index of who called it, `depth` from 0."""
+    """A call that was entered: `line` of its `def`, `parent` index of the calling frame, `depth` from 0."""
 
     function: str
     line: int
@@ -124,9 +124,9 @@ class FrameOut(_Frozen):
 
 
 class StepOut(_Frozen):
-    """The state before `line` is executed (event « line »); what comes back or is raised, after it.
+    """The state before `line` is executed (event « line »); for « return » and « exception », after it.
 
-    `changes` and `gone` (names that are no more) are of the locals of the frame; `words` tell an exception.
+    `changes` and `gone` (deleted names) concern the frame's locals; `words` describe an exception.
     """
 
     event: Literal["call", "line", "return", "exception"]
@@ -139,7 +139,7 @@ class StepOut(_Frozen):
 
 
 class EndOut(_Frozen):
-    """How it ended: « returned », with a value where there is one; « fault »; « cut » where nobody knows."""
+    """The end of a trace: « returned », with a value if there is one; « fault »; « cut » where it is unknown."""
 
     kind: Literal["returned", "fault", "cut"]
     value: Value | None = None
@@ -149,14 +149,14 @@ class EndOut(_Frozen):
 
 
 class MarkOut(_Frozen):
-    """The line that the named misconception speaks of, and what it says."""
+    """The line of the named misconception, and its title."""
 
     line: int
     words: str
 
 
 class TraceOut(_Frozen):
-    """A program followed line by line; `call` is "" for a cell, `left_out` says what is not there."""
+    """The trace of a program; `call` is "" for a cell, `left_out` lists the omissions in French."""
 
     lines: list[str]
     filename: str

@@ -1,4 +1,4 @@
-"""Following a program: whose, with what, how often; it is followed by the process that runs cells."""
+"""Traces programs for the pages: checks rights and rate limits, then asks the process that runs cells."""
 
 from __future__ import annotations
 
@@ -21,9 +21,16 @@ from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.limits import service as limits
 from server.steps import calls
-from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question
+from server.steps.questions import (
+    CallTraceRequest,
+    CellTraceRequest,
+    LibraryFileData,
+    ReplayTraceRequest,
+    TraceQuestion,
+    TraceRequest,
+)
 from server.steps.replayable import can_replay
-from server.steps.schemas import NewCall, NewCell, NewReplay
+from server.steps.schemas import CallBody, CellBody, ReplayBody
 from server.submissions.service import UNKNOWN_SUBMISSION
 
 TOO_FAST = "Vous avez suivi beaucoup de programmes en peu de temps : le prochain est possible dans {seconds} s."
@@ -33,64 +40,73 @@ NO_REPLAY = "Ce cas ne peut pas être rejoué."
 IN_TEST = "Pas de pas à pas pendant le contrôle « {title} » : il revient avec ses résultats."
 
 
-class Follow(Protocol):
-    """Has a question asked, in its turn (see `server.cells.supervisor`)."""
+class TraceProgram(Protocol):
+    """Sends a question to the tracing process, in its turn (see `server.cells.supervisor`)."""
 
     def __call__(self, question: bytes, *, reader: str, address: str) -> Awaitable[bytes]: ...
 
 
 @dataclass(frozen=True)
-class Steps:
-    """Each gives what the page gets, as JSON text. They raise TooMany, Crowded or Failed, beside what they say."""
+class StepService:
+    """Traces as JSON text for the page. Every method may also raise TooMany, Crowded or Failed."""
 
     course: Course
     database: Database
     settings: Settings
-    follow: Follow
+    trace_program: TraceProgram
 
-    async def of_cell(self, account: Account, module: str, new: NewCell, address: str) -> bytes:
-        """A lesson's cell. Raises NotFound, Invalid or TooLarge."""
+    async def trace_cell(self, account: Account, module: str, new: CellBody, address: str) -> bytes:
+        """Trace a lesson's cell. Raises NotFound, Invalid or TooLarge."""
         if module not in self.course.modules:
             raise NotFound(NO_MODULE)
-        source = encode_bounded(_plain(new.code), self.settings.code_bytes)
-        return await self._asked(account, address, lambda _: AskedCell(module=module, code=source.decode()))
+        source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
+        return await self._trace_with_token(
+            account, address, lambda _: CellTraceRequest(module=module, code=source.decode())
+        )
 
-    async def of_call(self, account: Account, exercise_id: str, new: NewCall, address: str) -> bytes:
-        """One's own call of what is in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
+    async def trace_call(self, account: Account, exercise_id: str, new: CallBody, address: str) -> bytes:
+        """Trace a typed call of the code in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
         exercise = self._exercise(exercise_id)
-        source = encode_bounded(_plain(new.code), self.settings.code_bytes)
-        calls.read(new.call)
+        source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
+        calls.parse_call(new.call)
 
-        def asked(db: Session) -> Asked:
-            if held := feedback.load_holds(db, account.id, exercise.id).tests:
-                raise WrongMoment(IN_TEST.format(title=held[0].title))
-            sittings.require_no_tested_imports(db, account.id, source, self._reused(exercise.id))
+        def build(db: Session) -> TraceRequest:
+            if tests := feedback.load_holds(db, account.id, exercise.id).tests:
+                raise WrongMoment(IN_TEST.format(title=tests[0].title))
+            sittings.require_no_tested_imports(db, account.id, source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
-            return AskedCall(
+            return CallTraceRequest(
                 exercise=exercise.id, source=source, library=self._library(exercise.id, own), call=new.call
             )
 
-        return await self._asked(account, address, asked)
+        return await self._trace_with_token(account, address, build)
 
-    async def of_check(self, account: Account | None, submission_id: str, new: NewReplay, address: str) -> bytes:
-        """The case that a failed check of an attempt shows. Raises NotFound for an attempt that is not theirs to see,
-        Invalid for what cannot be replayed, and for what a test holds back. NotNow as `sittings.require_no_help`."""
+    async def trace_check(self, account: Account | None, submission_id: str, new: ReplayBody, address: str) -> bytes:
+        """Trace the case of a failed check of an attempt.
+
+        Raises NotFound for an attempt that the account may not see, Invalid for a case that cannot be replayed or is
+        held back by a test, NotNow as `sittings.require_no_help`.
+        """
         if account is None:
             raise NotFound(UNKNOWN_SUBMISSION)
 
-        def asked(db: Session) -> Asked:
+        def build(db: Session) -> TraceRequest:
             attempt = gradebook.find_attempt(db, account, submission_id)
-            sent, verdict = attempt.submission, attempt.verdict
-            check = next((one for one in verdict.checks if one.id == new.check), None) if verdict else None
-            exercise = self.course.exercises.get(sent.exercise)
+            submission, verdict = attempt.submission, attempt.verdict
+            check = (
+                next((candidate for candidate in verdict.checks if candidate.id == new.check), None)
+                if verdict
+                else None
+            )
+            exercise = self.course.exercises.get(submission.exercise)
             if verdict is None or check is None or exercise is None or not can_replay(exercise, check):
                 raise Invalid(NO_REPLAY)
             assert check.counterexample is not None
-            sittings.require_no_tested_imports(db, account.id, sent.source, self._reused(exercise.id))
-            own = importable_files.load_importable_files(db, self.course, sent)
-            return AskedReplay(
+            sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
+            own = importable_files.load_importable_files(db, self.course, submission)
+            return ReplayTraceRequest(
                 exercise=exercise.id,
-                source=sent.source,
+                source=submission.source,
                 library=self._library(exercise.id, own),
                 check=check.id,
                 inputs=check.counterexample.inputs,
@@ -99,7 +115,7 @@ class Steps:
                 mistakes=(verdict.diagnosis.id,) if verdict.diagnosis else (),
             )
 
-        return await self._asked(account, address, asked)
+        return await self._trace_with_token(account, address, build)
 
     def _exercise(self, exercise_id: str) -> Exercise:
         exercise = self.course.exercises.get(exercise_id)
@@ -107,19 +123,21 @@ class Steps:
             raise NotFound(NO_EXERCISE)
         return exercise
 
-    def _reused(self, exercise: str) -> list[str]:
-        return [one.id for one in self.course.reused(exercise)]
+    def _reused_exercises(self, exercise: str) -> list[str]:
+        return [reused.id for reused in self.course.reused(exercise)]
 
-    def _library(self, exercise: str, own: Own) -> tuple[Earlier, ...]:
-        return tuple(map(Earlier.of, shelves(self.course, exercise, own)))
+    def _library(self, exercise: str, own: Own) -> tuple[LibraryFileData, ...]:
+        return tuple(map(LibraryFileData.from_file, shelves(self.course, exercise, own)))
 
-    async def _asked(self, account: Account, address: str, ask: Callable[[Session], Asked]) -> bytes:
-        """Takes one of the account's tokens, given back where nothing was followed."""
+    async def _trace_with_token(
+        self, account: Account, address: str, build: Callable[[Session], TraceRequest]
+    ) -> bytes:
+        """Take a rate-limit token of the account, trace, and give the token back if nothing was traced."""
         key = f"steps:{account.id}"
 
-        def prepared() -> bytes:
+        def prepare() -> bytes:
             with self.database.read() as db:
-                question = Question(steps=ask(db))
+                question = TraceQuestion(steps=build(db))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
             return question.model_dump_json().encode()
@@ -128,13 +146,13 @@ class Steps:
             with self.database.write() as db:
                 limits.give_back_token(db, key)
 
-        question = await run_in_threadpool(prepared)
+        question = await run_in_threadpool(prepare)
         try:
-            return await self.follow(question, reader=str(account.id), address=address)
+            return await self.trace_program(question, reader=str(account.id), address=address)
         except (Overloaded, InternalFailure):
             await run_in_threadpool(give_back)
             raise
 
 
-def _plain(code: str) -> str:
+def _unix_newlines(code: str) -> str:
     return code.replace("\r\n", "\n")

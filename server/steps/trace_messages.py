@@ -1,4 +1,4 @@
-"""What is said in French of a trace: what is not in it, and how it ended."""
+"""French messages of a trace: its omissions and its end."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from server.sandbox.child import tracer
 THIN = "\u202f"
 
 
-def _count(number: int) -> str:
+def _format_count(number: int) -> str:
     return f"{number:,}".replace(",", THIN)
 
 
-_LEFT_OUT = {
-    tracer.STEPS_OVER: f"Seuls les {_count(tracer.STEPS)} premiers pas sont montrés : la suite n’a pas été suivie.",
+_OMISSION_MESSAGES = {
+    tracer.STEPS_OVER: f"Seuls les {_format_count(tracer.STEPS)} premiers pas sont montrés : "
+    "la suite n’a pas été suivie.",
     tracer.DEPTH_OVER: f"Les appels imbriqués sur plus de {tracer.DEPTH} niveaux n’ont pas été suivis.",
     tracer.NODES_OVER: "Les variables ont trop de valeurs pour être toutes montrées : la suite n’a pas été suivie.",
     tracer.TIME_OVER: "Regarder les variables à chaque ligne prenait trop de temps : la suite n’a pas été suivie.",
@@ -23,7 +24,7 @@ _LEFT_OUT = {
     tracer.LOST: "Votre programme a lui-même changé ce qui permet de le suivre : la suite manque.",
 }  # fmt: skip
 #: After these, the program runs on and its end alone is known.
-_GIVEN_UP = frozenset({tracer.STEPS_OVER, tracer.NODES_OVER, tracer.TIME_OVER, tracer.LOST})
+_STOPPING_REASONS = frozenset({tracer.STEPS_OVER, tracer.NODES_OVER, tracer.TIME_OVER, tracer.LOST})
 PRINTED_TOO_MUCH = "Ce qui est affiché est trop long : la fin manque."
 CUT = "Suivi interrompu"
 NOT_ENDED = "Votre programme n’avait pas fini quand le temps du suivi a été écoulé : le reste n’est pas connu."
@@ -42,10 +43,10 @@ ANSWERED_OTHERWISE = (
 )
 
 
-def left_out(reasons: Sequence[str], *, truncated: bool) -> list[str]:
-    return [*(_LEFT_OUT[reason] for reason in reasons), *([PRINTED_TOO_MUCH] if truncated else [])]
+def omission_messages(reasons: Sequence[str], *, truncated: bool) -> list[str]:
+    return [*(_OMISSION_MESSAGES[reason] for reason in reasons), *([PRINTED_TOO_MUCH] if truncated else [])]
 
 
-def given_up(reasons: Sequence[str]) -> bool:
-    """Whether what follows the last step was not looked at."""
-    return not _GIVEN_UP.isdisjoint(reasons)
+def was_tracing_stopped(reasons: Sequence[str]) -> bool:
+    """Whether tracing stopped before the program's end."""
+    return not _STOPPING_REASONS.isdisjoint(reasons)

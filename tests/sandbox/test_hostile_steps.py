@@ -15,7 +15,7 @@ import pytest
 
 from server.sandbox import FaultKind, Sandbox
 from server.steps import run
-from server.steps.trace_reader import Told
+from server.steps.trace_reader import TraceReader
 from tests.sandbox.corpus import GRACE, HOSTILE
 
 PROGRAMS = sorted((HOSTILE / "pas").glob("*/*.py"))
@@ -32,11 +32,11 @@ HURRIED = {
 def test_a_hostile_program_is_followed_to_the_end_that_it_must_have(sandbox: Sandbox, path: Path) -> None:
     filed, source = path.parent.name, path.read_bytes()
     policy = HURRIED.get(filed, POLICY)
-    told = Told(source.count(b"\n") + 1)
+    told = TraceReader(source.count(b"\n") + 1)
     with patch("server.sandbox.connection.GRACE_SECONDS", GRACE.get(filed, 60.0)):
         with sandbox.open(source, policy=policy) as session:
             followed = session.trace("suivre")
-        end, reply = run.understood(told, followed, waits=False)
+        end, reply = run.read_trace(told, followed, waits=False)
     kinds = {"returned": "returned", "cut": "cut"}
     assert end.kind == kinds.get(filed, "fault"), end
     if filed == "returned":
@@ -45,7 +45,7 @@ def test_a_hostile_program_is_followed_to_the_end_that_it_must_have(sandbox: San
         assert followed.fault is None or filed in ("invalid_output", followed.fault.kind)
         assert followed.fault is not None or filed == FaultKind.INVALID_OUTPUT
     expected = re.match(rb"# left: (\w+)", source)
-    assert expected is None or expected[1].decode() in told.left
+    assert expected is None or expected[1].decode() in told.omissions
     assert told.steps or filed == "invalid_output"
     with sandbox.open(b"def f():\n    x = 1\n    return x", policy=POLICY) as session:
         assert len(session.trace("f").steps) == 5

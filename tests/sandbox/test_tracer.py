@@ -11,25 +11,25 @@ import pytest
 from server.sandbox import Kit, ProgramFault, Sandbox, SandboxFault
 from server.sandbox.values import LibraryFile
 from server.steps import run
-from server.steps.questions import AskedCell, Question
+from server.steps.questions import CellTraceRequest, TraceQuestion
 from server.steps.schemas import EndOut, StepOut
-from server.steps.trace_reader import Told
+from server.steps.trace_reader import TraceReader
 
 POLICY = replace(run.POLICY, memory_bytes=128 << 20)
 
 
 def followed(
     sandbox: Sandbox, source: str, function: str | None = "f", *args: Any, kit: Kit | None = None, **named: Any
-) -> tuple[Told, EndOut, str]:
+) -> tuple[TraceReader, EndOut, str]:
     """What was told, how it ended, what was printed."""
     waits = function is None
-    told = Told(len(source.split("\n")))
+    told = TraceReader(len(source.split("\n")))
     with sandbox.open(source.encode(), kit=kit, policy=POLICY, deferred=waits, echo_last=waits) as session:
-        end, _ = run.understood(told, session.trace(function, *args, named=named), waits=waits)
+        end, _ = run.read_trace(told, session.trace(function, *args, named=named), waits=waits)
     return told, end, session.stdout()
 
 
-def lines(told: Told) -> list[tuple[str, int]]:
+def lines(told: TraceReader) -> list[tuple[str, int]]:
     return [(step.event, step.line) for step in told.steps]
 
 
@@ -172,7 +172,7 @@ def test_earlier_functions_run_without_being_followed(sandbox: Sandbox) -> None:
     kit = Kit("trousse", {"seed": 1}, library=(shelf,))
     source = "from mes_fonctions import double\ndef f(x):\n    y = double(x)\n    return y\n"
     told, end, _ = followed(sandbox, source, "f", 4, kit=kit)
-    assert (told.left, [frame.function for frame in told.frames], written(end.value)) == (["library"], ["f"], "8")
+    assert (told.omissions, [frame.function for frame in told.frames], written(end.value)) == (["library"], ["f"], "8")
 
 
 def test_named_arguments_are_passed(sandbox: Sandbox) -> None:
@@ -202,8 +202,8 @@ def test_following_takes_nothing_from_the_answers_of_other_calls(sandbox: Sandbo
 
 
 def test_a_cell_is_answered_as_its_page_gets_it(sandbox: Sandbox) -> None:
-    asked = AskedCell(module="trousse", code="x = rng.integers(10)\nprint('a\\x1b')\n")
-    trace, again = (run.answer(sandbox, Question(steps=asked)) for _ in range(2))
+    asked = CellTraceRequest(module="trousse", code="x = rng.integers(10)\nprint('a\\x1b')\n")
+    trace, again = (run.answer_question(sandbox, TraceQuestion(steps=asked)) for _ in range(2))
     assert (trace.lines, trace.filename, trace.call) == (
         ["x = rng.integers(10)", "print('a\\x1b')", ""],
         run.CELL,
@@ -211,5 +211,5 @@ def test_a_cell_is_answered_as_its_page_gets_it(sandbox: Sandbox) -> None:
     )
     assert (trace.end.kind, trace.stdout, trace.mark) == ("returned", "a␛\n", None)
     assert trace.steps == again.steps
-    broken = run.answer(sandbox, Question(steps=AskedCell(module="trousse", code="x = (")))
+    broken = run.answer_question(sandbox, TraceQuestion(steps=CellTraceRequest(module="trousse", code="x = (")))
     assert (broken.steps, broken.end.kind, broken.end.line) == ([], "fault", 1)

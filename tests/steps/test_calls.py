@@ -32,7 +32,7 @@ def test_a_call_has_the_values_that_python_gives_it(typed: str) -> None:
         return arguments, named
 
     arguments, named = eval(typed, {"f": same, "np": np, "math": math, "pi": math.pi})
-    call = calls.read(f"  {typed} \n")
+    call = calls.parse_call(f"  {typed} \n")
     assert call.function == "f"
     np.testing.assert_equal((call.arguments, dict(call.named)), (arguments, named))
     assert [type(one) for one in call.arguments] == [type(one) for one in arguments]
@@ -87,12 +87,12 @@ def test_a_call_has_the_values_that_python_gives_it(typed: str) -> None:
 )
 def test_what_is_no_call_of_values_is_refused(typed: str, said: str) -> None:
     with pytest.raises(Invalid, match=said) as refused:
-        calls.read(typed)
+        calls.parse_call(typed)
     assert len(refused.value.detail) < 400
 
 
 def test_a_call_is_written_with_its_large_values_by_their_shapes() -> None:
-    call = calls.read("f((1,), [0.5, 'a'], np.eye(2), np.zeros((5, 7)), {'a': None}, n=-pi)")
-    assert calls.written(call) == (
+    call = calls.parse_call("f((1,), [0.5, 'a'], np.eye(2), np.zeros((5, 7)), {'a': None}, n=-pi)")
+    assert calls.format_call(call) == (
         "f((1,), [0.5, 'a'], np.array([[1.0, 0.0], [0.0, 1.0]]), [tableau 5 × 7], {'a': None}, n=-3.141592653589793)"
     )

@@ -21,7 +21,7 @@ ODOMETRY = find("l20/odometrie")
 
 @pytest.fixture(autouse=True)
 def _as_long_as_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(marks, "LONGEST", 60.0)
+    monkeypatch.setattr(marks, "MAX_SECONDS", 60.0)
 
 
 OTHERWISE = """import math
@@ -42,7 +42,7 @@ def composer(p, q):
 
 def mark(definition: object, mistake: str, source: str, check: str) -> int | None:
     assert isinstance(definition, CodeDefinition)
-    found = marks.of(definition, [mistake], source.encode(), check, LOCAL, seed=3)
+    found = marks.locate_mistake(definition, [mistake], source.encode(), check, LOCAL, seed=3)
     assert found is None or found.words == french(next(m.title for m in definition.misconceptions if m.id == mistake))
     return None if found is None else found.line
 
@@ -114,5 +114,5 @@ def test_once_patience_is_spent_no_program_starts(monkeypatch: pytest.MonkeyPatc
 
     assert isinstance(POSES, CodeDefinition)
     source = OTHERWISE.format("-", "+", "p[2] + q[2]").encode()
-    assert marks.of(POSES, ["angle_jamais_ramene"], source, "composer_tours", Slow(), seed=3) is None
+    assert marks.locate_mistake(POSES, ["angle_jamais_ramene"], source, "composer_tours", Slow(), seed=3) is None
     assert len(started) == 1

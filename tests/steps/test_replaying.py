@@ -17,7 +17,7 @@ from graders.discovery import find
 from server.course import Course, Exercise
 from server.steps import replaying
 from server.steps.replayable import can_replay
-from server.steps.replaying import Case
+from server.steps.replaying import ReplayCase
 
 SEED = 7
 #: Some mistakes of exercises whose checks are of several kinds, and checks that show one call of them.
@@ -42,13 +42,13 @@ def verdict_of(exercise: Exercise, source: bytes) -> Verdict:
     return Verdict.from_json(json.loads(json.dumps(judged.to_json(), sort_keys=True)))
 
 
-def replayed(exercise: Exercise, source: bytes) -> Iterator[tuple[CheckResult, Case | None]]:
+def replayed(exercise: Exercise, source: bytes) -> Iterator[tuple[CheckResult, ReplayCase | None]]:
     definition = find(exercise.id)
     for check in verdict_of(exercise, source).checks:
         if can_replay(exercise, check):
             assert check.counterexample is not None
             inputs = check.counterexample.inputs
-            yield check, replaying.find(definition, check.id, inputs, source, LOCAL, seed=SEED)  # type: ignore[arg-type]
+            yield check, replaying.find_case(definition, check.id, inputs, source, LOCAL, seed=SEED)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(("name", "mistake", "expected"), WRONG)
@@ -105,11 +105,11 @@ def test_a_case_that_the_check_does_not_come_to_is_not_found(course: Course) -> 
         ("rien", {"a": [1.5]}, SEED),
         ("composer_exemples", {}, SEED),
     ):
-        assert replaying.find(definition, check, inputs, source, LOCAL, seed=seed) is None  # type: ignore[arg-type]
+        assert replaying.find_case(definition, check, inputs, source, LOCAL, seed=seed) is None  # type: ignore[arg-type]
 
 
 def test_looking_for_a_case_ends(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(replaying, "LONGEST", -1.0)
+    monkeypatch.setattr(replaying, "MAX_SECONDS", -1.0)
     exercise = course.exercises["l20/poses"]
     assert [case for _, case in replayed(exercise, wrong(exercise, "rotation_a_l_envers"))].count(None) >= 3
 

@@ -19,8 +19,8 @@ from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
-from server.steps.questions import AskedCall, AskedCell, AskedReplay, Question
-from server.steps.service import Steps
+from server.steps.questions import CallTraceRequest, CellTraceRequest, ReplayTraceRequest, TraceQuestion
+from server.steps.service import StepService
 from server.submissions.models import Submission
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.service import Site
@@ -38,14 +38,14 @@ class Process:
     asked: list[Any] = field(default_factory=list)
 
     async def __call__(self, question: bytes, *, reader: str, address: str) -> bytes:
-        self.asked.append(Question.model_validate_json(question).steps)
+        self.asked.append(TraceQuestion.model_validate_json(question).steps)
         if self.raises:
             raise self.raises
         return b'{"steps": []}'
 
 
 def follow(site: Site, process: Process, **limits: float) -> Process:
-    steps = get_service(site.app, Steps)
+    steps = get_service(site.app, StepService)
     settings = steps.settings.model_copy(update=limits)
     add_services(site.app, replace(steps, follow=process, settings=settings))
     return process
@@ -79,7 +79,7 @@ def test_a_visitor_has_a_cell_followed(site: Site, process: Process) -> None:
     answer = site.client.post("/l20/cellules/pas", json={"code": "x = 1\r\n"})
     assert (answer.status_code, answer.json()) == (200, {"steps": []})
     assert answer.headers["cache-control"] == "no-store"
-    assert process.asked == [AskedCell(module="l20", code="x = 1\n")]
+    assert process.asked == [CellTraceRequest(module="l20", code="x = 1\n")]
     assert site.client.post("/l99/cellules/pas", json={"code": ""}).status_code == 404
     long = "#" * (site.settings.code_bytes + 1)
     assert site.client.post("/l20/cellules/pas", json={"code": long}).status_code == 413
@@ -91,7 +91,7 @@ def test_ones_own_call_goes_with_what_the_program_may_import(site: Site, process
     answer = site.client.post(address, json={"code": "from mes_fonctions import composer\n", "call": "f(1, (2, pi))"})
     assert answer.status_code == 200, answer.text
     (asked,) = process.asked
-    assert isinstance(asked, AskedCall)
+    assert isinstance(asked, CallTraceRequest)
     assert (asked.exercise, asked.call) == (exercise.id, "f(1, (2, pi))")
     assert {one.label: one.compiled for one in asked.library}["poses"] is True
 
@@ -124,7 +124,7 @@ def test_the_case_of_a_failed_check_is_asked_as_the_verdict_shows_it(
     answer = ada.browser(site).post(f"/soumissions/{name}/pas", json={"check": check.id})
     assert answer.status_code == 200, answer.text
     (asked,) = process.asked
-    assert isinstance(asked, AskedReplay)
+    assert isinstance(asked, ReplayTraceRequest)
     assert check.counterexample is not None
     assert (asked.source, asked.inputs, asked.seed) == (failed[0], check.counterexample.inputs, 5)
     assert asked.mistakes == ("angle_jamais_ramene",)

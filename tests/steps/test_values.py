@@ -14,10 +14,10 @@ from server.sandbox.child import codec
 from server.sandbox.child.frames import STEP_LIMITS
 from server.sandbox.child.value_descriptions import ValueDescriber
 from server.steps import values
-from server.steps.run import _returned
+from server.steps.run import _read_returned
 from server.steps.schemas import TraceOut
-from server.steps.trace_reader import ROOM, Told
-from server.steps.values import Malformed
+from server.steps.trace_reader import MAX_TRACE_BYTES, TraceReader
+from server.steps.values import MalformedTrace
 
 SHOWN = {
     "none": [None],
@@ -27,7 +27,7 @@ SHOWN = {
     "sequence": [[], [1, [2, [3]]], (1,), {1}, frozenset("a"), range(10), range(10**100)],
     "mapping": [{}, {"a": 1, 2: [3], (1, 2): None}],
     "array": [np.eye(2), np.zeros((0, 3)), np.array(["a", None, 1.5], dtype=object), np.zeros(3, dtype="V4")],
-    "other": [object(), np, len, values.read, Malformed],
+    "other": [object(), np, len, values.read_value, MalformedTrace],
 }
 
 
@@ -38,7 +38,7 @@ def arrived(value: object) -> Value:
 
 @pytest.mark.parametrize("kind", SHOWN)
 def test_what_a_tracer_describes_is_read(kind: str) -> None:
-    for read in map(values.read, map(arrived, SHOWN[kind])):
+    for read in map(values.read_value, map(arrived, SHOWN[kind])):
         assert read.kind == kind
         assert read.model_dump_json().isprintable()
 
@@ -57,7 +57,7 @@ def test_what_a_tracer_describes_is_read(kind: str) -> None:
     ],
 )
 def test_the_numbers_of_an_array_are_written_as_python_does(value: Any, written: list[str]) -> None:
-    assert values.read(arrived(value)).values == written  # type: ignore[union-attr]
+    assert values.read_value(arrived(value)).values == written  # type: ignore[union-attr]
 
 
 HOSTILE: list[Any] = [
@@ -76,16 +76,16 @@ HOSTILE: list[Any] = [
 
 @pytest.mark.parametrize("told", HOSTILE, ids=lambda told: str(told)[:40])
 def test_what_no_tracer_makes_is_refused(told: Any) -> None:
-    with pytest.raises(Malformed):
-        values.read(told)
+    with pytest.raises(MalformedTrace):
+        values.read_value(told)
 
 
 def test_what_is_nested_is_bounded() -> None:
     told: Any = ("none",)
     for _ in range(7):
         told = ("sequence", "list", None, 1, (told,))
-    with pytest.raises(Malformed):
-        values.read(told)
+    with pytest.raises(MalformedTrace):
+        values.read_value(told)
 
 
 def _mangled(piece: Any, chance: random.Random) -> Any:
@@ -108,10 +108,10 @@ def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds
         ("step", "return", 0, 3, (), (), (described,), ("", "")),
         ("left", "steps"),
     ]
-    Told(3).read(sound)
+    TraceReader(3).read(sound)
     for _ in range(1500):
-        told, place = Told(3), chance.randrange(len(sound))
-        with suppress(Malformed):
+        told, place = TraceReader(3), chance.randrange(len(sound))
+        with suppress(MalformedTrace):
             told.read([*sound[:place], _mangled(sound[place], chance), *sound[place + 1 :]])
         assert all(1 <= step.line <= 3 and 0 <= step.frame < len(told.frames) for step in told.steps)
         assert all(frame.parent is None or frame.parent < k for k, frame in enumerate(told.frames))
@@ -120,17 +120,17 @@ def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds
 
 def test_a_trace_of_which_every_character_is_spelled_out_stays_within_what_an_answer_may_hold() -> None:
     items: Any = ("sequence", "list", None, 250, (("text", "\x7f" * 200, 200),) * 250)
-    told = Told(1)
+    told = TraceReader(1)
     told.read([("frame", "f", 1, None), *(("step", "line", 0, 1, (("a", items),), (), (), ("", "")),) * 100])
     assert 1 < len(told.steps) < 100
-    assert told.left == ["nodes"]
-    assert sum(len(step.model_dump_json().encode()) for step in told.steps) <= ROOM
-    with pytest.raises(Malformed):
-        _returned(((*items[:4], items[4] * 2), ()), waits=True)
+    assert told.omissions == ["nodes"]
+    assert sum(len(step.model_dump_json().encode()) for step in told.steps) <= MAX_TRACE_BYTES
+    with pytest.raises(MalformedTrace):
+        _read_returned(((*items[:4], items[4] * 2), ()), waits=True)
 
 
 def test_a_trace_is_json_that_the_schema_reads() -> None:
-    told = Told(2)
+    told = TraceReader(2)
     told.read([("frame", "f", 1, None), ("step", "call", 0, 1, (("a", arrived([np.eye(2)])),), (), (), ("", ""))])
     trace = TraceOut.model_validate(
         {"lines": ["a", "b"], "filename": "f", "call": "", "frames": told.frames, "steps": told.steps, "mark": None}

@@ -22,7 +22,7 @@ def test_an_example_is_a_call_of_its_function_and_short_enough_for_its_field() -
     for exercise in offered():
         for function in exercise.functions:
             if function.example:
-                call = calls.read(function.example)
+                call = calls.parse_call(function.example)
                 assert call.function == function.name, exercise.id
                 assert not function.is_class
                 assert len(function.example) <= 300
@@ -36,6 +36,6 @@ def test_the_solution_answers_the_examples(course_sandbox: Sandbox, name: str) -
     kit = Kit(found.module, dict(found.parameters), found.without, shelves(the_course(), exercise.id))
     for function in exercise.functions:
         if function.example:
-            call = calls.read(function.example)
+            call = calls.parse_call(function.example)
             with course_sandbox.open(exercise.solution.encode(), kit=kit, policy=exercise.policy) as session:
                 assert session.call(call.function, *call.arguments).value is not None, function.name
