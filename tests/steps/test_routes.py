@@ -47,7 +47,7 @@ class Process:
 def follow(site: Site, process: Process, **limits: float) -> Process:
     steps = get_service(site.app, StepService)
     settings = steps.settings.model_copy(update=limits)
-    add_services(site.app, replace(steps, follow=process, settings=settings))
+    add_services(site.app, replace(steps, trace_program=process, settings=settings))
     return process
 
 
