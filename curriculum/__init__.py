@@ -2,4 +2,4 @@
 
 from graders import courses
 
-__path__ = [str(room) for room in courses.rooms(courses.CURRICULUM)]
+__path__ = [str(room) for room in courses.room_folders(courses.CURRICULUM)]

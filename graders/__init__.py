@@ -3,5 +3,5 @@
 import reference
 from graders import courses
 
-__path__ = [str(room) for room in courses.rooms(courses.GRADERS)]
-reference.__path__ = [str(room) for room in courses.rooms(courses.REFERENCE)]
+__path__ = [str(room) for room in courses.room_folders(courses.GRADERS)]
+reference.__path__ = [str(room) for room in courses.room_folders(courses.REFERENCE)]

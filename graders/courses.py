@@ -17,16 +17,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-VARIABLE = "BALISE_COURSES"
-GROUP = "balise.courses"
-OWN = Path(__file__).resolve().parents[1]
+ENVIRONMENT_VARIABLE = "BALISE_COURSES"
+ENTRY_POINT_GROUP = "balise.courses"
+REPOSITORY = Path(__file__).resolve().parents[1]
 CURRICULUM, GRADERS, REFERENCE = "curriculum", "graders", "reference"
 ROOMS = (CURRICULUM, GRADERS, REFERENCE)
-TELLS_NOTHING = {"README"}
+IGNORED_NAMES = {"README"}
 
 
 @dataclass(frozen=True)
-class Problem:
+class CourseProblem:
     """What is malformed: the others still serve."""
 
     path: Path
@@ -38,50 +38,50 @@ class Problem:
 class Courses:
     """The courses that are there, this repository's first, and why others are not."""
 
-    places: list[Path] = field(default_factory=lambda: [OWN])
-    problems: list[Problem] = field(default_factory=list)
+    folders: list[Path] = field(default_factory=lambda: [REPOSITORY])
+    problems: list[CourseProblem] = field(default_factory=list)
 
     def add(self, place: Path) -> None:
         """Takes a course in, once; or notes why not."""
         try:
             place = place.resolve()
-            if place in self.places:
+            if place in self.folders:
                 return
             faults = [*_faults(place)] or [*self._clashes(place)]
         except (OSError, RuntimeError) as error:  # a folder that is not ours to read, a link that leads to itself
-            faults = [Problem(place, 1, f"ce dossier de cours ne se lit pas : {error}.")]
+            faults = [CourseProblem(place, 1, f"ce dossier de cours ne se lit pas : {error}.")]
         self.problems += faults
         if not faults:
-            self.places.append(place)
+            self.folders.append(place)
 
-    def _clashes(self, place: Path) -> Iterator[Problem]:
+    def _clashes(self, place: Path) -> Iterator[CourseProblem]:
         for room in ROOMS:
             for name, path in _names(place / room).items():
-                for other in self.places:
+                for other in self.folders:
                     taken = _names(other / room).get(name)
                     if taken is not None:
                         message = (
                             f"« {name} » existe déjà : {taken}. Ce cours est laissé de côté ; renommez l’un des deux."
                         )
-                        yield Problem(path, 1, message)
+                        yield CourseProblem(path, 1, message)
 
 
-def _faults(place: Path) -> Iterator[Problem]:
+def _faults(place: Path) -> Iterator[CourseProblem]:
     if not place.is_dir():
-        yield Problem(place, 1, "ce dossier de cours n’existe pas.")
+        yield CourseProblem(place, 1, "ce dossier de cours n’existe pas.")
     elif not (place / CURRICULUM).is_dir():
-        yield Problem(place, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
+        yield CourseProblem(place, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
     for room in ROOMS:
         if (place / room / "__init__.py").exists():
             message = f"un cours s’ajoute au paquet « {room} », qui a déjà ce fichier : supprimez-le."
-            yield Problem(place / room / "__init__.py", 1, message)
+            yield CourseProblem(place / room / "__init__.py", 1, message)
 
 
 def _names(room: Path) -> dict[str, Path]:
     """What stands in a room of a course, by the names that it is imported by."""
     found = room.iterdir() if room.is_dir() else ()
     told = {path.stem: path for path in found if path.is_dir() or path.suffix == ".py"}
-    return {name: path for name, path in told.items() if name not in TELLS_NOTHING and not _apart(name, path)}
+    return {name: path for name, path in told.items() if name not in IGNORED_NAMES and not _apart(name, path)}
 
 
 def _apart(name: str, path: Path) -> bool:
@@ -91,15 +91,15 @@ def _apart(name: str, path: Path) -> bool:
     return name.startswith((".", "__"))
 
 
-def found() -> Courses:
+def find_courses() -> Courses:
     """The courses of this process: those that the variable names, then those that are installed."""
     courses = Courses()
-    for name in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
+    for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         courses.add(Path(os.path.expanduser(name)))
     for value, place in _installed():
         if place is None:
-            message = f"le point d’entrée « {GROUP} » nomme « {value} », qui ne s’importe pas."
-            courses.problems.append(Problem(Path(value), 1, message))
+            message = f"le point d’entrée « {ENTRY_POINT_GROUP} » nomme « {value} », qui ne s’importe pas."
+            courses.problems.append(CourseProblem(Path(value), 1, message))
         else:
             courses.add(place)
     return courses
@@ -109,7 +109,7 @@ def _installed() -> Iterator[tuple[str, Path | None]]:
     """What entry points name, with the folder of the package; the package is not run."""
     from importlib.metadata import entry_points
 
-    for point in entry_points(group=GROUP):
+    for point in entry_points(group=ENTRY_POINT_GROUP):
         try:
             spec = importlib.util.find_spec(point.module)
         except Exception:  # of "a.b", a is run: whatever it raises, the others still serve
@@ -118,24 +118,24 @@ def _installed() -> Iterator[tuple[str, Path | None]]:
         yield point.value, Path(folders[0]) if folders else None
 
 
-HERE = found()
+COURSES = find_courses()
 
 
-def mount(place: Path) -> None:
+def add_course(place: Path) -> None:
     """Takes one more course in, now that its rooms' packages may be there already."""
-    HERE.add(place)
+    COURSES.add(place)
     for room in ROOMS:
         package = sys.modules.get(room)
         if package is not None:
-            package.__path__ = [str(folder) for folder in rooms(room)]
+            package.__path__ = [str(folder) for folder in room_folders(room)]
 
 
-def rooms(name: str) -> list[Path]:
+def room_folders(name: str) -> list[Path]:
     """The folders of one room ("graders"), one a course."""
-    return [place / name for place in HERE.places]
+    return [place / name for place in COURSES.folders]
 
 
 def module_folder(slug: str) -> Path:
     """What is read of a module; this repository's where there is none."""
-    folders = [room / slug for room in rooms(CURRICULUM)]
+    folders = [room / slug for room in room_folders(CURRICULUM)]
     return next((folder for folder in folders if folder.is_dir()), folders[0])

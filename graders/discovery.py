@@ -11,7 +11,7 @@ from pathlib import Path
 from graders import courses
 from graders.core.contract.definition import MODULE_FILE, Definition
 from graders.core.contract.malformed import MalformedExerciseError
-from graders.courses import Problem
+from graders.courses import CourseProblem
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,12 @@ class Discovery:
     """The definitions found, by exercise name ("l20/poses"), and what was wrong with the rest."""
 
     definitions: dict[str, Definition]
-    problems: tuple[Problem, ...]
+    problems: tuple[CourseProblem, ...]
 
 
-def find(exercise: str) -> Definition:
+def load_definition(exercise: str) -> Definition:
     """The definition of one exercise ("l20/poses"), which is known to be sound. Raises what its module raises."""
-    found = ((room, room / exercise / MODULE_FILE) for room in courses.rooms(courses.GRADERS))
+    found = ((room, room / exercise / MODULE_FILE) for room in courses.room_folders(courses.GRADERS))
     return _load(*next((room, path) for room, path in found if path.is_file()))
 
 
@@ -32,14 +32,14 @@ def discover(exercises: Collection[str] | None = None, rooms: Sequence[Path] | N
     """Import every grader of this repository and of the courses outside it, or those of some exercises, or of some
     rooms alone."""
     definitions: dict[str, Definition] = {}
-    problems = [*courses.HERE.problems]
-    for room, path in _graders(courses.rooms(courses.GRADERS) if rooms is None else rooms):
+    problems = [*courses.COURSES.problems]
+    for room, path in _graders(courses.room_folders(courses.GRADERS) if rooms is None else rooms):
         if exercises is not None and f"{path.parts[-3]}/{path.parts[-2]}" not in exercises:
             continue
         try:
             definition = _load(room, path)
         except MalformedExerciseError as error:
-            problems.append(Problem(error.path, error.line, error.message))
+            problems.append(CourseProblem(error.path, error.line, error.message))
         except Exception as error:  # any mistake of an author's module is reported with its place
             problems.append(_problem(room, path, error))
         else:
@@ -68,12 +68,16 @@ def _load(room: Path, path: Path) -> Definition:
     return definition
 
 
-def _problem(room: Path, path: Path, error: Exception) -> Problem:
+def _problem(room: Path, path: Path, error: Exception) -> CourseProblem:
     if isinstance(error, SyntaxError):
-        return Problem(
+        return CourseProblem(
             Path(error.filename or path), error.lineno or 1, f"ce fichier Python ne se compile pas ({error.msg})"
         )
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if str(room) in frame.filename]
     own = [frame for frame in frames if Path(frame.filename).parent == path.parent]
     message = f"{type(error).__name__}: {error}"
-    return Problem(path, 1, message) if not own else Problem(Path(own[-1].filename), own[-1].lineno or 1, message)
+    return (
+        CourseProblem(path, 1, message)
+        if not own
+        else CourseProblem(Path(own[-1].filename), own[-1].lineno or 1, message)
+    )

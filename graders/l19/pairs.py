@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.probes import Rule, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -109,7 +109,7 @@ class ReadPair:
             return str(error)
 
 
-def part(shown: Sequence[Seen], which: int) -> list[Floats] | None:
+def part(shown: Sequence[ProbeAnswer], which: int) -> list[Floats] | None:
     """The first or the second value of every answer, None where one is no pair of finite numbers."""
     found = [as_array(one[which]) if isinstance(one, list) and len(one) == 2 else None for one in shown]
     return [one for one in found if one is not None] if all(one is not None for one in found) else None
@@ -126,7 +126,7 @@ def agree(ones: Sequence[Floats], others: Sequence[Floats]) -> list[bool]:
 def only(which: int, name: str, places: Sequence[int] | None = None) -> Rule:
     """The name for answers whose other value is always right, and this one wrong in all of these places."""
 
-    def rule(shown: Shown) -> str | None:
+    def rule(shown: ProbeResults) -> str | None:
         got, right = part(shown.got, which), part(shown.right, which)
         beside, its = part(shown.got, 1 - which), part(shown.right, 1 - which)
         if got is None or right is None or beside is None or its is None or not all(agree(beside, its)):

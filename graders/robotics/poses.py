@@ -15,9 +15,9 @@ from graders.core.compare.comparison import (
     WELL_BEYOND,
     WELL_WITHIN,
     Mismatch,
-    OfRows,
+    RowComparator,
     close,
-    row_gaps,
+    row_errors,
     unreadable,
     wrong_shape,
 )
@@ -29,7 +29,7 @@ FEW_TURNS = 20.0
 
 
 @dataclass(frozen=True)
-class SamePose(OfRows):
+class SamePose(RowComparator):
     """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
 
     With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
@@ -54,10 +54,10 @@ class SamePose(OfRows):
             return Mismatch(lambda: self._position_message(wanted, pose))
         return self._angle_mismatch(angle, theta)
 
-    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+    def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
         if got.ndim != 2 or got.shape[1] != 3:
             return None
-        apart, theta = row_gaps(expected[:, :2], got[:, :2], self.tolerance), np.abs(got[:, 2])
+        apart, theta = row_errors(expected[:, :2], got[:, :2], self.tolerance), np.abs(got[:, 2])
         with np.errstate(invalid="ignore", over="ignore"):
             turns = (got[:, 2] - expected[:, 2]) / math.tau
             off = np.abs(turns - np.round(turns)) * math.tau / self.tolerance

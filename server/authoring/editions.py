@@ -34,7 +34,7 @@ def write(module: str, course: Path) -> list[Path]:
 def _next(module: str) -> str:
     """The edition after the last that any course has."""
     family = edition_of(module).family
-    there = {path.name for room in courses.rooms(courses.CURRICULUM) for path in room.iterdir()}
+    there = {path.name for room in courses.room_folders(courses.CURRICULUM) for path in room.iterdir()}
     return following(max((slug for slug in there | {module} if edition_of(slug).family == family), key=edition_of))
 
 

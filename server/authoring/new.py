@@ -70,7 +70,7 @@ def _module(name: str) -> Name:
 
 
 def _must_be_free(module: str, course: Path) -> None:
-    for room in courses.rooms(courses.CURRICULUM):
+    for room in courses.room_folders(courses.CURRICULUM):
         if (room / module).is_dir() and room != course / courses.CURRICULUM:
             raise Refused(f"un autre cours a déjà un module « {module} » : {room / module}")
 

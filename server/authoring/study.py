@@ -16,10 +16,10 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from graders.core.code.behaviour import Behaviour, Observer
+from graders.core.code.behaviour import Behaviour, BehaviourObserver
 from graders.core.code.folder import MISCONCEPTIONS
 from graders.core.code.grading import CodeGrader
-from graders.core.code.plain import same_all
+from graders.core.code.stored_answers import same_answers
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
 from server.behaviour import repository
@@ -88,15 +88,15 @@ def program_of(found: Found, exercise: Exercise, grader: SandboxGrader | None) -
     bare = anonymise_program(found.source, found.names)
     if grader is None or not isinstance(exercise.grader, CodeGrader):
         return bare
-    observer = Observer(exercise.grader, exercise.version)
+    observer = BehaviourObserver(exercise.grader, exercise.version)
 
     def behaviour(text: str) -> Behaviour:
         return observer.observe(text.encode(), grader.programs(exercise.id, tighten_limits(exercise.policy)))
 
     wanted = behaviour(bare)
-    if not wanted.tells:
+    if not wanted.shows_mistake:
         return bare
-    return shrunk(bare, lambda text: same_all(behaviour(text).answers, wanted.answers))
+    return shrunk(bare, lambda text: same_answers(behaviour(text).answers, wanted.answers))
 
 
 def shrunk(program: str, alike: Callable[[str], bool], tries: int = TRIES) -> str:
@@ -148,7 +148,7 @@ def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
     if not isinstance(exercise.grader, CodeGrader):
         raise CannotWrite(f"« {exercise.id} » n’est pas un exercice de code")
     title = found.words.title if found.words else f"erreur {found.group}"
-    identity = misconception_id(title, exercise.grader.mistakes() | SLIPS.keys())
+    identity = misconception_id(title, exercise.grader.mistake_ids() | SLIPS.keys())
     words = found.words or GroupDescription(
         f"{TO_WORD} : l’erreur en quelques mots", f"{TO_WORD} : pourquoi", f"{TO_WORD} ?"
     )

@@ -53,7 +53,7 @@ FIELDS: Mapping[type, Mapping[str, str]] = {
     },
     Trial: {
         "protocol": "`protocol(bench)` appelle les fonctions, et lève `Rejection` si ce n’est pas bon",
-        "asks": "`asks(bench)` tire d’avance les appels (`Foreseen`) qui ne dépendent d’aucune réponse",
+        "asks": "`asks(bench)` tire d’avance les appels (`PlannedCalls`) qui ne dépendent d’aucune réponse",
         "no_more": "un programme juste n’est appelé que par ceux-là",
     },
     Untouched: {

@@ -34,7 +34,7 @@ def render_archive(
 ) -> tuple[str, bytes]:
     """Return the misconception's id, and the archive; `names` are the author's. Raise Invalid for a program that cannot
     be rewritten."""
-    identity = misconception_id(description.title, exercise.grader.mistakes() | SLIPS.keys())
+    identity = misconception_id(description.title, exercise.grader.mistake_ids() | SLIPS.keys())
     wrong = [function.name for function in exercise.functions if function.name in group.functions]
     functions = wrong or [function.name for function in exercise.functions]
     content = io.BytesIO()

@@ -16,9 +16,15 @@ from uuid import UUID
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from graders.core.code.behaviour import Behaviour, Observer
+from graders.core.code.behaviour import Behaviour, BehaviourObserver
 from graders.core.code.grading import CodeGrader
-from graders.core.code.plain import packed, projection, same_all, structure, unpacked
+from graders.core.code.stored_answers import (
+    deserialize_answers,
+    projection,
+    same_answers,
+    serialize_answers,
+    structure_hash,
+)
 from graders.core.contract.program import Programs
 from server.behaviour import repository
 from server.behaviour.models import BehaviourGroup
@@ -126,7 +132,7 @@ class FingerprintTask:
     def __init__(self, course: Course, queue: Queue, start: StartProgram) -> None:
         self._course, self._queue, self._start = course, queue, start
         self._versions = observable_versions(course)
-        self._observers: dict[str, Observer] = {}
+        self._observers: dict[str, BehaviourObserver] = {}
         self.give_up = give_up
 
     def read(self, db: Session, lease: Lease) -> FingerprintRequest | None:
@@ -150,11 +156,11 @@ class FingerprintTask:
             request.source, self._start(tighten_limits(exercise.policy), library)
         )
 
-    def _observer(self, exercise_id: str) -> Observer:
+    def _observer(self, exercise_id: str) -> BehaviourObserver:
         if exercise_id not in self._observers:
             exercise = self._course.exercises[exercise_id]
             assert isinstance(exercise.grader, CodeGrader), "only attempts at exercises of code are read"
-            self._observers[exercise_id] = Observer(exercise.grader, exercise.version)
+            self._observers[exercise_id] = BehaviourObserver(exercise.grader, exercise.version)
         return self._observers[exercise_id]
 
     def record(self, db: Session, request: FingerprintRequest, result: Behaviour) -> None:
@@ -175,9 +181,9 @@ def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> Obs
     Programs that do not load, or whose answers are all right, may have failed for different reasons: they share a group
     with equal sources only.
     """
-    if behaviour.lacking and behaviour.loads and not behaviour.wrong:
+    if behaviour.lacks_function and behaviour.is_loadable and not behaviour.wrong:
         return None
-    answers = behaviour.answers if behaviour.tells else (*behaviour.answers, f"programme {request.digest}")
+    answers = behaviour.answers if behaviour.shows_mistake else (*behaviour.answers, f"programme {request.digest}")
     example = behaviour.example.to_json() if behaviour.example else None
     return ObservedBehaviour(request.exercise, request.version, answers, behaviour.functions, example)
 
@@ -185,9 +191,9 @@ def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> Obs
 def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
     """Return the oldest group whose programs give these answers, up to the tolerance, or a new one."""
     repository.lock_groups(db)
-    key = (observed.exercise, observed.version, structure(observed.answers), projection(observed.answers))
+    key = (observed.exercise, observed.version, structure_hash(observed.answers), projection(observed.answers))
     for group_id, answers in repository.iter_similar_groups(db, *key):
-        if same_all(unpacked(answers), observed.answers):
+        if same_answers(deserialize_answers(answers), observed.answers):
             return group_id
     group = BehaviourGroup(
         id=secrets.token_hex(5),
@@ -195,7 +201,7 @@ def find_or_create_group(db: Session, observed: ObservedBehaviour) -> str:
         exercise_version=observed.version,
         structure=key[2],
         projection=key[3],
-        answers=packed(observed.answers),
+        answers=serialize_answers(observed.answers),
         functions=list(observed.functions),
         example=observed.example,
     )

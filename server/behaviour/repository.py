@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Row, Select, and_, func, select, tuple_
 from sqlalchemy.orm import Session, undefer
 
-from graders.core.code.plain import NEAR
+from graders.core.code.stored_answers import PROJECTION_TOLERANCE
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
@@ -103,7 +103,7 @@ def iter_similar_groups(
             BehaviourGroup.exercise == exercise,
             BehaviourGroup.exercise_version == version,
             BehaviourGroup.structure == structure,
-            BehaviourGroup.projection.between(projection - NEAR, projection + NEAR),
+            BehaviourGroup.projection.between(projection - PROJECTION_TOLERANCE, projection + PROJECTION_TOLERANCE),
         )
         .order_by(BehaviourGroup.created_at, BehaviourGroup.id)
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
-from graders.core.code.plain import Plain
+from graders.core.code.stored_answers import StoredAnswer
 from server.behaviour.models import BehaviourGroup, BehaviourName
 from server.course.reuse import Own
 
@@ -42,7 +42,7 @@ class ObservedBehaviour:
 
     exercise: str
     version: str
-    answers: tuple[Plain, ...]
+    answers: tuple[StoredAnswer, ...]
     functions: tuple[str, ...]
     example: dict[str, object] | None
 

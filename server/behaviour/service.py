@@ -8,7 +8,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.contract.bounds import bounded
+from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import TEACHER, Diagnosis, Verdict
 from server.audit import service as audit
@@ -51,7 +51,7 @@ def load_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     name = repository.load_name_of_grading(db, attempt.submission.account_id, attempt.grading.id)
     if name is None:
         return verdict
-    return bounded(Judgement(replace(verdict, diagnosis=_diagnosis(*name)))).verdict
+    return limit_size(Judgement(replace(verdict, diagnosis=_diagnosis(*name)))).verdict
 
 
 def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Diagnosis:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graders.core.code.diagnosis import combined
+from graders.core.code.diagnosis import combine_diagnoses
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.verdict import Diagnosis
 from server.course import Course, Exercise
@@ -34,6 +34,6 @@ def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMiscon
     catalogue = exercise.grader.misconceptions
     functions = [function for one in catalogue if one.id == misconception for function in one.functions]
     try:
-        return CataloguedMisconception(combined([misconception], catalogue), tuple(dict.fromkeys(functions)))
+        return CataloguedMisconception(combine_diagnoses([misconception], catalogue), tuple(dict.fromkeys(functions)))
     except KeyError:
         return None

@@ -42,13 +42,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 def take_in(course: Path | None) -> None:
     """Reads a course that stands in a folder with the others, here and in the processes to come. Raises CannotRun."""
     if course is not None:
-        from graders.courses import HERE, VARIABLE, mount
+        from graders.courses import COURSES, ENVIRONMENT_VARIABLE, add_course
 
-        os.environ[VARIABLE] = os.pathsep.join(filter(None, (str(course.resolve()), os.environ.get(VARIABLE))))
-        mount(course)
-        if course.resolve() not in HERE.places:
+        os.environ[ENVIRONMENT_VARIABLE] = os.pathsep.join(
+            filter(None, (str(course.resolve()), os.environ.get(ENVIRONMENT_VARIABLE)))
+        )
+        add_course(course)
+        if course.resolve() not in COURSES.folders:
             raise CannotRun(
-                "ce cours n’est pas pris :" + "".join(f"\n  {one.path} : {one.message}" for one in HERE.problems)
+                "ce cours n’est pas pris :" + "".join(f"\n  {one.path} : {one.message}" for one in COURSES.problems)
             )
 
 

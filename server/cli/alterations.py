@@ -17,8 +17,8 @@ from enum import Enum
 from functools import cache
 from itertools import islice
 
-from graders.core.alterations.alterations import Alteration, alterations
-from graders.core.alterations.equivalents import Mark, read_equivalents, stale
+from graders.core.alterations.alterations import Alteration, find_alterations
+from graders.core.alterations.equivalents import EquivalentMark, read_equivalents, stale_marks
 from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
@@ -70,7 +70,7 @@ class Tally:
     faults: Sequence[str]
 
     def those(self, *fates: Fate, own: bool = False) -> list[Trial]:
-        return [one for one in self.trials if one.fate in fates and (one.alteration.own or not own)]
+        return [one for one in self.trials if one.fate in fates and (one.alteration.is_course_mistake or not own)]
 
     def caught(self, *, own: bool = False) -> tuple[int, int]:
         """How many were caught, of how many that are no equivalents."""
@@ -96,7 +96,7 @@ class Subject:
     code: CodeGrader
     checks: tuple[Check, ...]
     policy: Policy
-    marks: Sequence[Mark]
+    marks: Sequence[EquivalentMark]
 
     def first_failed(self, grader: SandboxGrader, source: str, seed: int) -> str | None:
         """The check that catches a program. What is raised, twice in a row, is our own failure."""
@@ -118,7 +118,7 @@ def run(course: Course, asked: Sequence[Exercise]) -> int:
     Raises CannotRun for one that was asked for and has no code, and for marks that cannot be read.
     """
     subjects = [subject_of(exercise) for exercise in asked or course.exercises.values() if asked or _coded(exercise)]
-    found = [alterations(subject.code.solution) for subject in subjects]
+    found = [find_alterations(subject.code.solution) for subject in subjects]
     jobs = [(subject, alteration) for subject, its in zip(subjects, found, strict=True) for alteration in its]
     tallies = []
     with closing(parallel.in_order(course, work, jobs, "Altérations")) as trials:
@@ -166,13 +166,13 @@ def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
     reasons = {trial.said for trial in trials}
     if all(trial.fate is Fate.BROKEN for trial in trials) and len(reasons) == 1:
         return Tally(subject.exercise.id, (), tuple(reasons))
-    faults = [str(fault) for fault in stale(subject.marks, [trial.alteration for trial in trials])]
+    faults = [str(fault) for fault in stale_marks(subject.marks, [trial.alteration for trial in trials])]
     return Tally(subject.exercise.id, [_held(trial, subject.marks) for trial in trials], faults)
 
 
-def _held(trial: Trial, marks: Sequence[Mark]) -> Trial:
+def _held(trial: Trial, marks: Sequence[EquivalentMark]) -> Trial:
     """The same trial where no mark speaks of it."""
-    if trial.fate is Fate.BROKEN or not any(mark.marks(trial.alteration) for mark in marks):
+    if trial.fate is Fate.BROKEN or not any(mark.matches(trial.alteration) for mark in marks):
         return trial
     return replace(trial, fate=Fate.EQUIVALENT if trial.fate is Fate.SURVIVED else Fate.MISMARKED)
 
@@ -224,7 +224,7 @@ def told(tally: Tally) -> Iterator[str]:
         alteration = trial.alteration
         where = f"ligne {alteration.line}" + (f", {alteration.function}" if alteration.function else "")
         said = f" ({trial.said})" if trial.said else ""
-        own = ", du cours" if alteration.own else ""
+        own = ", du cours" if alteration.is_course_mistake else ""
         yield f"  {where} — {alteration.operator}{own} : {trial.fate.value}{said}"
         yield from (f"    {line}" for line in alteration.diff())
 

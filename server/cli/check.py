@@ -22,8 +22,8 @@ from types import MappingProxyType
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.protocol import Known
-from graders.courses import CURRICULUM, GRADERS, HERE
+from graders.core.contract.protocol import KnownSubmission
+from graders.courses import COURSES, CURRICULUM, GRADERS
 from graders.discovery import discover
 from server.authoring import shapes
 from server.cells import faults as cells
@@ -100,7 +100,7 @@ def _whole(arguments: Namespace) -> int:
     probing = None if memory else start_probing(slow=False)  # most often, nothing is left to run then
     course, faults = _read(memory, arguments.course)
     modules, exercises = _asked(course, arguments.exercises)
-    imports = Imports(*HERE.places, memory=memory.imports)
+    imports = Imports(*COURSES.folders, memory=memory.imports)
     parts = [*map(_texts, repeat(course), modules), *(_part(exercise, imports) for exercise in exercises)]
     left = [part for part in parts if not _is_known(memory, part)]
     if left:
@@ -114,7 +114,7 @@ def _whole(arguments: Namespace) -> int:
 def _read(memory: Remembered, place: Path | None) -> tuple[Course, int]:
     """All courses, or the one in a folder, and how many faults their texts have; these are rendered unless they were in
     order, and still are."""
-    places = HERE.places if place is None else [place.resolve()]
+    places = COURSES.folders if place is None else [place.resolve()]
     name, found_from = (TEXTS if place is None else f"{TEXTS} {place.resolve()}"), remembered.of_texts(places)
     render = memory.since(name, found_from) is None
     if place is None:
@@ -239,15 +239,15 @@ def _summary(exercises: int, faults: int, seconds: float) -> str:
 def cases(exercise: Exercise) -> Iterator[Case]:
     """Everything that is known of an exercise, with what must be found of it."""
     reference, *others = (
-        Case(known.subject, known.write, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
-        for known in exercise.grader.known()
+        Case(known.subject, known.source_for_seed, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
+        for known in exercise.grader.known_submissions()
     )
     yield reference
     yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
     yield from others
 
 
-def judge_of(known: Known) -> Judge:
+def judge_of(known: KnownSubmission) -> Judge:
     """What is wrong with the judgement of a known submission: its marks or its outcome first, then its name."""
     marks = not_full_marks if known.outcome is None else outcome(known.outcome)
     if known.diagnosis is None:

@@ -6,7 +6,7 @@ from argparse import Namespace
 from concurrent.futures import Future
 from pathlib import Path
 
-from graders.core.contract.bounds import bounded
+from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
 from server.cli import CannotRun, report, walls
 from server.cli.files import read_source
@@ -56,7 +56,7 @@ def _seed(arguments: Namespace) -> int:
 
 
 def _told(arguments: Namespace, judgement: Judgement) -> int:
-    verdict = bounded(judgement).verdict
+    verdict = limit_size(judgement).verdict
     plain = json.dumps(verdict.to_json(), ensure_ascii=False, allow_nan=False) if arguments.json else ""
     print(plain or report.render(verdict))
     return report.exit_status(verdict)

@@ -4,7 +4,7 @@ import os
 from argparse import Namespace
 from pathlib import Path
 
-from graders.courses import HERE, OWN
+from graders.courses import COURSES, REPOSITORY
 from server.authoring import editions, new
 from server.cli import CannotRun
 from server.cli.authors import EDITION
@@ -30,8 +30,8 @@ def _written(kind: str, name: str, course: Path) -> list[Path]:
 
 def _next(kind: str, name: str, course: Path) -> list[str]:
     """What one does then, as one types it."""
-    where = "" if course.resolve() in (OWN, *HERE.places) else f" --course {os.path.relpath(course)}"
-    own = course.resolve() == OWN  # this repository may hold several modules
+    where = "" if course.resolve() in (REPOSITORY, *COURSES.folders) else f" --course {os.path.relpath(course)}"
+    own = course.resolve() == REPOSITORY  # this repository may hold several modules
     lines = [f"Voir : balise preview {name.partition('/')[0] if own else os.path.relpath(course)}"]
     if kind not in {"module", "page", "replay", EDITION}:
         lines.append(f"Vérifier : balise check {name}{where}")

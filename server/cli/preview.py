@@ -45,9 +45,9 @@ def _say(text: str) -> None:
 def _asked(what: str | None) -> tuple[Path, str]:
     """The course's folder, and the module to begin with, if one was named."""
     if what is None:
-        outside = courses.HERE.places[1:]
+        outside = courses.COURSES.folders[1:]
         here = Path.cwd()
-        return (outside[0] if outside else here if _is_course(here) else courses.OWN), ""
+        return (outside[0] if outside else here if _is_course(here) else courses.REPOSITORY), ""
     if MODULE_SLUG.fullmatch(what) and courses.module_folder(what).is_dir():
         return courses.module_folder(what).parents[1], what
     place = Path(what)
@@ -58,7 +58,7 @@ def _asked(what: str | None) -> tuple[Path, str]:
 
 
 def _is_course(folder: Path) -> bool:
-    return (folder / courses.CURRICULUM).is_dir() and folder.resolve() in courses.HERE.places
+    return (folder / courses.CURRICULUM).is_dir() and folder.resolve() in courses.COURSES.folders
 
 
 def _listening(port: int) -> socket.socket:

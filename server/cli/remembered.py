@@ -19,7 +19,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from graders.courses import HERE, OWN
+from graders.courses import COURSES, REPOSITORY
 from server.base.files import default_cache_dir, digest_files, write_atomically
 from server.course.closure import Imports
 from server.course.memory import Memory, source_of
@@ -92,7 +92,7 @@ def _read(path: Path | None) -> dict[str, tuple[str, str]]:
 @cache
 def around() -> bytes:
     """Of what surrounds a course: Python, the machine, the libraries, the limits, what tries it."""
-    tried_by = digest_files([(name, OWN / name) for name in TRYING])
+    tried_by = digest_files([(name, REPOSITORY / name) for name in TRYING])
     libraries = [f"{name} {version(name)}" for name in LIBRARIES]
     limits = json.dumps(asdict(Policy()), sort_keys=True, default=str)
     return "\0".join([sys.version, platform.platform(), *libraries, limits, tried_by]).encode()
@@ -100,19 +100,19 @@ def around() -> bytes:
 
 def of_texts(places: Sequence[Path]) -> str:
     """Of all that the texts of these courses are rendered from."""
-    return digest_files([], around() + source_of([place / "curriculum" for place in places], HERE.places).encode())
+    return digest_files([], around() + source_of([place / "curriculum" for place in places], COURSES.folders).encode())
 
 
 def of_module(module: Module) -> str:
     """Of what draws and runs in a module's texts: its folder, and the code that it may call."""
-    return digest_files([(module.slug, module.folder), *_code(HERE.places)], around())
+    return digest_files([(module.slug, module.folder), *_code(COURSES.folders)], around())
 
 
 def of_exercise(exercise: Exercise, imports: Imports) -> str:
     """Of what an exercise is graded and replayed from, and of the programs that it is tried on."""
     folder = exercise.statement.source.path.parent
     replays = sorted(imports.closure(f"graders.{exercise.module}.{exercise.slug}.replays").items())
-    own = [("exercise", folder), *(("graders", place / "graders" / exercise.id) for place in HERE.places)]
+    own = [("exercise", folder), *(("graders", place / "graders" / exercise.id) for place in COURSES.folders)]
     return digest_files(
         [*own, *replays], b"\0".join([around(), exercise.version.encode(), repr(exercise.policy).encode()])
     )

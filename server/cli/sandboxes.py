@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
-from graders.core.contract.kits import kits_of
-from graders.courses import CURRICULUM, rooms
+from graders.core.contract.kits import find_kits
+from graders.courses import CURRICULUM, room_folders
 from server.cli import CannotRun
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.install import import_set_of
@@ -57,6 +57,8 @@ def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
 
 def _kits(slug: str) -> dict[str, dict[str, str]]:
     """The kits of a module, by name and place; none where there is no such module, which is told when it is read."""
-    modules = (module for room in rooms(CURRICULUM) if room.is_dir() for module in room.iterdir() if module.is_dir())
-    found = next((kits_of(module).items() for module in modules if module.name == slug), ())
+    modules = (
+        module for room in room_folders(CURRICULUM) if room.is_dir() for module in room.iterdir() if module.is_dir()
+    )
+    found = next((find_kits(module).items() for module in modules if module.name == slug), ())
     return {name: {place: path.read_text(encoding="utf-8") for place, path in kit.items()} for name, kit in found}

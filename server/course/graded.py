@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.definition import MODULE_FILE
-from graders.core.contract.kits import kits_of
+from graders.core.contract.kits import find_kits
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from server.course import toml_file
@@ -61,9 +61,9 @@ class Sources:
             return self.discovery.definitions.get(name)
         if not self.graders(path).is_dir():
             return None
-        from graders.discovery import find
+        from graders.discovery import load_definition
 
-        return find(name)
+        return load_definition(name)
 
     def graders(self, path: Path) -> Path:
         """The folder of what grades the exercise of this folder of the course."""
@@ -128,7 +128,7 @@ def _code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader
         raise CourseFault(_other_kind(path, card))
     if not card.functions:
         raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
-    _same_functions(path / "exercise.toml", card, definition.judged)
+    _same_functions(path / "exercise.toml", card, definition.judged_functions)
     try:
         return definition.bind([function.name for function in card.functions])
     except MalformedExerciseError as error:
@@ -137,7 +137,7 @@ def _code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader
 
 def _kit(path: Path, grader: CodeGrader) -> str:
     kit = grader.kit(stream(0, "kit")).module
-    if kit not in kits_of(path.parents[1]):
+    if kit not in find_kits(path.parents[1]):
         raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
     return kit
 

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
 from graders import courses
-from graders.core.contract.kits import kits_of
+from graders.core.contract.kits import find_kits
 from server.course import drawings, reuse, toml_file
 from server.course.closure import Imports
 from server.course.editions import MODULE_SLUG, number_of
@@ -61,8 +61,8 @@ def load(
     """
     memory = memory or Memory()
     look = Look.drawn if render else Look.read if check else Look.no
-    curricula = (curriculum,) if curriculum else tuple(courses.rooms(courses.CURRICULUM))
-    roots = (code,) if code else tuple(courses.HERE.places)
+    curricula = (curriculum,) if curriculum else tuple(courses.room_folders(courses.CURRICULUM))
+    roots = (code,) if code else tuple(courses.COURSES.folders)
     checked = look is Look.read
     source = source_of(curricula, roots) if checked or memory.knows else ""
     known = memory.found(source) if source else NOTHING_FOUND
@@ -73,7 +73,7 @@ def load(
         from graders.discovery import discover
 
         discovery = discover(wanted)
-    amiss = discovery.problems if discovery else courses.HERE.problems
+    amiss = discovery.problems if discovery else courses.COURSES.problems
     problems = [Problem(one.path, one.line, one.message) for one in amiss]
     sources = Sources(curricula, roots, discovery, Imports(*roots, memory=memory), known)
     modules = _each(problems, lambda path: _module(sources, path, problems, look, wanted), _modules(curricula, only))
@@ -114,7 +114,7 @@ def _module(
     if not MODULE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, NO_MODULE))
     card = toml_file.read(path / "module.toml", ModuleFile)
-    kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in kits_of(path).items()}
+    kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in find_kits(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
     exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path, wanted))

@@ -58,7 +58,7 @@ class Lesson:
                     text = source_of(step, self._loaded.seeds[step.exercise], code=True).decode()
                     self._store.submit(db, account, step.exercise, text, address=ADDRESS)
                 else:
-                    answers = read_answers(step.known.write(get_or_create_seed(db, account, step.exercise)))
+                    answers = read_answers(step.known.source_for_seed(get_or_create_seed(db, account, step.exercise)))
                     self._store.submit_answers(db, account, step.exercise, answers, address=ADDRESS)
         except ServiceError as refused:
             log.warning("the lesson goes on without an attempt at %s: %s", step.exercise, refused.detail)

@@ -125,7 +125,7 @@ def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, pass
 
 def source_of(step: Step, seed: int, *, code: bool) -> bytes:
     """The file of an attempt. The same program again differs from itself, as what students send does."""
-    source = step.known.write(seed)
+    source = step.known.source_for_seed(seed)
     return source + f"\nessai = {step.again + 1}\n".encode() if code and step.again else source
 
 

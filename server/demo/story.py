@@ -13,7 +13,7 @@ from datetime import datetime, timedelta
 from random import Random
 
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.protocol import Known
+from graders.core.contract.protocol import KnownSubmission
 from server.course import Exercise, Module
 from server.demo.people import Pupil
 
@@ -34,9 +34,9 @@ UNNAMED = (Outcome.WRONG_ANSWER, Outcome.RUNTIME_ERROR, Outcome.SYNTAX_ERROR, Ou
 class Repertoire:
     """What one may send to an exercise, by its place in what is known of it (`Exercise.grader.known`)."""
 
-    right: tuple[Known, ...]
-    named: tuple[tuple[Known, ...], ...]
-    unnamed: tuple[Known, ...]
+    right: tuple[KnownSubmission, ...]
+    named: tuple[tuple[KnownSubmission, ...], ...]
+    unnamed: tuple[KnownSubmission, ...]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Step:
 
     pupil: int
     exercise: str
-    known: Known
+    known: KnownSubmission
     sent_at: datetime
     again: int
 
@@ -66,8 +66,8 @@ def programme(module: Module) -> tuple[tuple[Exercise, ...], ...]:
 
 def repertoire(exercise: Exercise, random: Random) -> Repertoire:
     """The misconceptions in an order of their own: the first are those that many have."""
-    known = list(exercise.grader.known())
-    named: dict[str, list[Known]] = {}
+    known = list(exercise.grader.known_submissions())
+    named: dict[str, list[KnownSubmission]] = {}
     for one in known:
         if one.diagnosis is not None:
             named.setdefault(one.diagnosis, []).append(one)
@@ -81,9 +81,9 @@ def repertoire(exercise: Exercise, random: Random) -> Repertoire:
     )
 
 
-def _is_honest(known: Known) -> bool:
+def _is_honest(known: KnownSubmission) -> bool:
     """Not a program that plays tricks on its grader, which nobody of the class would write."""
-    return b"__" not in known.write(0)
+    return b"__" not in known.source_for_seed(0)
 
 
 def story(module: Module, pupils: Sequence[Pupil], random: Random, now: datetime) -> list[Step]:
@@ -119,7 +119,7 @@ def _lesson(
         at += timedelta(minutes=random.uniform(1, 4))  # reads the next
 
 
-def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[Known]:
+def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[KnownSubmission]:
     """Wrong ones while the exercise is not understood, then the right one; who finds it hard may leave it."""
     while random.random() > SEEN[0] + SEEN[1] * ease:
         if of.unnamed and (not of.named or random.random() < OTHER):

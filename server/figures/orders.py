@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
-from graders.courses import HERE
+from graders.courses import COURSES
 from server.base.files import ROOT, digest_files
 from server.course.code import MANIPULATIONS
 from server.course.models import Drawing
@@ -81,7 +81,7 @@ def _order(kind: str, asked: Mapping[str, Any], drawn_by: str, words: Words = OF
 @cache
 def code_version() -> str:
     """Of what draws the verdicts' figures and replays, and of what the lessons' drawings call."""
-    rooms = [(name, place / name) for place in HERE.places for name in ("graders", "reference")]
+    rooms = [(name, place / name) for place in COURSES.folders for name in ("graders", "reference")]
     rooms.append(("server/figures", ROOT / "server" / "figures"))
     return " ".join((digest_files(rooms), *map(version, LIBRARIES)))
 

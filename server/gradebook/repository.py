@@ -22,7 +22,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session, defer, undefer
 
-from graders.core.contract.bounds import bounded
+from graders.core.contract.bounds import limit_size
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
 from server.database import ask, change, table_of
@@ -152,7 +152,7 @@ def lock_submission(db: Session, submission_id: UUID) -> Row[UUID, str, datetime
 
 def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
     """Add to the history of a submission, within the bounds of a verdict; the grading does not count yet."""
-    grading_id, judgement = uuid4(), bounded(graded.judgement)
+    grading_id, judgement = uuid4(), limit_size(graded.judgement)
     verdict = judgement.verdict
     row = {
         "id": grading_id,

@@ -12,8 +12,8 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Reply, StudentFault
-from graders.core.contract.rows import Replies, Rows
+from graders.core.contract.program import Answer, Block, KitSettings, PlannedCalls, Reply, StudentFault
+from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
 from server import sandbox
@@ -52,7 +52,7 @@ class JudgingTimeBudget:
 class SandboxProgram:
     """A student's program behind the walls, as graders see it."""
 
-    def __init__(self, session: Session, patience: JudgingTimeBudget, ahead: Sequence[Foreseen]) -> None:
+    def __init__(self, session: Session, patience: JudgingTimeBudget, ahead: Sequence[PlannedCalls]) -> None:
         self._session, self._patience, self._ahead = session, patience, ahead
         self.functions = frozenset(session.functions)
 
@@ -71,7 +71,7 @@ class SandboxProgram:
                 return
             yield _answer(answer)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
         given = (
             self._session.first_answers
             if asked is self._ahead
@@ -82,7 +82,7 @@ class SandboxProgram:
                 yield number, (spent,)
                 return
             if isinstance(answers, sandbox.Replies):
-                yield number, Replies(answers.values)
+                yield number, ArrayReplies(answers.values)
             else:
                 yield number, [_answer(answer) for answer in answers]
 
@@ -109,7 +109,7 @@ class SandboxPrograms:
     def _kit(self, kit: KitSettings) -> Kit:
         return Kit(kit.module, dict(kit.parameters), kit.without, self._library)
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> SandboxProgram:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> SandboxProgram:
         self._patience.raise_if_exhausted()
         settings = self._kit(kit)
         try:
@@ -121,9 +121,9 @@ class SandboxPrograms:
         return SandboxProgram(session, self._patience, ahead)
 
 
-def _calls(asked: Foreseen) -> CallBatch:
+def _calls(asked: PlannedCalls) -> CallBatch:
     columns = asked.calls.columns if isinstance(asked.calls, Rows) else None
-    return CallBatch(asked.function, asked.calls, asked.faults, asked.keeping, columns)
+    return CallBatch(asked.function, asked.calls, asked.faults, asked.return_arguments, columns)
 
 
 def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:

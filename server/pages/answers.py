@@ -11,8 +11,8 @@ from markupsafe import Markup
 from starlette.datastructures import FormData
 
 from graders.core.answers import AnswersGrader, Question
-from graders.core.answers.paper import Told
-from graders.core.answers.reading import UnreadableAnswersError, read_answers, shown
+from graders.core.answers.question_paper import AnswerTranscript
+from graders.core.answers.reading import UnreadableAnswersError, display_text, read_answers
 from server.base.errors import Invalid
 from server.course import Exercise
 from server.gradebook import service as gradebook
@@ -37,7 +37,7 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     saved = held.saved_work(reader, exercise, latest) if taken is None else None
     put_back = taken or latest
     if saved is not None:
-        answers = grader.moved(read_answers(saved.source), seed, seed)
+        answers = grader.reletter(read_answers(saved.source), seed, seed)
     else:
         answers = _answers(grader, put_back.submission if put_back else None, seed)
     sections = ["", *(question.section for question in paper.questions)]
@@ -65,7 +65,7 @@ def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) ->
     if submission is None:
         return {}
     try:
-        return grader.moved(read_answers(submission.source), submission.seed, seed)
+        return grader.reletter(read_answers(submission.source), submission.seed, seed)
     except UnreadableAnswersError:
         return {}
 
@@ -92,7 +92,7 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
         field=(PLACE if order else FIELD) + question.id,
         points=format_points(question.points),
         unit=question.unit,
-        value=shown(answer) if question.form == "number" and isinstance(answer, str | int | float) else "",
+        value=display_text(answer) if question.form == "number" and isinstance(answer, str | int | float) else "",
         pieces=pieces,
         section=section,
     )
@@ -139,8 +139,8 @@ def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
     try:
         answers = read_answers(submission.source)
     except UnreadableAnswersError:
-        return [ToldView("", "Fichier envoyé", shown(submission.code), ())]
-    given = {answer.question: answer for answer in grader.told(answers, submission.seed)}
+        return [ToldView("", "Fichier envoyé", display_text(submission.code), ())]
+    given = {answer.question: answer for answer in grader.transcribe(answers, submission.seed)}
     questions = grader.paper(submission.seed).questions if given else ()
     return [
         told_view(exercise, given[question.id])
@@ -150,6 +150,6 @@ def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
     ]
 
 
-def told_view(exercise: Exercise, answer: Told) -> ToldView:
+def told_view(exercise: Exercise, answer: AnswerTranscript) -> ToldView:
     pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
     return ToldView(answer.question, exercise.line(answer.title), answer.text, pieces)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from graders.core.answers.paper import Question, Told
+from graders.core.answers.question_paper import AnswerTranscript, Question
 from graders.core.answers.reading import UnreadableAnswersError, is_blank, read_answers
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.course import Exercise
@@ -35,7 +35,7 @@ def of(exercise: Exercise, submission: Submission, verdict: Verdict | None, seed
     if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
         return tuple(_empty(question) for question in questions)
     checks = {check.id: check for check in verdict.checks}
-    told = {one.question: one for one in exercise.answers.told(answers, submission.seed)}
+    told = {one.question: one for one in exercise.answers.transcribe(answers, submission.seed)}
     return tuple(
         _empty(question)
         if question.form == "order" or question.id not in checks
@@ -55,7 +55,7 @@ def _empty(question: Question) -> MarkView:
     return MarkView(question.id, "none", "", "", "", "", "", "", "", "")
 
 
-def _mark(exercise: Exercise, check: CheckResult, told: Told | None, *, blank: bool) -> MarkView:
+def _mark(exercise: Exercise, check: CheckResult, told: AnswerTranscript | None, *, blank: bool) -> MarkView:
     tone: MarkTone = "good" if check.passed else "blank" if blank else "partial" if check.points else "bad"
     sign, word = SIGNS_AND_WORDS[tone]
     expected = check.counterexample.expected if check.counterexample else None
@@ -73,5 +73,5 @@ def _mark(exercise: Exercise, check: CheckResult, told: Told | None, *, blank: b
     )
 
 
-def _answered(told: Told) -> str:
+def _answered(told: AnswerTranscript) -> str:
     return ", ".join(piece.id for piece in told.pieces) or told.text

@@ -75,7 +75,11 @@ def copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[
 def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Comparison:
     """In a process of its own, one at a time. Raises Crowded, or Invalid where it does not come to an end."""
     module = course.modules[exercise.module]
-    known = [one.write(0).decode(errors="replace") for one in exercise.grader.known() if one.outcome is Outcome.OK]
+    known = [
+        one.source_for_seed(0).decode(errors="replace")
+        for one in exercise.grader.known_submissions()
+        if one.outcome is Outcome.OK
+    ]
     question = {
         "course": [exercise.starter, *module.kits[exercise.kit].values()],
         "model": exercise.solution,

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from graders.core.code.exercise import CodeDefinition
-from graders.core.code.locating import Repair, repairs
+from graders.core.code.repairs import Repair, find_repairs
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, KitSettings, Program, Programs, StudentFault
+from graders.core.contract.program import KitSettings, PlannedCalls, Program, Programs, StudentFault
 from graders.typography import french
 from server.steps.schemas import MarkOut
 
@@ -34,7 +34,7 @@ def locate_mistake(
     def spent() -> bool:
         return time.monotonic() > deadline
 
-    candidates = repairs(definition.prober.model, named.id, named.functions, text, spent)
+    candidates = find_repairs(definition.prober.model, named.id, named.functions, text, spent)
     within_time = itertools.takewhile(lambda _: not spent(), itertools.islice(candidates, MAX_REPAIRS))
     lines = _lines_that_repair(definition, text, within_time, check_id, _ProgramsUntil(programs, spent), seed)
     return MarkOut(line=lines.pop()[0], words=french(named.title)) if len(lines) == 1 else None
@@ -47,7 +47,7 @@ class _ProgramsUntil:
     programs: Programs
     is_expired: Callable[[], bool]
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         if self.is_expired():
             raise StudentFault(Outcome.TIMEOUT, "", fatal=True)
         return self.programs.open(source, kit, ahead)
@@ -65,7 +65,7 @@ def _lines_that_repair(
 
     Empty where it passes as it is. After the first success, a few more repairs are tried, to find ambiguities.
     """
-    grader = definition.bind(sorted(definition.judged))
+    grader = definition.bind(sorted(definition.judged_functions))
     checks = [check for check in grader.checks if check.id == check_id]
     lines: set[tuple[int, ...]] = set()
     after = 0

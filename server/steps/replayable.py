@@ -30,11 +30,11 @@ def can_replay(exercise: Exercise, check: CheckResult) -> bool:
         return False
     if len(graded.functions) > 1 and not isinstance(graded, Untouched):
         return False
-    if not graded.tells_call and any(map(_is_described, counterexample.inputs.values())):
+    if not graded.reports_call and any(map(_is_described, counterexample.inputs.values())):
         return False
     names = set(counterexample.inputs)
     parameters = [_parameters(exercise, function) for function in graded.functions]
-    if graded.tells_call:
+    if graded.reports_call:
         return any(names & accepted for accepted, _ in parameters)
     return any(names and required <= names <= accepted for accepted, required in parameters)
 

@@ -18,10 +18,19 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.runner import Runner
-from graders.core.code.simplifying import run_alone
+from graders.core.code.simplifying import run_and_shrink
 from graders.core.compare.words import to_jsonable
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.program import (
+    Answer,
+    Block,
+    KitSettings,
+    PlannedCalls,
+    Program,
+    Programs,
+    Reply,
+    StudentFault,
+)
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
@@ -69,7 +78,7 @@ def find_case(
 
 def _run_check(check: Check, bench: Bench, recorder: _RecordingPrograms) -> None:
     try:
-        run_alone(check.run, bench)
+        run_and_shrink(check.run, bench)
     except Rejection as rejection:
         if rejection.call is not None and _shows_same_inputs(rejection.inputs or {}, recorder.inputs):
             recorder.set_case(*rejection.call)
@@ -103,7 +112,7 @@ class _RecordingPrograms:
         self._kit: KitSettings | None = None
         self.answered_calls: deque[_AnsweredCall] = deque(maxlen=MAX_REMEMBERED_CALLS)
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self.require_time()
         return _RecordingProgram(self._programs.open(source, kit, ahead), kit, self)
 
@@ -159,12 +168,12 @@ class _RecordingProgram:
             self._record_answer(function, pending, answer)
             yield answer
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
         pending = [
             deque((args, self._recorder.match_call(batch.function, args, self._kit)) for args in batch.calls)
             for batch in asked
         ]
-        for number, answers in self._program.together(asked):
+        for number, answers in self._program.call_batches(asked):
             for answer in answers:
                 self._record_answer(asked[number].function, pending[number], answer)
             yield number, answers

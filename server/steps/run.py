@@ -118,7 +118,7 @@ def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
 
 
 def _find_definition(exercise: str) -> CodeDefinition:
-    definition = discovery.find(exercise)
+    definition = discovery.load_definition(exercise)
     assert isinstance(definition, CodeDefinition), "only exercises of code are request about"
     return definition
 

@@ -10,7 +10,7 @@ from uuid import UUID, uuid4, uuid5
 
 from sqlalchemy.orm import Session
 
-from graders.core.answers import canonical
+from graders.core.answers import canonical_json
 from server.assignments import sittings
 from server.base.errors import Invalid, RateLimited
 from server.base.settings import Settings
@@ -130,7 +130,7 @@ class Submissions:
     def encode_answers(self, answers: Mapping[str, Any]) -> bytes:
         """Raises TooLarge or Invalid."""
         try:
-            text = canonical(answers)
+            text = canonical_json(answers)
         except RecursionError as error:
             raise Invalid("Ces réponses sont trop imbriquées.") from error
         return encode_bounded(text, self._settings.code_bytes, "Le texte des réponses")

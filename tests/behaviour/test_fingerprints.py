@@ -9,7 +9,7 @@ from uuid import UUID
 import pytest
 from sqlalchemy import delete, func, select, update
 
-from graders.core.code.plain import LARGEST_IN_ALL
+from graders.core.code.stored_answers import MAX_TOTAL_ITEMS
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
@@ -258,7 +258,7 @@ def test_hostile_programs_come_to_groups_within_bounds(sqlite: Database, setting
     assert len({found[what] for what in different}) >= len(different) - 1  # two may be stopped in the same way
     with sqlite.read() as db:
         sizes = db.execute(select(func.max(func.length(BehaviourGroup.answers)))).scalar_one()
-    assert sizes < 10 * LARGEST_IN_ALL
+    assert sizes < 10 * MAX_TOTAL_ITEMS
 
 
 def test_of_two_groups_that_are_near_the_first_one_takes_who_is_between(

@@ -16,10 +16,10 @@ from uuid import UUID
 import pytest
 from sqlalchemy import select
 
-from graders.core.code.behaviour import Observer
-from graders.core.code.folder import read_misconceptions, same_functions
+from graders.core.code.behaviour import BehaviourObserver
+from graders.core.code.folder import check_known_functions, read_misconceptions
 from graders.core.code.grading import CodeGrader
-from graders.core.code.plain import same_all
+from graders.core.code.stored_answers import same_answers
 from graders.core.contract.local import LOCAL
 from server.audit.models import AuditAction, AuditEvent
 from server.behaviour import service
@@ -278,17 +278,17 @@ def test_a_name_can_be_taken_into_the_course(scene: Scene, tmp_path: Path) -> No
         (folder / archived.namelist()[1]).write_bytes(archived.read(archived.namelist()[1]))
     assert tomllib.loads(entry)["misconception"][0]["explanation"] == 'Avec "guillemets", \\ et\nune ligne.'
     read = list(read_misconceptions(folder, exercise.solution))
-    same_functions(folder, read, [one.name for one in exercise.functions])
+    check_known_functions(folder, read, [one.name for one in exercise.functions])
     mine = read[-1]
     assert (mine.id, mine.title, mine.question, mine.whole) == (
         "les_poses_sont_ajoutees", WORDS["title"], WORDS["question"], True,
     )  # fmt: skip
     assert mine.functions == ("composer", "inverse", "relatif")
-    asked = Observer(exercise.grader, exercise.version)
+    asked = BehaviourObserver(exercise.grader, exercise.version)
     unread = asked.observe(mine.source.encode(), LOCAL)
-    assert same_all(unread.answers, asked.observe(exercise.solution.encode(), LOCAL).answers), "not run unread"
+    assert same_answers(unread.answers, asked.observe(exercise.solution.encode(), LOCAL).answers), "not run unread"
     once_read = mine.source.replace("RELU = False", "RELU = True").encode()
-    assert same_all(asked.observe(once_read, LOCAL).answers, asked.observe(SUM.encode(), LOCAL).answers)
+    assert same_answers(asked.observe(once_read, LOCAL).answers, asked.observe(SUM.encode(), LOCAL).answers)
 
 
 def test_an_exported_program_does_not_tell_who_wrote_it() -> None:

@@ -83,7 +83,7 @@ def contenders(
 ) -> tuple[dict[str, Callable[[], object]], int]:
     made = new_class(database, teacher, f"{students} élèves")
     names = [one.id for one in course.modules[MODULE].exercises][:exercises]
-    mistakes = {name: sorted(course.exercises[name].grader.mistakes())[:6] for name in names}
+    mistakes = {name: sorted(course.exercises[name].grader.mistake_ids())[:6] for name in names}
     attempts = lessons(seated(database, made, students), names, mistakes, utc_now())
     store(database, attempts, VERDICT)
 

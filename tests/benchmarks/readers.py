@@ -55,7 +55,7 @@ def school(data: Path, course: Course) -> School:
     made = new_class(database, teacher, "MPSI 2")
     students = seated(database, made, STUDENTS)
     names = [one.id for one in course.modules[MODULE].exercises][:EXERCISES]
-    mistakes = {name: sorted(course.exercises[name].grader.mistakes())[:6] for name in names}
+    mistakes = {name: sorted(course.exercises[name].grader.mistake_ids())[:6] for name in names}
     store(database, lessons(students, names, mistakes, utc_now()), VERDICT)
     given = tuple(
         assign(database, made, *names[start : start + 6], opened=timedelta(days=20 - start), title=f"Devoir {start}").id

@@ -144,7 +144,7 @@ def test_a_simulated_class_against_its_definitions(sqlite: Database, course: Cou
     made = new_class(sqlite, new_account(sqlite, Role.teacher))
     now = utc_now()
     exercises = [one.id for one in course.modules["l20"].exercises][:5]
-    mistakes = {name: sorted(course.exercises[name].grader.mistakes())[:3] for name in exercises}
+    mistakes = {name: sorted(course.exercises[name].grader.mistake_ids())[:3] for name in exercises}
     attempts = lessons(seated(sqlite, made, 24), exercises, mistakes, now)
     store(sqlite, attempts)
     board, insights = read(sqlite, course, made, now)

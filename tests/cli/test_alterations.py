@@ -62,7 +62,7 @@ def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUT
 def tally(one: Exercise) -> alterations.Tally:
     """As the command does, in this process and one after the other."""
     subject = alterations.subject_of(one)
-    trials = [alterations.work(HERE, (subject, each)) for each in alterations.alterations(subject.code.solution)]
+    trials = [alterations.work(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)]
     return alterations.tally(subject, trials)
 
 
@@ -111,8 +111,8 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
 
 
 def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
-    made = alterations.alterations("def f(t):\n    return np.sin(t)\n")
-    ours, other = (next(one for one in made if one.own is own) for own in (True, False))
+    made = alterations.find_alterations("def f(t):\n    return np.sin(t)\n")
+    ours, other = (next(one for one in made if one.is_course_mistake is own) for own in (True, False))
 
     def well(caught: int, survived: int, alteration: Any) -> bool:
         trials = [alterations.Trial(other, Fate.CAUGHT)] * caught
@@ -129,7 +129,7 @@ def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Cou
     assert not wrong.well
     assert "elle-même échoue" in wrong.faults[0]
     subject = alterations.subject_of(exercise(course, tmp_path, check(20, 1.0)))
-    trial = alterations.tried(BROKEN, subject, alterations.alterations(SOLUTION)[0])
+    trial = alterations.tried(BROKEN, subject, alterations.find_alterations(SOLUTION)[0])
     assert (trial.fate, trial.said) == (Fate.BROKEN, "OSError('plus de place')")
 
 

@@ -215,7 +215,7 @@ def test_answers_are_graded_from_a_file_without_any_wall(tmp_path: Path, course:
     grader = course.exercises[ANSWERED].answers
     assert grader is not None
     file = tmp_path / "réponses.json"
-    file.write_text(json.dumps(grader.right(12)))
+    file.write_text(json.dumps(grader.right_answers(12)))
     assert main(["grade", ANSWERED, str(file), "--seed", "12", "--json"]) == 0
     assert verdict_of(capsys.readouterr().out)["points"] == 20
     assert main(["grade", ANSWERED, str(file), "--seed", "13"]) == 1

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from graders.core.contract.local import LOCAL
-from graders.courses import HERE
+from graders.courses import COURSES
 from graders.discovery import discover
 from server.authoring import new
 from server.base.files import default_cache_dir
@@ -95,7 +95,7 @@ def test_what_is_unchanged_is_not_tried_again(run: Run, place: Path, monkeypatch
 def test_any_file_that_it_was_found_from_counts(place: Path) -> None:
     def digest() -> str:
         course = load(place / "curriculum", code=place, render=False)
-        return remembered.of_exercise(course.exercises["l21/gain"], Imports(*HERE.places))
+        return remembered.of_exercise(course.exercises["l21/gain"], Imports(*COURSES.folders))
 
     before = digest()
     assert digest() == before

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from graders.core.code.folder import Misconception
+from graders.discovery import CourseProblem as GraderProblem
 from graders.discovery import Discovery
-from graders.discovery import Problem as GraderProblem
 from tests.support.small_course import EXERCISE, HINTS, CourseFolder, definition
 
 

@@ -200,8 +200,8 @@ def test_misconceptions_of_a_choice_stand_beside_its_questions(course_folder: Co
     folder = "curriculum/m9/exercices/c"
     course_folder.write(f"{folder}/misconceptions.toml", MISCONCEPTION)
     exercise = loaded(course_folder, CHOICE + 'misconception = "compte"\n').exercises["m9/c"]
-    assert exercise.grader.mistakes() == {"compte"}
-    assert [one.subject for one in exercise.grader.known() if one.diagnosis == "compte"] == ["r : cinq"]
+    assert exercise.grader.mistake_ids() == {"compte"}
+    assert [one.subject for one in exercise.grader.known_submissions() if one.diagnosis == "compte"] == ["r : cinq"]
 
 
 def test_an_exercise_of_code_still_needs_functions(course_folder: CourseFolder) -> None:
@@ -222,9 +222,9 @@ def test_specimens_are_named_as_the_course_names_its_options(course_folder: Cour
     course_folder.write(f"{specimens}/wrong_answer/trois.json", '{"q": "trois", "r": "quatre"}')
     course_folder.write(f"{specimens}/syntax_error/rien.json", "[")
     grader = loaded(course_folder, CHOICE).exercises["m9/c"].grader
-    found = {one.subject: one for one in grader.known() if one.subject.startswith("spécimen")}
+    found = {one.subject: one for one in grader.known_submissions() if one.subject.startswith("spécimen")}
     assert len(found) == 2
     for one in found.values():
         for seed in range(8):
-            graded = grader.grade(one.write(seed), LOCAL, seed=seed, version="")
+            graded = grader.grade(one.source_for_seed(seed), LOCAL, seed=seed, version="")
             assert graded.verdict.outcome is one.outcome

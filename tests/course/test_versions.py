@@ -242,13 +242,13 @@ def test_what_runs_to_grade_a_submission_is_in_the_closure(name: str, course_san
     """Also what is imported only then, for a right submission and for a mistake that has a name."""
     exercise = the_course().exercises[name]
     assert all(one.grader for one in the_course().exercises.values())  # the others are imported already
-    known = list(exercise.grader.known())
+    known = list(exercise.grader.known_submissions())
     submissions = [known[0], next(one for one in known if one.diagnosis)] if exercise.kind == "code" else known[:4]
     grader, before, running = SandboxGrader(the_course(), course_sandbox), set(sys.modules), set()
     for submission in submissions:
         sys.setprofile(lambda frame, _event, _value: running.add(frame.f_globals.get("__name__", "")))
         try:
-            outcome = grader.grade(exercise.id, submission.write(3), 3).verdict.outcome
+            outcome = grader.grade(exercise.id, submission.source_for_seed(3), 3).verdict.outcome
         finally:
             sys.setprofile(None)
         assert outcome is not Outcome.INTERNAL_ERROR

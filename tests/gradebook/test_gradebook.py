@@ -18,7 +18,7 @@ from hypothesis import settings as runs
 from hypothesis import strategies as st
 from sqlalchemy import delete, insert, select, update
 
-from graders.core.contract.bounds import VERDICT_BYTES, weight
+from graders.core.contract.bounds import VERDICT_BYTES, json_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
@@ -373,6 +373,6 @@ def test_what_is_recorded_has_a_bound_and_says_what_it_leaves_out(database: Data
         grading = service.find_attempt(db, ada, submission).grading
         assert grading is not None
         kept, figures = Verdict.from_json(grading.verdict), repository.load_figures(db, grading.id)
-    assert weight(kept.to_json()) + weight(figures) <= VERDICT_BYTES
+    assert json_size(kept.to_json()) + json_size(figures) <= VERDICT_BYTES
     assert (kept.outcome, kept.points, figures) == (heavy.outcome, heavy.points, {})
     assert "300000 caractères" in kept.checks[0].message

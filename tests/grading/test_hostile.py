@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.contract.bounds import VERDICT_BYTES, bounded, weight
+from graders.core.contract.bounds import VERDICT_BYTES, json_size, limit_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Blame, Outcome
 from graders.core.contract.verdict import Verdict
@@ -78,14 +78,14 @@ def rehearsed(exercise: Exercise) -> Exercise:
 def judged(grader: SandboxGrader, exercise: Exercise, source: bytes) -> tuple[Judgement, Cost]:
     with costed() as cost:
         found = grader.grade(exercise.id, source, SEED)
-        recorded = bounded(found)
+        recorded = limit_size(found)
         assert Verdict.from_json(json.loads(json.dumps(recorded.verdict.to_json()))) == recorded.verdict
     return recorded, cost
 
 
 def assert_affordable(exercise: Exercise, recorded: Judgement, cost: Cost) -> None:
     policy = exercise.policy
-    assert weight(recorded.verdict.to_json()) + weight(recorded.figures) <= VERDICT_BYTES
+    assert json_size(recorded.verdict.to_json()) + json_size(recorded.figures) <= VERDICT_BYTES
     assert cost.seconds <= policy.judging_seconds
     most = PER_BYTE_READ * policy.frame_bytes + PER_BYTE_KEPT * policy.session_bytes
     assert cost.memory <= most + PER_ITEM * policy.session_items

@@ -88,7 +88,7 @@ def right(site: Site, course: Course, name: str) -> dict[str, Any]:
     deal = next(row for row in stored(site.database, Variant) if row.exercise == name)
     grader = course.exercises[name].answers
     assert grader is not None
-    return dict(grader.right(deal.seed))
+    return dict(grader.right_answers(deal.seed))
 
 
 def sent(site: Site, name: str, fields: Mapping[str, Any], status: int = 303) -> str:
@@ -163,7 +163,9 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
     site.client.cookies.clear()
     form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
     site.client.post(f"/bienvenue/{token}", data=form)
-    assert f"{grader.right(seed)['ds']:.4g}".replace(".", ",") in page(site, attempt).split("Corrigé commenté")[1]
+    assert (
+        f"{grader.right_answers(seed)['ds']:.4g}".replace(".", ",") in page(site, attempt).split("Corrigé commenté")[1]
+    )
     assert "Corrigé commenté" in page(site, path_of(QUIZ)), "at the first visit already"
 
 

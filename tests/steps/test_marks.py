@@ -8,15 +8,15 @@ from collections.abc import Sequence
 import pytest
 
 from graders.core.code.exercise import CodeDefinition
-from graders.core.code.locating import repairs
+from graders.core.code.repairs import find_repairs
 from graders.core.contract.local import LOCAL
-from graders.core.contract.program import Foreseen, KitSettings, Program
-from graders.discovery import find
+from graders.core.contract.program import KitSettings, PlannedCalls, Program
+from graders.discovery import load_definition
 from graders.typography import french
 from server.steps import marks
 
-POSES = find("l20/poses")
-ODOMETRY = find("l20/odometrie")
+POSES = load_definition("l20/poses")
+ODOMETRY = load_definition("l20/odometrie")
 
 
 @pytest.fixture(autouse=True)
@@ -96,10 +96,10 @@ def test_a_program_made_to_be_slow_to_read_is_left_alone() -> None:
     many = " + ".join(f"a{k} * b{k} - c{k}" for k in range(9))
     source = "def odometrie(pose, ds_g, ds_d, L):\n" + "".join(f"    x{k} = {many}\n" for k in range(3))
     looks = itertools.count()
-    found = repairs(ODOMETRY.prober.model, "depart_oublie", ["odometrie"], source, lambda: next(looks) > 100)
+    found = find_repairs(ODOMETRY.prober.model, "depart_oublie", ["odometrie"], source, lambda: next(looks) > 100)
     assert sum(1 for _ in found) <= 100
     assert next(looks) <= 110
-    assert not list(repairs(ODOMETRY.prober.model, "depart_oublie", ["odometrie"], source * 40, lambda: False))
+    assert not list(find_repairs(ODOMETRY.prober.model, "depart_oublie", ["odometrie"], source * 40, lambda: False))
 
 
 def test_once_patience_is_spent_no_program_starts(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -107,7 +107,7 @@ def test_once_patience_is_spent_no_program_starts(monkeypatch: pytest.MonkeyPatc
     started = list[bytes]()
 
     class Slow:
-        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
             started.append(source)
             monkeypatch.setattr("server.steps.marks.time.monotonic", lambda: float("inf"))
             return LOCAL.open(source, kit, ahead)

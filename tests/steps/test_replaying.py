@@ -13,7 +13,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare.words import tidy, to_jsonable
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import CheckResult, Counterexample, Verdict
-from graders.discovery import find
+from graders.discovery import load_definition
 from server.course import Course, Exercise
 from server.steps import replaying
 from server.steps.replayable import can_replay
@@ -43,7 +43,7 @@ def verdict_of(exercise: Exercise, source: bytes) -> Verdict:
 
 
 def replayed(exercise: Exercise, source: bytes) -> Iterator[tuple[CheckResult, ReplayCase | None]]:
-    definition = find(exercise.id)
+    definition = load_definition(exercise.id)
     for check in verdict_of(exercise, source).checks:
         if can_replay(exercise, check):
             assert check.counterexample is not None
@@ -99,7 +99,7 @@ def test_an_argument_that_was_changed_is_given_as_it_was(course: Course) -> None
 def test_a_case_that_the_check_does_not_come_to_is_not_found(course: Course) -> None:
     exercise = course.exercises["l20/poses"]
     source = wrong(exercise, "rotation_a_l_envers")
-    definition = find(exercise.id)
+    definition = load_definition(exercise.id)
     for check, inputs, seed in (
         ("composer_exemples", {"a": [1.5, 2.5, 3.5], "b": [0, 0, 0]}, SEED),
         ("rien", {"a": [1.5]}, SEED),

@@ -71,7 +71,7 @@ def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, course: 
     (deal,) = stored(site.database, Variant)
     exercise = course.exercises[name]
     assert exercise.answers is not None
-    right = dict(exercise.answers.right(deal.seed))
+    right = dict(exercise.answers.right_answers(deal.seed))
     assert set(right) == {one["id"] for one in shown["questions"]}
     good, blank = send(site, headers, right, name), send(site, headers, {}, name)
     while grading.run_one():

@@ -14,14 +14,14 @@ from graders.core.contract import local
 @contextmanager
 def taken_in(place: Path) -> Iterator[None]:
     """The course is found as those of `BALISE_COURSES` are; nothing of it is left afterwards."""
-    places, problems = [*courses.HERE.places], [*courses.HERE.problems]
+    places, problems = [*courses.COURSES.folders], [*courses.COURSES.problems]
     paths = {room: [*sys.modules[room].__path__] for room in courses.ROOMS if room in sys.modules}
     modules = set(sys.modules)
     try:
-        courses.mount(place)
+        courses.add_course(place)
         yield
     finally:
-        courses.HERE.places[:], courses.HERE.problems[:] = places, problems
+        courses.COURSES.folders[:], courses.COURSES.problems[:] = places, problems
         for room, path in paths.items():
             sys.modules[room].__path__ = path
         for name in set(sys.modules) - modules:

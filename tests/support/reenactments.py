@@ -44,7 +44,7 @@ class Remembering(Reenactor):
 
 MEMORY = Remembering()
 #: A program is asked all the probes, whatever the pace of the machine.
-prober.LONGEST = math.inf
+prober.MAX_PROBING_SECONDS = math.inf
 
 
 def steady(grader: CodeGrader) -> CodeGrader:

@@ -37,11 +37,11 @@ def _card(file: Path) -> dict[str, object]:
 def shipped_grader(exercise: str) -> CodeGrader:
     """The grader of an exercise of code, steady (see `tests.support.reenactments`); the course is not loaded."""
     from graders.core.code.exercise import CodeDefinition
-    from graders.discovery import find
+    from graders.discovery import load_definition
     from tests.support.reenactments import steady
 
     module, slug = exercise.split("/")
-    definition = find(exercise)
+    definition = load_definition(exercise)
     assert isinstance(definition, CodeDefinition)
     functions = _card(ROOT / "curriculum" / module / "exercices" / slug / "exercise.toml")["functions"]
     assert isinstance(functions, list)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from graders.core.alterations import calls, expressions, statements
-from graders.core.alterations.text import Text
+from graders.core.alterations.text import ProgramText
 
 RULES = (*expressions.RULES, *calls.RULES, *statements.RULES)
 
@@ -25,7 +25,7 @@ class Alteration:
     source: str
     altered: str
     operator: str
-    own: bool
+    is_course_mistake: bool
     line: int
     function: str
 
@@ -48,26 +48,26 @@ class Alteration:
         yield from list(lines)[2:]
 
 
-def alterations(source: str) -> list[Alteration]:
+def find_alterations(source: str) -> list[Alteration]:
     """Every alteration of a program that still compiles and is another program, in the order of its lines.
 
     Raises SyntaxError for what is no program.
     """
-    text = Text(source)
+    text = ProgramText(source)
     changes = [
         (change, text.function(node), getattr(node, "lineno", 1))
         for node in text.nodes()
         for rule in RULES
         for change in rule(text, node)
     ]
-    changes.sort(key=lambda found: (found[0].start, found[0].end, not found[0].own, found[0].text))
+    changes.sort(key=lambda found: (found[0].start, found[0].end, not found[0].is_course_mistake, found[0].text))
     made: dict[str, Alteration] = {}
     same = ast.dump(text.tree)
     for change, function, _ in changes:
         altered = text.apply(change)
         line = text.raw.count(b"\n", 0, change.start) + 1
         if altered not in made and _differs(altered, same):
-            made[altered] = Alteration(source, altered, change.operator, change.own, line, function)
+            made[altered] = Alteration(source, altered, change.operator, change.is_course_mistake, line, function)
     return list(made.values())
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 
 from graders.core.alterations.expressions import DEGREES, name_of
-from graders.core.alterations.text import Change, Text
+from graders.core.alterations.text import Change, ProgramText
 
 
 def words(text: str) -> frozenset[str]:
@@ -49,7 +49,7 @@ ANGLE_IN = words("sin cos tan")
 ANGLE_OUT = words("arctan2 atan2 arctan atan arccos acos arcsin asin angle phase")
 
 
-def calls(text: Text, node: ast.AST) -> Iterator[Change]:
+def calls(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another function, the call dropped, its arguments swapped, a named one dropped."""
     if not isinstance(node, ast.Call):
         return
@@ -61,18 +61,18 @@ def calls(text: Text, node: ast.AST) -> Iterator[Change]:
     yield from _where(text, node)
 
 
-def _taken_for(text: Text, node: ast.Call) -> Iterator[Change]:
+def _taken_for(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     other = TAKEN_FOR.get(name_of(node))
     if other is not None and (isinstance(node.func, ast.Attribute) or other in ("min", "max", "any", "all")):
         end = text.span(node.func)[1]
         yield Change(end - len(name_of(node)), end, other, "fonction voisine")
     if name_of(node) in ("arctan2", "atan2") and len(node.args) == 2:
-        up, right = (text.of(one) for one in node.args)
-        name = text.of(node.func).replace("2", "")
+        up, right = (text.source_of(one) for one in node.args)
+        name = text.source_of(node.func).replace("2", "")
         yield text.replaced(node, f"{name}(({up}) / ({right}))", "fonction voisine")
 
 
-def _is_method(text: Text, node: ast.Call) -> bool:
+def _is_method(text: ProgramText, node: ast.Call) -> bool:
     """Is it asked of a value, rather than found in a module?"""
     root: ast.expr = node.func
     while isinstance(root, ast.Attribute):
@@ -80,7 +80,7 @@ def _is_method(text: Text, node: ast.Call) -> bool:
     return isinstance(node.func, ast.Attribute) and not (isinstance(root, ast.Name) and root.id in text.imported)
 
 
-def _dropped(text: Text, node: ast.Call) -> Iterator[Change]:
+def _dropped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if isinstance(text.parent(node), ast.Expr):
         return
     if _is_method(text, node):
@@ -99,80 +99,85 @@ def _dropped(text: Text, node: ast.Call) -> Iterator[Change]:
         yield from _kept_of_ours(text, node)
 
 
-def _kept(text: Text, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
+def _kept(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
     if isinstance(argument, ast.Starred | ast.GeneratorExp):
         return
     own = bool(WRAP.search(name_of(node)))
     kept = (
-        _inner_angle(text, argument) if name_of(node) in ("arctan2", "atan2", "angle", "phase") else text.of(argument)
+        _inner_angle(text, argument)
+        if name_of(node) in ("arctan2", "atan2", "angle", "phase")
+        else text.source_of(argument)
     )
     if kept is not None:
         yield text.replaced(node, f"({kept})", "normalisation oubliée" if own else "appel oublié", own=own)
 
 
-def _inner_angle(text: Text, node: ast.expr) -> str | None:
+def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
     """x, of « sin x » in arctan2(sin x, cos x) or of « exp(1j x) » in angle(exp(1j x)); None for another angle."""
     if isinstance(node, ast.Call) and name_of(node) == "sin":
-        return text.of(node.args[0])
+        return text.source_of(node.args[0])
     if isinstance(node, ast.Call) and name_of(node) == "exp" and isinstance(node.args[0], ast.BinOp):
-        return text.of(node.args[0].right)
+        return text.source_of(node.args[0].right)
     return None
 
 
-def _kept_of_ours(text: Text, node: ast.Call) -> Iterator[Change]:
+def _kept_of_ours(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A function of the file itself, of one argument: the argument alone."""
     names = {one.name for one in ast.walk(text.tree) if isinstance(one, ast.FunctionDef)}
     if name_of(node) in names:
         yield from _kept(text, node, node.args[0])
 
 
-def _swapped(text: Text, node: ast.Call) -> Iterator[Change]:
+def _swapped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if name_of(node) in SYMMETRIC or any(isinstance(one, ast.Starred) for one in node.args):
         return
     own = name_of(node) in COMPOSITION
     for first, second in zip(node.args, node.args[1:], strict=False):
-        if text.of(first) != text.of(second):
+        if text.source_of(first) != text.source_of(second):
             yield text.swapped(first, second, "ordre de la composition" if own else "arguments échangés", own=own)
 
 
-def _keywords(text: Text, node: ast.Call) -> Iterator[Change]:
+def _keywords(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A named argument left out; a type that is asked for is a precaution, and is not altered."""
     for keyword in node.keywords:
         if keyword.arg in (None, "dtype", "key"):
             continue
         start, end = text.span(keyword)
-        before = text.cut(0, start).rstrip()
+        before = text.slice(0, start).rstrip()
         comma = before.endswith(",")
         first = len(before.encode()) - 1 if comma else start
         yield Change(first, end, "", "axe" if keyword.arg == "axis" else "argument oublié", keyword.arg == "axis")
 
 
-def _ranges(text: Text, node: ast.Call) -> Iterator[Change]:
+def _ranges(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A range that begins or ends one off; numbers alone are altered as constants."""
     if name_of(node) not in ("range", "arange"):
         return
     for argument in node.args[:2]:
         if not isinstance(argument, ast.Constant | ast.Starred):
             for sign in "+-":
-                yield text.replaced(argument, f"{text.of(argument)} {sign} 1", "intervalle décalé")
+                yield text.replaced(argument, f"{text.source_of(argument)} {sign} 1", "intervalle décalé")
     if len(node.args) == 1:
         start = text.span(node.args[0])[0]
         yield Change(start, start, "1, ", "intervalle décalé")
 
 
-def _where(text: Text, node: ast.Call) -> Iterator[Change]:
+def _where(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if name_of(node) == "where" and len(node.args) == 3:
         for argument in node.args[1:]:
-            yield text.replaced(node, f"({text.of(argument)})", "branche")
+            yield text.replaced(node, f"({text.source_of(argument)})", "branche")
 
 
-def transposed(text: Text, node: ast.AST) -> Iterator[Change]:
+def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """The rotation the other way round: the sine of the other sign, a matrix for its transpose."""
     if isinstance(node, ast.Call) and name_of(node) == "sin" and len(node.args) == 1:
-        yield text.replaced(node, f"(-{text.of(node)})", "rotation transposée", own=True)
+        yield text.replaced(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
     if isinstance(node, ast.Attribute) and node.attr == "T":
         yield text.replaced(
-            node, text.cut(text.span(node)[0], text.span(node.value)[1]) + _closing(text, node), "transposée", own=True
+            node,
+            text.slice(text.span(node)[0], text.span(node.value)[1]) + _closing(text, node),
+            "transposée",
+            own=True,
         )
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.MatMult):
         for side in (node.left, node.right):
@@ -180,23 +185,23 @@ def transposed(text: Text, node: ast.AST) -> Iterator[Change]:
                 yield text.replaced(side, f"{side.id}.T", "transposée", own=True)
 
 
-def _closing(text: Text, node: ast.Attribute) -> str:
+def _closing(text: ProgramText, node: ast.Attribute) -> str:
     """What stands between a value and its attribute's dot: the parentheses that close."""
-    return text.cut(text.span(node.value)[1], text.span(node)[1]).rsplit(".", 1)[0]
+    return text.slice(text.span(node.value)[1], text.span(node)[1]).rsplit(".", 1)[0]
 
 
-def degrees(text: Text, node: ast.AST) -> Iterator[Change]:
+def degrees(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """An angle in degrees where radians are meant: given to a sine, or got of an arc tangent."""
     if not isinstance(node, ast.Call):
         return
     if name_of(node) in ANGLE_IN and len(node.args) == 1:
-        yield text.replaced(node.args[0], f"{DEGREES} * ({text.of(node.args[0])})", "degrés", own=True)
+        yield text.replaced(node.args[0], f"{DEGREES} * ({text.source_of(node.args[0])})", "degrés", own=True)
     if name_of(node) in ANGLE_OUT:
-        yield text.replaced(node, f"({DEGREES} * {text.of(node)})", "degrés", own=True)
+        yield text.replaced(node, f"({DEGREES} * {text.source_of(node)})", "degrés", own=True)
     if name_of(node) == "exp" and any(
         isinstance(one, ast.Constant) and isinstance(one.value, complex) for one in ast.walk(node)
     ):
-        yield text.replaced(node.args[0], f"{DEGREES} * {text.of(node.args[0])}", "degrés", own=True)
+        yield text.replaced(node.args[0], f"{DEGREES} * {text.source_of(node.args[0])}", "degrés", own=True)
 
 
 RULES = (calls, transposed, degrees)

@@ -21,7 +21,7 @@ _HEADER = re.compile(r"^[ \t]*\[\[[ \t]*equivalent[ \t]*\]\]", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Mark:
+class EquivalentMark:
     """An alteration that is held equivalent; `removed` and `added` are its lines without their margins."""
 
     file: Path
@@ -31,7 +31,7 @@ class Mark:
     added: tuple[str, ...]
     reason: str
 
-    def marks(self, alteration: Alteration) -> bool:
+    def matches(self, alteration: Alteration) -> bool:
         return (self.function, self.removed, self.added) == (
             alteration.function,
             alteration.removed,
@@ -39,7 +39,7 @@ class Mark:
         )
 
 
-def read_equivalents(folder: Path) -> tuple[Mark, ...]:
+def read_equivalents(folder: Path) -> tuple[EquivalentMark, ...]:
     """The marks of an exercise, none where it has no such file.
 
     Raises MalformedExerciseError, with the line, for a mark that lacks a field, has another, or says nothing in one.
@@ -63,7 +63,7 @@ def read_equivalents(folder: Path) -> tuple[Mark, ...]:
     return marks
 
 
-def _mark(path: Path, entry: dict[str, object], line: int) -> Mark:
+def _mark(path: Path, entry: dict[str, object], line: int) -> EquivalentMark:
     if odd := sorted(set(FIELDS) ^ entry.keys()):
         raise MalformedExerciseError(path, f"ces champs manquent, ou sont de trop : {', '.join(odd)}", line)
     texts = [entry[name] for name in FIELDS]
@@ -72,14 +72,14 @@ def _mark(path: Path, entry: dict[str, object], line: int) -> Mark:
     function, removed, added, reason = map(str, texts)
     if not reason.strip() or not removed.strip():
         raise MalformedExerciseError(path, "une marque dit de quelles lignes elle parle, et pourquoi", line)
-    return Mark(path, line, function, _lines(removed), _lines(added), reason.strip())
+    return EquivalentMark(path, line, function, _lines(removed), _lines(added), reason.strip())
 
 
 def _lines(text: str) -> tuple[str, ...]:
     return tuple(line.strip() for line in text.strip("\n").splitlines())
 
 
-def _all_different(marks: Sequence[Mark]) -> None:
+def _all_different(marks: Sequence[EquivalentMark]) -> None:
     seen: set[tuple[object, ...]] = set()
     for mark in marks:
         key = (mark.function, mark.removed, mark.added)
@@ -88,9 +88,9 @@ def _all_different(marks: Sequence[Mark]) -> None:
         seen.add(key)
 
 
-def stale(marks: Sequence[Mark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
+def stale_marks(marks: Sequence[EquivalentMark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
     """What is wrong with the marks of which no alteration is left."""
     for mark in marks:
-        if not any(mark.marks(alteration) for alteration in found):
+        if not any(mark.matches(alteration) for alteration in found):
             words = "aucune altération de la solution n’a plus cette fonction et ces lignes"
             yield MalformedExerciseError(mark.file, words, mark.line)

@@ -6,7 +6,7 @@ import ast
 import math
 from collections.abc import Iterator
 
-from graders.core.alterations.text import Change, Text
+from graders.core.alterations.text import Change, ProgramText
 
 #: What each operator is taken for.
 BINARY = {
@@ -45,7 +45,7 @@ AXES = frozenset(map(frozenset, ("xy", "hw", "ij", ("dx", "dy"), ("ligne", "colo
 MOST_SWAPPED = 4
 
 
-def numbers(text: Text, node: ast.AST) -> Iterator[Change]:
+def numbers(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A number, a little more, a little less, none, of the other sign, twice as much; True for False."""
     if not isinstance(node, ast.Constant) or node.value is None:
         return
@@ -54,7 +54,7 @@ def numbers(text: Text, node: ast.AST) -> Iterator[Change]:
         yield text.replaced(node, str(not value), "constante")
     elif isinstance(value, complex):
         if not isinstance(text.parent(node), ast.UnaryOp):
-            yield text.replaced(node, f"(-{text.of(node)})", "rotation transposée", own=True)
+            yield text.replaced(node, f"(-{text.source_of(node)})", "rotation transposée", own=True)
     elif isinstance(value, int | float):
         own = _of_axes(text, node)
         for other in dict.fromkeys(_others(text, node, value)):
@@ -62,7 +62,7 @@ def numbers(text: Text, node: ast.AST) -> Iterator[Change]:
             yield text.replaced(node, written, "axe" if own else "constante", own=own)
 
 
-def _others(text: Text, node: ast.AST, value: float) -> Iterator[float]:
+def _others(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
     parent = text.parent(node)
     signed = isinstance(parent, ast.UnaryOp)
     term = isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.Add | ast.Sub) and parent.right is node
@@ -83,7 +83,7 @@ def _others(text: Text, node: ast.AST, value: float) -> Iterator[float]:
         yield from (other for other in found if other != value and not (term and other == 0))
 
 
-def _of_axes(text: Text, node: ast.AST) -> bool:
+def _of_axes(text: ProgramText, node: ast.AST) -> bool:
     """Is it the number of an axis: `axis=…`, or what `shape` is asked for?"""
     parent = text.parent(node)
     if isinstance(parent, ast.keyword):
@@ -93,14 +93,14 @@ def _of_axes(text: Text, node: ast.AST) -> bool:
     )
 
 
-def _is_index(text: Text, node: ast.AST) -> bool:
+def _is_index(text: ProgramText, node: ast.AST) -> bool:
     while isinstance(text.parent(node), ast.UnaryOp | ast.Tuple):
         node = text.parent(node)
     parent = text.parent(node)
     return isinstance(parent, ast.Slice) or (isinstance(parent, ast.Subscript) and parent.slice is node)
 
 
-def binary(text: Text, node: ast.AST) -> Iterator[Change]:
+def binary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Another operator, an operand alone, the operands of a difference or of a product of matrices swapped."""
     if not isinstance(node, ast.BinOp) or _has_text(node) or type(node.op) not in BINARY:
         return
@@ -112,13 +112,13 @@ def binary(text: Text, node: ast.AST) -> Iterator[Change]:
     if isinstance(node.op, LEFT_ALONE):
         own = is_normalisation(node)
         yield Change(
-            first, last, text.cut(first, start).rstrip(), "normalisation oubliée" if own else "terme oublié", own
+            first, last, text.slice(first, start).rstrip(), "normalisation oubliée" if own else "terme oublié", own
         )
     if isinstance(node.op, RIGHT_ALONE):
-        yield Change(first, last, text.cut(end, last).lstrip(), "terme oublié")
+        yield Change(first, last, text.slice(end, last).lstrip(), "terme oublié")
     if isinstance(node.op, ast.Sub | ast.MatMult):
         own = isinstance(node.op, ast.MatMult)
-        right, left = text.cut(end, last).strip(), text.cut(first, start).strip()
+        right, left = text.slice(end, last).strip(), text.slice(first, start).strip()
         words = "ordre du produit" if own else "opérandes échangés"
         yield Change(first, last, f"{_grouped(node.right, right)} {spelled} {_grouped(node.left, left)}", words, own)
 
@@ -151,15 +151,15 @@ def name_of(call: ast.Call) -> str:
     return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
 
 
-def unary(text: Text, node: ast.AST) -> Iterator[Change]:
+def unary(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A sign, a « not », a « ~ » dropped."""
     if isinstance(node, ast.UnaryOp):
         first, last = text.span(node)
         length = len("not") if isinstance(node.op, ast.Not) else 1
-        yield Change(first, last, text.cut(first + length, last).lstrip(), "signe ou négation oubliés")
+        yield Change(first, last, text.slice(first + length, last).lstrip(), "signe ou négation oubliés")
 
 
-def comparisons(text: Text, node: ast.AST) -> Iterator[Change]:
+def comparisons(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Strict for not strict, the contrary; one of two bounds alone."""
     if not isinstance(node, ast.Compare):
         return
@@ -170,11 +170,11 @@ def comparisons(text: Text, node: ast.AST) -> Iterator[Change]:
             yield Change(*text.token(left, right, spelled), other, "comparaison")
     if len(node.ops) == 2:
         (first, last), (start, end) = text.span(node), text.span(node.comparators[0])
-        yield Change(first, last, text.cut(first, end), "borne oubliée")
-        yield Change(first, last, text.cut(start, last), "borne oubliée")
+        yield Change(first, last, text.slice(first, end), "borne oubliée")
+        yield Change(first, last, text.slice(start, last), "borne oubliée")
 
 
-def booleans(text: Text, node: ast.AST) -> Iterator[Change]:
+def booleans(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« and » for « or », one of the conditions dropped."""
     if not isinstance(node, ast.BoolOp):
         return
@@ -190,25 +190,25 @@ def booleans(text: Text, node: ast.AST) -> Iterator[Change]:
         yield Change(start, stop, "", "condition oubliée")
 
 
-def choices(text: Text, node: ast.AST) -> Iterator[Change]:
+def choices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """One branch of « a if c else b » whatever c."""
     if isinstance(node, ast.IfExp):
-        yield text.replaced(node, f"({text.of(node.body)})", "branche")
-        yield text.replaced(node, f"({text.of(node.orelse)})", "branche")
+        yield text.replaced(node, f"({text.source_of(node.body)})", "branche")
+        yield text.replaced(node, f"({text.source_of(node.orelse)})", "branche")
 
 
-def indices(text: Text, node: ast.AST) -> Iterator[Change]:
+def indices(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """An index or a bound off by one; row and column swapped."""
     if not isinstance(node, ast.Subscript):
         return
     parts = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
     for part in parts:
         yield from _bounds(text, part) if isinstance(part, ast.Slice) else _off_by_one(text, part)
-    if len(parts) == 2 and text.of(parts[0]) != text.of(parts[1]):
+    if len(parts) == 2 and text.source_of(parts[0]) != text.source_of(parts[1]):
         yield text.swapped(parts[0], parts[1], "ligne et colonne", own=True)
 
 
-def _bounds(text: Text, part: ast.Slice) -> Iterator[Change]:
+def _bounds(text: ProgramText, part: ast.Slice) -> Iterator[Change]:
     for bound in (part.lower, part.upper):
         if bound is not None:
             yield from _off_by_one(text, bound)
@@ -219,30 +219,30 @@ def _bounds(text: Text, part: ast.Slice) -> Iterator[Change]:
         yield Change(end, end, "-1", "indice décalé")
 
 
-def _off_by_one(text: Text, node: ast.expr) -> Iterator[Change]:
+def _off_by_one(text: ProgramText, node: ast.expr) -> Iterator[Change]:
     """Numbers alone are altered as constants; masks and lists are no indices."""
     bare = node.operand if isinstance(node, ast.UnaryOp) else node
     if not isinstance(bare, ast.Constant | ast.Compare | ast.List | ast.BoolOp):
         for sign in "+-":
-            yield text.replaced(node, f"{text.of(node)} {sign} 1", "indice décalé")
+            yield text.replaced(node, f"{text.source_of(node)} {sign} 1", "indice décalé")
 
 
-def displays(text: Text, node: ast.AST) -> Iterator[Change]:
+def displays(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Two neighbours of a list or a tuple swapped, of what is returned or unpacked too; not those of an index."""
     if not isinstance(node, ast.List | ast.Tuple) or isinstance(text.parent(node), ast.Subscript):
         return
     for first, second in list(zip(node.elts, node.elts[1:], strict=False))[:MOST_SWAPPED]:
-        if text.of(first) != text.of(second):
-            own = frozenset(text.of(one).lower() for one in (first, second)) in AXES
+        if text.source_of(first) != text.source_of(second):
+            own = frozenset(text.source_of(one).lower() for one in (first, second)) in AXES
             yield text.swapped(first, second, "ligne et colonne" if own else "ordre", own=own)
 
 
-def halves_of_a_turn(text: Text, node: ast.AST) -> Iterator[Change]:
+def halves_of_a_turn(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """π for 2π, where π has a name."""
     if isinstance(node, ast.Attribute) and node.attr == "pi":
-        yield text.replaced(node, f"(2 * {text.of(node)})", "constante")
+        yield text.replaced(node, f"(2 * {text.source_of(node)})", "constante")
     if isinstance(node, ast.Attribute) and node.attr == "tau":
-        yield text.replaced(node, f"({text.of(node)} / 2)", "constante")
+        yield text.replaced(node, f"({text.source_of(node)} / 2)", "constante")
     if isinstance(node, ast.Attribute) and node.attr == "inf":
         yield text.replaced(node, "0.0", "constante")
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from graders.core.alterations.calls import WRAP
 from graders.core.alterations.expressions import is_normalisation, name_of
-from graders.core.alterations.text import Change, Text
+from graders.core.alterations.text import Change, ProgramText
 
 AUGMENTED = {
     ast.Add: ("+=", ("-=", "=")),
@@ -20,7 +20,7 @@ AUGMENTED = {
 }
 
 
-def dropped(text: Text, node: ast.AST) -> Iterator[Change]:
+def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A statement left out, where the program still runs without it: not the first value that a name is given."""
     if isinstance(node, ast.Assign) and all(_bound_before(text, node, target) for target in node.targets):
         value: ast.expr | None = node.value
@@ -36,7 +36,7 @@ def dropped(text: Text, node: ast.AST) -> Iterator[Change]:
     yield text.replaced(node, "pass", "normalisation oubliée" if own else "instruction oubliée", own=own)
 
 
-def _bound_before(text: Text, node: ast.Assign, target: ast.expr) -> bool:
+def _bound_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
     """Does a target have a value already: a place in something, an argument, a name given before or in a loop?"""
     if isinstance(target, ast.Tuple | ast.List):
         return all(_bound_before(text, node, one) for one in target.elts)
@@ -66,7 +66,7 @@ def _normalises(value: ast.expr) -> bool:
     )
 
 
-def augmented(text: Text, node: ast.AST) -> Iterator[Change]:
+def augmented(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« -= » or « = » for « += », and so on."""
     if isinstance(node, ast.AugAssign) and type(node.op) in AUGMENTED:
         spelled, others = AUGMENTED[type(node.op)]
@@ -75,7 +75,7 @@ def augmented(text: Text, node: ast.AST) -> Iterator[Change]:
             yield Change(start, end, other, "affectation")
 
 
-def conditions(text: Text, node: ast.AST) -> Iterator[Change]:
+def conditions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """A condition that always holds, never does, or is the contrary; a loop that is never entered."""
     tests: list[ast.expr] = []
     if isinstance(node, ast.If | ast.While):
@@ -87,10 +87,10 @@ def conditions(text: Text, node: ast.AST) -> Iterator[Change]:
         if not isinstance(node, ast.While):
             yield text.replaced(test, "True", "condition")
         if not isinstance(test, ast.Compare):
-            yield text.replaced(test, f"not ({text.of(test)})", "condition")
+            yield text.replaced(test, f"not ({text.source_of(test)})", "condition")
 
 
-def jumps(text: Text, node: ast.AST) -> Iterator[Change]:
+def jumps(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """« break » for « continue », and the contrary."""
     if isinstance(node, ast.Break):
         yield text.replaced(node, "continue", "saut")

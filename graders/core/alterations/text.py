@@ -20,10 +20,10 @@ class Change:
     end: int
     text: str
     operator: str
-    own: bool = False
+    is_course_mistake: bool = False
 
 
-class Text:
+class ProgramText:
     """A program's source, its tree, and the place of each node in the bytes of the source. Raises SyntaxError."""
 
     def __init__(self, source: str) -> None:
@@ -38,10 +38,10 @@ class Text:
         start = self._lines[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
         return start, self._lines[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
 
-    def of(self, node: ast.AST) -> str:
-        return self.cut(*self.span(node))
+    def source_of(self, node: ast.AST) -> str:
+        return self.slice(*self.span(node))
 
-    def cut(self, start: int, end: int) -> str:
+    def slice(self, start: int, end: int) -> str:
         return self.raw[start:end].decode()
 
     def parent(self, node: ast.AST) -> ast.AST:
@@ -80,7 +80,9 @@ class Text:
     def swapped(self, first: ast.AST, second: ast.AST, operator: str, *, own: bool = False) -> Change:
         """Two nodes, of which the first stands first, each in the other's place."""
         (start, left), (right, end) = self.span(first), self.span(second)
-        return Change(start, end, f"{self.of(second)}{self.cut(left, right)}{self.of(first)}", operator, own)
+        return Change(
+            start, end, f"{self.source_of(second)}{self.slice(left, right)}{self.source_of(first)}", operator, own
+        )
 
     def apply(self, change: Change) -> str:
         return (self.raw[: change.start] + change.text.encode() + self.raw[change.end :]).decode()

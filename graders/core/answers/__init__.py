@@ -8,9 +8,9 @@ from graders.core.answers.choice import ChoiceSheet, Option, choice
 from graders.core.answers.judging import AnswersGrader
 from graders.core.answers.numeric import NumericDefinition, numeric
 from graders.core.answers.order import Distractor, OrderSheet, Step, order
-from graders.core.answers.paper import Given, Paper, Piece, Question
 from graders.core.answers.quantity import Quantity
-from graders.core.answers.reading import canonical
+from graders.core.answers.question_paper import GivenDatum, Paper, PaperPiece, Question
+from graders.core.answers.reading import canonical_json
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.answers.wording import Datum, NumericSheet
 
@@ -19,18 +19,18 @@ __all__ = [
     "ChoiceSheet",
     "Datum",
     "Distractor",
-    "Given",
+    "GivenDatum",
     "MalformedSheetError",
     "NumericDefinition",
     "NumericSheet",
     "Option",
     "OrderSheet",
     "Paper",
-    "Piece",
+    "PaperPiece",
     "Quantity",
     "Question",
     "Step",
-    "canonical",
+    "canonical_json",
     "choice",
     "numeric",
     "order",

@@ -7,10 +7,10 @@ from collections.abc import Set as AbstractSet
 
 import numpy as np
 
-Before = Mapping[str, AbstractSet[str]]
+Predecessors = Mapping[str, AbstractSet[str]]
 
 
-def all_before(after: Mapping[str, Sequence[str]]) -> Before:
+def transitive_predecessors(after: Mapping[str, Sequence[str]]) -> Predecessors:
     """All that must stand before each name, at whatever remove; `after` has the names in an order that it allows."""
     before: dict[str, frozenset[str]] = {}
     for name, direct in after.items():
@@ -18,7 +18,7 @@ def all_before(after: Mapping[str, Sequence[str]]) -> Before:
     return before
 
 
-def longest_chain(names: Sequence[str], before: Before) -> int:
+def longest_chain(names: Sequence[str], before: Predecessors) -> int:
     """The length of the longest subsequence of `names`, all different, that some order which `before` allows contains.
 
     Two names clash when the second must stand before the first. Clashing is transitive, so that the names without a

@@ -8,11 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters, renamed
-from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Form, Paper, Piece, Question, Told, quoted
-from graders.core.answers.reading import is_blank, shown
+from graders.core.answers.judging import AnswerCheck, Answers, AnswersGrader
+from graders.core.answers.letters import MAX_LETTERS, Letters, rename_items
+from graders.core.answers.mistakes import check_same_mistakes, read_mistakes
+from graders.core.answers.question_paper import AnswerTranscript, Form, Paper, PaperPiece, Question, quote_markdown
+from graders.core.answers.reading import display_text, is_blank
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
@@ -50,7 +50,7 @@ class ChoiceQuestion:
         return [option.id for option in self.options if option.right]
 
     def letters(self, seed: int) -> Letters:
-        return Letters.dealt([option.id for option in self.options], seed, self.id)
+        return Letters.from_seed([option.id for option in self.options], seed, self.id)
 
     def option(self, name: str) -> Option:
         return next(option for option in self.options if option.id == name)
@@ -70,7 +70,7 @@ def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
         _check(question, place)
     used = {option.misconception for question in sheet.questions for option in question.options}
     catalogue = read_mistakes(folder)
-    same_mistakes(folder, catalogue, {name for name in used if name})
+    check_same_mistakes(folder, catalogue, {name for name in used if name})
     return ChoiceGrader(exercise, folder, catalogue, sheet.questions)
 
 
@@ -79,7 +79,7 @@ def _check(question: ChoiceQuestion, place: int) -> None:
     right = len(question.right)
     faults = {
         "deux options ont le même nom": len(set(ids)) != len(ids),
-        f"elle a plus de {MOST} options": len(ids) > MOST,
+        f"elle a plus de {MAX_LETTERS} options": len(ids) > MAX_LETTERS,
         "aucune option n’est juste": not right,
         "plusieurs options sont justes : dites « several = true »": right > 1 and not question.several,
         "toutes ses options sont justes": right == len(ids),
@@ -96,22 +96,22 @@ def _check(question: ChoiceQuestion, place: int) -> None:
 class ChoiceGrader(AnswersGrader):
     questions: tuple[ChoiceQuestion, ...]
 
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[AnswerCheck]:
         total = sum(question.points for question in self.questions)
-        return [Check(q.id, q.title, MAX_POINTS * q.points / total, q.hint or None) for q in self.questions]
+        return [AnswerCheck(q.id, q.title, MAX_POINTS * q.points / total, q.hint or None) for q in self.questions]
 
     def paper(self, seed: int) -> Paper:
         pairs = zip(self.questions, self.checks(), strict=True)
         return Paper((), tuple(_question(question, check.points, seed) for question, check in pairs))
 
-    def right(self, seed: int) -> Answers:
+    def right_answers(self, seed: int) -> Answers:
         return {question.id: _written(question, question.right, seed) for question in self.questions}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
         pairs = zip(self.questions, self.checks(), strict=True)
         return [self._judged(q, check, answers.get(q.id), q.letters(seed)) for q, check in pairs]
 
-    def _judged(self, question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) -> Finding:
+    def _judged(self, question: ChoiceQuestion, check: AnswerCheck, raw: Any, letters: Letters) -> Finding:
         if raw is None:
             return check.blank()
         ticked = _read(question, raw, letters)
@@ -151,7 +151,7 @@ class ChoiceGrader(AnswersGrader):
         slip = slips.pop() if len(slips) == 1 else None
         return self.catalogue[slip].diagnosis if slip else None
 
-    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+    def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for question in self.questions:
             for option in question.options:
                 if not option.right:
@@ -162,12 +162,12 @@ class ChoiceGrader(AnswersGrader):
                 yield f"{question.id} : tout", None, partial(self._with, question, everything)
 
     def _with(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
-        return {**self.right(seed), question.id: _written(question, ticked, seed)}
+        return {**self.right_answers(seed), question.id: _written(question, ticked, seed)}
 
-    def lettered(self, answers: Answers, seed: int) -> Answers:
+    def with_letters(self, answers: Answers, seed: int) -> Answers:
         return self._mapped(answers, lambda question: question.letters(seed).by_name)
 
-    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
         def letters(question: ChoiceQuestion) -> Mapping[str, str]:
             names, fresh = question.letters(old).by_letter, question.letters(new).by_name
             return {letter: fresh[name] for letter, name in names.items()}
@@ -178,7 +178,7 @@ class ChoiceGrader(AnswersGrader):
         maps = {question.id: letters(question) for question in self.questions}
         return {name: _renamed(value, maps.get(name, {})) for name, value in answers.items()}
 
-    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+    def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         return [
             _told(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
             for question in self.questions
@@ -191,7 +191,9 @@ class ChoiceGrader(AnswersGrader):
             parts.append(f"**{place}. {question.title}.** {question.text}")
             for letter, name in question.letters(seed).by_letter.items():
                 option = question.option(name)
-                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {quoted(option.why)}")
+                parts.append(
+                    f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {quote_markdown(option.why)}"
+                )
         return "\n\n".join(parts)
 
 
@@ -208,9 +210,9 @@ def _question(question: ChoiceQuestion, points: float, seed: int) -> Question:
     )
 
 
-def _pieces(question: ChoiceQuestion, seed: int) -> tuple[Piece, ...]:
+def _pieces(question: ChoiceQuestion, seed: int) -> tuple[PaperPiece, ...]:
     names = question.letters(seed).by_letter
-    return tuple(Piece(letter, question.option(name).text) for letter, name in names.items())
+    return tuple(PaperPiece(letter, question.option(name).text) for letter, name in names.items())
 
 
 def _written(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str | list[str]:
@@ -247,11 +249,11 @@ def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | s
 
 
 def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    return names.get(value, value) if isinstance(value, str) else renamed(value, names)
+    return names.get(value, value) if isinstance(value, str) else rename_items(value, names)
 
 
-def _told(question: ChoiceQuestion, value: Any, pieces: Mapping[str, Piece]) -> Told:
+def _told(question: ChoiceQuestion, value: Any, pieces: Mapping[str, PaperPiece]) -> AnswerTranscript:
     ids = [value] if isinstance(value, str) else value
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
-        return Told(question.id, question.title, "", tuple(pieces[letter] for letter in ids))
-    return Told(question.id, question.title, shown(value))
+        return AnswerTranscript(question.id, question.title, "", tuple(pieces[letter] for letter in ids))
+    return AnswerTranscript(question.id, question.title, display_text(value))

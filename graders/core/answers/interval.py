@@ -9,7 +9,7 @@ import numpy as np
 NEAREST, FURTHEST = 1.3, 3.0  # how far the ends are, as factors
 
 
-def around(size: float, rng: np.random.Generator) -> tuple[float, float]:
+def rounded_interval(size: float, rng: np.random.Generator) -> tuple[float, float]:
     """Two rounded ends on either side of `size`, which is positive, each at a distance of its own."""
     below, above = np.exp(rng.uniform(np.log(NEAREST), np.log(FURTHEST), 2))
     return _rounded(size / below, math.floor), _rounded(size * above, math.ceil)

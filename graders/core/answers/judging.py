@@ -11,22 +11,22 @@ from pathlib import Path
 from typing import Any
 
 from graders.core.answers.mistakes import Mistake
-from graders.core.answers.paper import Paper, Told
-from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
-from graders.core.contract.findings import Finding, Judgement, verdict_of
+from graders.core.answers.question_paper import AnswerTranscript, Paper
+from graders.core.answers.reading import UnreadableAnswersError, canonical_json, display_text, is_blank, read_answers
+from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
-from graders.core.contract.protocol import Known
+from graders.core.contract.protocol import KnownSubmission
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 Answers = Mapping[str, Any]
-ROUNDS = 25  # seeds on which a known answer is tried by `balise check`
+CHECKED_SEEDS = 25  # seeds on which a known answer is tried by `balise check`
 NO_ANSWER = "Il n'y a pas encore de réponse à cette question."
 UNKNOWN = "Ce fichier répond à des questions qui n'existent pas. Les questions sont : {names}."
 
 
 @dataclass(frozen=True)
-class Check:
+class AnswerCheck:
     """What a check is, before any answer: its place in the verdict."""
 
     id: str
@@ -35,7 +35,7 @@ class Check:
     hint: str | None = None
 
     @property
-    def unaided(self) -> Check:
+    def unaided(self) -> AnswerCheck:
         """The same without its hint, for what says nothing of how the question was understood."""
         return replace(self, hint=None)
 
@@ -60,7 +60,7 @@ class Check:
     def unreadable(self, reason: str, value: Any) -> Finding:
         message = f"Cette réponse n'est pas lue : {reason}."
         return self.unaided.failed(
-            message, inputs={}, expected="une réponse lisible", got=shown(value), cause=Outcome.INVALID_OUTPUT
+            message, inputs={}, expected="une réponse lisible", got=display_text(value), cause=Outcome.INVALID_OUTPUT
         )
 
     def blank(self) -> Finding:
@@ -83,7 +83,7 @@ class AnswersGrader(ABC):
         """What the student is given."""
 
     @abstractmethod
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[AnswerCheck]:
         """The checks of a verdict, whose points sum to 20."""
 
     @abstractmethod
@@ -91,15 +91,15 @@ class AnswersGrader(ABC):
         """One finding for each check. `answers` speaks of known questions only; its values are any JSON."""
 
     @abstractmethod
-    def right(self, seed: int) -> Answers:
+    def right_answers(self, seed: int) -> Answers:
         """Answers that get full marks."""
 
     @abstractmethod
-    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+    def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         """Answers that must be rejected: what they are, the misconception that they must be named by, the answers."""
 
     @abstractmethod
-    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+    def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         """Answers as one reads them again, whatever they are."""
 
     @abstractmethod
@@ -112,7 +112,7 @@ class AnswersGrader(ABC):
         findings = self._findings(source, seed)
         took = round(1000.0 * (time.perf_counter() - started), 3)
         diagnosis = self._diagnosis(findings)
-        return Judgement(verdict_of(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
+        return Judgement(make_verdict(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
 
     def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
         try:
@@ -124,7 +124,7 @@ class AnswersGrader(ABC):
         unknown = sorted(answers.keys() - set(names))
         if unknown:
             message = UNKNOWN.format(names=", ".join(f"`{name}`" for name in names))
-            got, wanted = shown(", ".join(unknown)), ", ".join(names)
+            got, wanted = display_text(", ".join(unknown)), ", ".join(names)
             return [
                 check.failed(message, inputs={}, expected=wanted, got=got, cause=Outcome.INVALID_OUTPUT)
                 for check in self.checks()
@@ -137,33 +137,33 @@ class AnswersGrader(ABC):
         return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
 
     def rehearse(self) -> None:
-        self.grade(canonical(self.right(0)).encode(), seed=0, version="")
+        self.grade(canonical_json(self.right_answers(0)).encode(), seed=0, version="")
 
-    def mistakes(self) -> frozenset[str]:
+    def mistake_ids(self) -> frozenset[str]:
         return frozenset(self.catalogue)
 
-    def known(self) -> Iterator[Known]:
-        yield Known("référence", _written(self.right), Outcome.OK, rounds=ROUNDS)
-        yield Known("rien de répondu", lambda _: b"{}", Outcome.INVALID_OUTPUT, rounds=ROUNDS)
-        for subject, mistake, answers in self.wrong():
-            yield Known(subject, _written(answers), Outcome.WRONG_ANSWER, mistake, ROUNDS)
+    def known_submissions(self) -> Iterator[KnownSubmission]:
+        yield KnownSubmission("référence", _written(self.right_answers), Outcome.OK, rounds=CHECKED_SEEDS)
+        yield KnownSubmission("rien de répondu", lambda _: b"{}", Outcome.INVALID_OUTPUT, rounds=CHECKED_SEEDS)
+        for subject, mistake, answers in self.wrong_answers():
+            yield KnownSubmission(subject, _written(answers), Outcome.WRONG_ANSWER, mistake, CHECKED_SEEDS)
         for path in sorted((self.folder / "specimens").glob("*/*.json")):
             subject = f"spécimen {path.parent.name}/{path.name}"
-            yield Known(subject, self._specimen(path.read_bytes()), Outcome(path.parent.name))
+            yield KnownSubmission(subject, self._specimen(path.read_bytes()), Outcome(path.parent.name))
 
     def _specimen(self, source: bytes) -> Callable[[int], bytes]:
         """Specimens name options and steps as the course does, since letters change with the seed."""
 
         def write(seed: int) -> bytes:
             try:
-                answers = self.lettered(read_answers(source), seed)
+                answers = self.with_letters(read_answers(source), seed)
             except UnreadableAnswersError:
                 return source
-            return canonical(answers).encode("utf-8", "surrogatepass") if answers is not None else source
+            return canonical_json(answers).encode("utf-8", "surrogatepass") if answers is not None else source
 
         return write
 
-    def lettered(self, answers: Answers, seed: int) -> Answers | None:
+    def with_letters(self, answers: Answers, seed: int) -> Answers | None:
         """Answers given with the course's names, under the letters of a deal; None where nothing has a letter."""
         return None
 
@@ -171,10 +171,10 @@ class AnswersGrader(ABC):
         """A text of the sheet as a student may read it: with the numbers of some deal in it."""
         return wording
 
-    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
         """Answers to one deal as answers to another, where the letters differ."""
         return answers
 
 
 def _written(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:
-    return lambda seed: canonical(answers(seed)).encode()
+    return lambda seed: canonical_json(answers(seed)).encode()

@@ -14,9 +14,9 @@ from typing import Any
 
 from graders.core.contract.streams import stream
 
-MOST = len(ascii_lowercase)
+MAX_LETTERS = len(ascii_lowercase)
 #: A submission asks several times for the letters of each of its questions.
-KEPT = 1024
+CACHE_SIZE = 1024
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Letters:
     names: tuple[str, ...]
 
     @classmethod
-    def dealt(cls, names: Sequence[str], seed: int, key: str) -> Letters:
+    def from_seed(cls, names: Sequence[str], seed: int, key: str) -> Letters:
         """The letters that `seed` gives to `names`, which are at most 26; `key` separates one question from another."""
         return _dealt(tuple(names), seed, key)
 
@@ -39,14 +39,14 @@ class Letters:
         return {name: letter for letter, name in self.by_letter.items()}
 
 
-@lru_cache(KEPT)
+@lru_cache(CACHE_SIZE)
 def _dealt(names: tuple[str, ...], seed: int, key: str) -> Letters:
     shuffled = stream(seed, f"letters {key}").permutation(len(names))
     placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())
     return Letters(tuple(placeless[place] for place in shuffled))
 
 
-def renamed(value: Any, names: Mapping[str, str]) -> Any:
+def rename_items(value: Any, names: Mapping[str, str]) -> Any:
     """An answer's list with each name replaced; what is no list, or no known name, as it is."""
     if not isinstance(value, list):
         return value

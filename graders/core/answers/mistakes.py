@@ -54,7 +54,7 @@ def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
     return mistakes
 
 
-def same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str]) -> None:
+def check_same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str]) -> None:
     """What the exercise speaks of and what is catalogued are the same. Raises MalformedExerciseError."""
     path = folder / "misconceptions.toml"
     for name in sorted(used ^ catalogued.keys()):

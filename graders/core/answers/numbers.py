@@ -9,10 +9,10 @@ import math
 import re
 from collections.abc import Callable
 
-LONGEST = 100
-DEEPEST = 20
-LARGEST = 1e15
-LARGEST_EXPONENT = 300
+MAX_LENGTH = 100
+MAX_DEPTH = 20
+MAX_VALUE = 1e15
+MAX_EXPONENT = 300
 
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _SUPERSCRIPT = re.compile(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
@@ -48,8 +48,8 @@ _ALIASES = {
     "arctan2": "atan2",
 }
 _KNOWN = {*_CONSTANTS, *_FUNCTIONS, *_OF_TWO}
-READ = "pi, e, sqrt, sin, cos, tan, atan, exp et ln sont lus"
-LONGEST_WORD = 20
+SUPPORTED_NAMES = "pi, e, sqrt, sin, cos, tan, atan, exp et ln sont lus"
+MAX_SHOWN_WORD = 20
 _IMPOSSIBLE = {"sqrt": "prendre la racine", "ln": "prendre le logarithme", "log10": "prendre le logarithme"}
 
 
@@ -59,25 +59,25 @@ class NotANumberError(Exception):
 
 def read_number(text: str) -> float:
     """The value of `text`. Raises NotANumberError."""
-    if len(text) > LONGEST:
-        raise NotANumberError(f"cette réponse est trop longue pour un nombre (plus de {LONGEST} caractères)")
+    if len(text) > MAX_LENGTH:
+        raise NotANumberError(f"cette réponse est trop longue pour un nombre (plus de {MAX_LENGTH} caractères)")
     tokens = _tokens(_plain(text))
     if not tokens:
         raise NotANumberError("la réponse est vide")
     try:
-        value = _Reader(tokens).whole()
+        value = _Parser(tokens).whole()
     except ZeroDivisionError as error:
         raise NotANumberError("ce calcul divise par zéro") from error
     except OverflowError as error:
         raise NotANumberError("ce nombre est démesuré") from error
-    return bounded(value)
+    return check_finite(value)
 
 
-def bounded(value: float) -> float:
+def check_finite(value: float) -> float:
     """The same number, when it is finite and of a sane size. Raises NotANumberError."""
     if math.isnan(value):
         raise NotANumberError("ce n'est pas un nombre (NaN)")
-    if math.isinf(value) or abs(value) > LARGEST:
+    if math.isinf(value) or abs(value) > MAX_VALUE:
         raise NotANumberError("ce nombre est démesuré")
     return value
 
@@ -107,8 +107,8 @@ def _token(match: re.Match[str]) -> str:
         return str(sign).replace("**", "^")
     name = _ALIASES.get(word.lower(), word.lower())
     if name not in _KNOWN:
-        short = word if len(word) <= LONGEST_WORD else word[:LONGEST_WORD] + "…"
-        raise NotANumberError(f"« {short} » n'est pas connu : écrivez le nombre seul, sans unité ({READ})")
+        short = word if len(word) <= MAX_SHOWN_WORD else word[:MAX_SHOWN_WORD] + "…"
+        raise NotANumberError(f"« {short} » n'est pas connu : écrivez le nombre seul, sans unité ({SUPPORTED_NAMES})")
     return name
 
 
@@ -120,7 +120,7 @@ def _applied(name: str, *values: float) -> float:
         raise NotANumberError(f"{_IMPOSSIBLE.get(name, name)} n'est pas possible pour ce nombre") from error
 
 
-class _Reader:
+class _Parser:
     """Recursive descent: sum, product, sign, power, atom."""
 
     def __init__(self, tokens: list[str]) -> None:
@@ -144,7 +144,7 @@ class _Reader:
 
     def _deeper(self, read: Callable[[], float]) -> float:
         self._depth += 1
-        if self._depth > DEEPEST:
+        if self._depth > MAX_DEPTH:
             raise NotANumberError("ce calcul est trop imbriqué")
         value = read()
         self._depth -= 1
@@ -183,8 +183,8 @@ class _Reader:
             return base
         self._take()
         exponent = self._deeper(self._signed)
-        if abs(exponent) > LARGEST_EXPONENT:
-            raise NotANumberError(f"un exposant doit être entre −{LARGEST_EXPONENT} et {LARGEST_EXPONENT}")
+        if abs(exponent) > MAX_EXPONENT:
+            raise NotANumberError(f"un exposant doit être entre −{MAX_EXPONENT} et {MAX_EXPONENT}")
         if base < 0 and not float(exponent).is_integer():
             raise NotANumberError("une puissance d'un nombre négatif doit être entière")
         return float(base**exponent)

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.answers.interval import around
-from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.mistakes import Mistake, read_mistakes, same_mistakes
-from graders.core.answers.numbers import NotANumberError, bounded, read_number
-from graders.core.answers.paper import Given, Paper, Question, Told
+from graders.core.answers.interval import rounded_interval
+from graders.core.answers.judging import AnswerCheck, Answers, AnswersGrader
+from graders.core.answers.mistakes import Mistake, check_same_mistakes, read_mistakes
+from graders.core.answers.numbers import NotANumberError, check_finite, read_number
 from graders.core.answers.quantity import Data, Formula, Quantity, Values
-from graders.core.answers.reading import is_blank, shown
-from graders.core.answers.rounding import Typed, decimals_for, typed
+from graders.core.answers.question_paper import AnswerTranscript, GivenDatum, Paper, Question
+from graders.core.answers.reading import display_text, is_blank
+from graders.core.answers.rounding import TypedDecimal, decimals_for, parse_decimal
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.answers.wording import NumericSheet, NumericWording
 from graders.core.compare.words import number
@@ -28,16 +28,16 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import MAX_POINTS
 
-DEALS = 1000  # one deal in thirteen is kept in some exercises: an unlucky seed would stay so for ever
-APART = 10  # tolerances between a slip and the right value, and between two slips
+MAX_DRAWS = 1000  # one deal in thirteen is kept in some exercises: an unlucky seed would stay so for ever
+MIN_SEPARATION = 10  # tolerances between a slip and the right value, and between two slips
 FOLLOWED = (
     "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
     "une partie des points est gagnée."
 )
 ROUNDED = "C'est la bonne valeur, mais trop arrondie, et la moitié des points est gagnée"
 DOUBTFUL = "Cette réponse est trop arrondie pour que l'on sache d'où elle vient"
-NEAR = 5  # tolerances from the right value that rounding on the way may explain
-PART = 0.5  # of the points: for what follows from one's own wrong answer, and for too few digits
+NEARLY_RIGHT = 5  # tolerances from the right value that rounding on the way may explain
+PARTIAL_CREDIT = 0.5  # of the points: for what follows from one's own wrong answer, and for too few digits
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class NumericDefinition(Definition):
     """See `numeric`."""
 
     catalogue: Mapping[str, Mistake]
-    dealing: Callable[[np.random.Generator], Data]
+    draw_data: Callable[[np.random.Generator], Data]
     quantities: tuple[Quantity, ...]
 
     def bind(self, sheet: NumericSheet) -> NumericGrader:
         """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
-        grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.dealing, self.quantities, sheet)
+        grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.draw_data, self.quantities, sheet)
         asked, judged = [question.id for question in sheet.questions], [quantity.id for quantity in self.quantities]
         if asked != judged:
             raise MalformedExerciseError(
@@ -63,7 +63,7 @@ class NumericDefinition(Definition):
             raise MalformedExerciseError(
                 self.file, f"nombres tirés par deal() et non montrés, ou l’inverse : {', '.join(odd)}"
             )
-        for place, unknown in enumerate(sheet.unknown()):
+        for place, unknown in enumerate(sheet.unknown_placeholders()):
             if unknown:
                 raise MalformedSheetError(
                     f"ces nombres ne sont pas tirés par deal() : {', '.join(unknown)}", ("question", place)
@@ -85,12 +85,12 @@ def numeric(
         raise MalformedExerciseError(
             Path(file), f"les questions font {total:g} points : changez-les pour qu’elles en fassent {MAX_POINTS:g}"
         )
-    same_mistakes(folder, catalogue, {slip for quantity in quantities for slip in quantity.slips})
+    check_same_mistakes(folder, catalogue, {slip for quantity in quantities for slip in quantity.slips})
     return NumericDefinition(folder, catalogue, deal, tuple(quantities))
 
 
 @dataclass(frozen=True)
-class Dealt:
+class NumericVariant:
     """One deal: the data, the right values, and what each slip gives in their place."""
 
     data: Data
@@ -100,7 +100,7 @@ class Dealt:
 
 @dataclass(frozen=True, eq=False)
 class NumericGrader(AnswersGrader):
-    dealing: Callable[[np.random.Generator], Data]
+    draw_data: Callable[[np.random.Generator], Data]
     quantities: tuple[Quantity, ...]
     sheet: NumericSheet
 
@@ -110,21 +110,23 @@ class NumericGrader(AnswersGrader):
     def paper(self, seed: int) -> Paper:
         data = self.data(seed)
         given = tuple(
-            Given(datum.symbol, datum.meaning, datum.text(data[datum.name]), datum.unit) for datum in self.sheet.data
+            GivenDatum(datum.symbol, datum.meaning, datum.text(data[datum.name]), datum.unit)
+            for datum in self.sheet.data
         )
         questions = tuple(
-            Question(w.id, w.title, self.sheet.filled(w.text, data), "number", q.points, w.unit)
+            Question(w.id, w.title, self.sheet.fill_placeholders(w.text, data), "number", q.points, w.unit)
             for w, q in zip(self.sheet.questions, self.quantities, strict=True)
         )
         return Paper(given, questions)
 
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[AnswerCheck]:
         pairs = zip(self.sheet.questions, self.quantities, strict=True)
         return [
-            Check(question.id, question.title, quantity.points, question.hint or None) for question, quantity in pairs
+            AnswerCheck(question.id, question.title, quantity.points, question.hint or None)
+            for question, quantity in pairs
         ]
 
-    def right(self, seed: int) -> Answers:
+    def right_answers(self, seed: int) -> Answers:
         return {name: float(value) for name, value in _dealt(self, seed).right.items()}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
@@ -143,7 +145,14 @@ class NumericGrader(AnswersGrader):
         return findings
 
     def _judged(
-        self, check: Check, quantity: Quantity, value: float, raw: Any, dealt: Dealt, own: Values, seed: int
+        self,
+        check: AnswerCheck,
+        quantity: Quantity,
+        value: float,
+        raw: Any,
+        dealt: NumericVariant,
+        own: Values,
+        seed: int,
     ) -> Finding:
         right = dealt.right[quantity.id]
         if quantity.same(value, right):
@@ -153,11 +162,11 @@ class NumericGrader(AnswersGrader):
         shown_as: dict[str, Any] = {
             "inputs": {datum.name: dealt.data[datum.name] for datum in self.sheet.data},
             "expected": self._expected(quantity.id, right, seed),
-            "got": shown(raw),
+            "got": display_text(raw),
         }
         if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
-            return check.failed(FOLLOWED, points=PART * quantity.points, **shown_as)
-        few = typed(raw, value)
+            return check.failed(FOLLOWED, points=PARTIAL_CREDIT * quantity.points, **shown_as)
+        few = parse_decimal(raw, value)
         if few is not None and few.rounds(right):
             message, wanted, points = self._rounded(quantity, few, dealt, own)
             return check.unaided.failed(message, points=points, **{**shown_as, "expected": wanted})
@@ -166,7 +175,9 @@ class NumericGrader(AnswersGrader):
             return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
         return check.failed(_wrong(quantity, value, right), **shown_as)
 
-    def _rounded(self, quantity: Quantity, few: Typed, dealt: Dealt, own: Values) -> tuple[str, str, float]:
+    def _rounded(
+        self, quantity: Quantity, few: TypedDecimal, dealt: NumericVariant, own: Values
+    ) -> tuple[str, str, float]:
         """The message, what is wanted and the points for the right value of which too few digits are left.
 
         Half the points, unless it may be a slip that was rounded.
@@ -175,9 +186,9 @@ class NumericGrader(AnswersGrader):
         wanted = f"au moins {digits} chiffre{'s' if digits > 1 else ''} après la virgule"
         doubtful = any(few.rounds(wrong) for name in quantity.slips for wrong in _slipped(quantity, name, dealt, own))
         message = f"{DOUBTFUL if doubtful else ROUNDED} : donnez {wanted}."
-        return message, f"un nombre avec {wanted}", 0.0 if doubtful else PART * quantity.points
+        return message, f"un nombre avec {wanted}", 0.0 if doubtful else PARTIAL_CREDIT * quantity.points
 
-    def _slip(self, quantity: Quantity, value: float, dealt: Dealt, own: Values) -> str | None:
+    def _slip(self, quantity: Quantity, value: float, dealt: NumericVariant, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
         for name in quantity.slips:
             if any(quantity.same(value, wrong) for wrong in _slipped(quantity, name, dealt, own)):
@@ -186,11 +197,11 @@ class NumericGrader(AnswersGrader):
 
     def _expected(self, name: str, right: float, seed: int) -> str:
         """An interval without a sign, dealt once for a deal: trying again tells no more, nor does the seed alone."""
-        low, high = around(abs(right), stream(seed, f"interval {name} {right:.6g}"))
+        low, high = rounded_interval(abs(right), stream(seed, f"interval {name} {right:.6g}"))
         unit = next(question.unit for question in self.sheet.questions if question.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip() + ", au signe près"
 
-    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+    def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for name in self.catalogue:
             yield f"erreur {name}", name, partial(self.mistaken, name, follow=False)
             yield f"erreur {name}, la suite à l'avenant", name, partial(self.mistaken, name)
@@ -205,12 +216,12 @@ class NumericGrader(AnswersGrader):
             own[quantity.id] = float(formula(dealt.data, own if follow else dealt.right))
         return own
 
-    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+    def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         def unit(question: NumericWording, value: Any) -> str:
             return question.unit if isinstance(_read(value), float) else ""
 
         return [
-            Told(question.id, question.title, f"{shown(value)} {unit(question, value)}".rstrip())
+            AnswerTranscript(question.id, question.title, f"{display_text(value)} {unit(question, value)}".rstrip())
             for question in self.sheet.questions
             if not is_blank(value := answers.get(question.id))
         ]
@@ -220,25 +231,25 @@ class NumericGrader(AnswersGrader):
         parts = []
         for place, (question, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
             value = number(dealt.right[quantity.id], 4)
-            parts.append(f"**{place}. {question.title}.** {self.sheet.filled(question.text, dealt.data)}")
+            parts.append(f"**{place}. {question.title}.** {self.sheet.fill_placeholders(question.text, dealt.data)}")
             if question.correction:
-                parts.append(self.sheet.filled(question.correction, {**dealt.data, **dealt.right}))
+                parts.append(self.sheet.fill_placeholders(question.correction, {**dealt.data, **dealt.right}))
             parts.append(f"Réponse : **{value} {question.unit}**".rstrip("* ") + "**")
         return "\n\n".join(parts)
 
     def sample(self, wording: str) -> str:
         dealt = _dealt(self, 0)
-        return self.sheet.filled(wording, {**dealt.data, **dealt.right})
+        return self.sheet.fill_placeholders(wording, {**dealt.data, **dealt.right})
 
 
 @lru_cache(maxsize=512)
-def _dealt(grader: NumericGrader, seed: int) -> Dealt:
+def _dealt(grader: NumericGrader, seed: int) -> NumericVariant:
     """The deal of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
 
     No interval of sizes holds zero: it would be guessed at once.
     """
-    for try_number in range(DEALS):
-        dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {try_number}")))
+    for try_number in range(MAX_DRAWS):
+        dealt = _one_deal(grader, grader.draw_data(stream(seed, f"draw {try_number}")))
         if dealt is not None:
             return dealt
     raise MalformedExerciseError(
@@ -247,7 +258,7 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
     )
 
 
-def _one_deal(grader: NumericGrader, data: Data) -> Dealt | None:
+def _one_deal(grader: NumericGrader, data: Data) -> NumericVariant | None:
     """None as soon as a question would not do: most deals fail early, and nine are made for one that is kept."""
     right: dict[str, float] = {}
     slips: dict[str, dict[str, float]] = {}
@@ -256,18 +267,21 @@ def _one_deal(grader: NumericGrader, data: Data) -> Dealt | None:
         right[quantity.id] = float(quantity.expected(data, right))
         if not _apart(quantity, right[quantity.id], slips[quantity.id].values()):
             return None
-    return Dealt(data, right, slips)
+    return NumericVariant(data, right, slips)
 
 
 def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
     values = [right, *slips]
-    if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, APART):
+    if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, MIN_SEPARATION):
         return False
     pairs = ((value, other) for place, value in enumerate(values) for other in values[:place])
-    return not any(quantity.same(value, other, APART) or quantity.same(other, value, APART) for value, other in pairs)
+    return not any(
+        quantity.same(value, other, MIN_SEPARATION) or quantity.same(other, value, MIN_SEPARATION)
+        for value, other in pairs
+    )
 
 
-def _slipped(quantity: Quantity, name: str, dealt: Dealt, own: Values) -> tuple[float, ...]:
+def _slipped(quantity: Quantity, name: str, dealt: NumericVariant, own: Values) -> tuple[float, ...]:
     """What a slip gives from the right earlier values, and from the student's own."""
     followed = _computed(quantity.slips[name], dealt.data, own)
     return (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
@@ -290,7 +304,7 @@ def _read(raw: Any) -> float | str:
             return read_number(raw)
         if isinstance(raw, bool) or not isinstance(raw, int | float):
             return "on attend un nombre"
-        return bounded(float(raw))
+        return check_finite(float(raw))
     except OverflowError:
         return "ce nombre est démesuré"
     except NotANumberError as error:
@@ -300,6 +314,6 @@ def _read(raw: Any) -> float | str:
 def _wrong(quantity: Quantity, value: float, right: float) -> str:
     if quantity.same(-value, right):
         return "Au signe près, c'est la bonne valeur."
-    if quantity.same(value, right, NEAR):
+    if quantity.same(value, right, NEARLY_RIGHT):
         return "Vous êtes tout près : gardez plus de chiffres dans vos calculs, et n'arrondissez qu'à la fin."
     return "Ce n'est pas la bonne valeur."

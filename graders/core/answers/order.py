@@ -8,18 +8,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from graders.core.answers.chain import Before, all_before, longest_chain
-from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters, renamed
-from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
-from graders.core.answers.reading import is_blank, shown
+from graders.core.answers.chain import Predecessors, longest_chain, transitive_predecessors
+from graders.core.answers.judging import AnswerCheck, Answers, AnswersGrader
+from graders.core.answers.letters import MAX_LETTERS, Letters, rename_items
+from graders.core.answers.mistakes import check_same_mistakes, read_mistakes
+from graders.core.answers.question_paper import AnswerTranscript, Paper, PaperPiece, Question, quote_markdown
+from graders.core.answers.reading import display_text, is_blank
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
 
 ORDER = "ordre"  # the name of the only question
-STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 8)
-CHAIN = Check("ordre", "Chaque étape après celles dont elle a besoin", 12)
+STEPS = AnswerCheck("etapes", "Les bonnes étapes, sans intrus", 8)
+CHAIN = AnswerCheck("ordre", "Chaque étape après celles dont elle a besoin", 12)
 
 
 @dataclass(frozen=True)
@@ -65,15 +65,15 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
             raise MalformedSheetError(f"une étape et un intrus se nomment « {distractor.id} »", ("distractor", place))
     if len(set(names)) != len(names):
         raise MalformedSheetError("deux étapes ont le même nom")
-    if len(names) > MOST:
-        raise MalformedSheetError(f"il y a plus de {MOST} étapes")
+    if len(names) > MAX_LETTERS:
+        raise MalformedSheetError(f"il y a plus de {MAX_LETTERS} étapes")
     for place, step in enumerate(sheet.steps):
         unknown = set(step.after) - set(steps[:place])
         if unknown:
             message = f"étape « {step.id} » : {', '.join(sorted(unknown))} n’est pas une étape écrite au-dessus"
             raise MalformedSheetError(message, ("step", place, "after"))
     catalogue = read_mistakes(folder)
-    same_mistakes(
+    check_same_mistakes(
         folder, catalogue, {distractor.misconception for distractor in sheet.distractors if distractor.misconception}
     )
     return OrderGrader(exercise, folder, catalogue, sheet)
@@ -83,11 +83,11 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
 class OrderGrader(AnswersGrader):
     sheet: OrderSheet
 
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[AnswerCheck]:
         return (STEPS, CHAIN)
 
     def letters(self, seed: int) -> Letters:
-        return Letters.dealt([piece.id for piece in self.sheet.pieces], seed, ORDER)
+        return Letters.from_seed([piece.id for piece in self.sheet.pieces], seed, ORDER)
 
     def paper(self, seed: int) -> Paper:
         question = Question(
@@ -100,11 +100,11 @@ class OrderGrader(AnswersGrader):
         )
         return Paper((), (question,))
 
-    def _pieces(self, seed: int) -> dict[str, Piece]:
+    def _pieces(self, seed: int) -> dict[str, PaperPiece]:
         texts = {piece.id: piece.text for piece in self.sheet.pieces}
-        return {letter: Piece(letter, texts[name]) for letter, name in self.letters(seed).by_letter.items()}
+        return {letter: PaperPiece(letter, texts[name]) for letter, name in self.letters(seed).by_letter.items()}
 
-    def right(self, seed: int) -> Answers:
+    def right_answers(self, seed: int) -> Answers:
         return self._written([step.id for step in self.sheet.steps], seed)
 
     def _written(self, names: Sequence[str], seed: int) -> Answers:
@@ -142,7 +142,7 @@ class OrderGrader(AnswersGrader):
 
         What is told is the kind of fault: the step that it is, or its place, would be found by trying.
         """
-        before = all_before({step.id: step.after for step in self.sheet.steps})
+        before = transitive_predecessors({step.id: step.after for step in self.sheet.steps})
         true = [name for name in names if name in before]
         wanted, length = len(before), longest_chain(true, before)
         if length == wanted:
@@ -156,7 +156,7 @@ class OrderGrader(AnswersGrader):
             points=share * CHAIN.points,
         )
 
-    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+    def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         names = [step.id for step in self.sheet.steps]
         for distractor in self.sheet.distractors:
             for place in (0, len(names) // 2, len(names)):
@@ -166,36 +166,36 @@ class OrderGrader(AnswersGrader):
         yield "à l'envers", None, partial(self._written, names[::-1])
         yield "sans la fin", None, partial(self._written, names[:-1])
 
-    def lettered(self, answers: Answers, seed: int) -> Answers:
-        return {name: renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
+    def with_letters(self, answers: Answers, seed: int) -> Answers:
+        return {name: rename_items(value, self.letters(seed).by_name) for name, value in answers.items()}
 
-    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+    def reletter(self, answers: Answers, old: int, new: int) -> Answers:
         fresh = self.letters(new).by_name
         letters = {letter: fresh[name] for letter, name in self.letters(old).by_letter.items()}
-        return {name: renamed(value, letters) for name, value in answers.items()}
+        return {name: rename_items(value, letters) for name, value in answers.items()}
 
-    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+    def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         value, pieces = answers.get(ORDER), self._pieces(seed)
         if is_blank(value):
             return []
         if isinstance(value, list) and all(isinstance(letter, str) and letter in pieces for letter in value):
-            return [Told(ORDER, "Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
-        return [Told(ORDER, "Vos étapes, dans l'ordre", shown(value))]
+            return [AnswerTranscript(ORDER, "Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
+        return [AnswerTranscript(ORDER, "Vos étapes, dans l'ordre", display_text(value))]
 
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name
         steps = [
-            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quoted(step.role)}"
+            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quote_markdown(step.role)}"
             for place, step in enumerate(self.sheet.steps, 1)
         ]
         false = [
-            f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {quoted(distractor.why)}"
+            f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {quote_markdown(distractor.why)}"
             for distractor in self.sheet.distractors
         ]
         return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
 
 
-def _faults(true: Sequence[str], before: Before, length: int) -> Iterator[str]:
+def _faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[str]:
     """The kinds of fault in the order of the true steps, in sentences."""
     if not true:
         yield "Aucune étape de la démonstration n'est placée."

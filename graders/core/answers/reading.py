@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-LARGEST = 64 * 1024
-LONGEST_SHOWN = 120
+MAX_FILE_BYTES = 64 * 1024
+MAX_SHOWN = 120
 
 
 class UnreadableAnswersError(Exception):
@@ -19,8 +19,8 @@ def read_answers(source: bytes) -> dict[str, Any]:
 
     Numbers that no float holds come out as infinities, and are refused where they are read as an answer.
     """
-    if len(source) > LARGEST:
-        raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {LARGEST // 1024} Kio.")
+    if len(source) > MAX_FILE_BYTES:
+        raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {MAX_FILE_BYTES // 1024} Kio.")
     try:
         answers = json.loads(source.decode("utf-8-sig"), object_pairs_hook=_object, parse_int=_integer)
     except UnicodeDecodeError as error:
@@ -46,19 +46,19 @@ def _integer(digits: str) -> float:
     return int(digits) if len(digits) < 300 else float("-inf" if digits.startswith("-") else "inf")
 
 
-def canonical(answers: Mapping[str, Any]) -> str:
+def canonical_json(answers: Mapping[str, Any]) -> str:
     """The same answers always give the same text. Raises ValueError (RecursionError) for what is nested too deep."""
     return json.dumps(answers, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
 
 
-def shown(value: Any) -> str:
+def display_text(value: Any) -> str:
     """An answer as it was given, short, and safe to store and to print."""
     try:
         text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     except RecursionError:
         text = "…"
-    text = "".join(c if c.isprintable() else "·" for c in text[: LONGEST_SHOWN + 1])
-    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
+    text = "".join(c if c.isprintable() else "·" for c in text[: MAX_SHOWN + 1])
+    return text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 1] + "…"
 
 
 def is_blank(value: Any) -> bool:

@@ -7,13 +7,13 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-LEAST_DIGITS = 2  # of what says more than an order of magnitude
+MIN_DIGITS = 2  # of what says more than an order of magnitude
 _PLAIN = re.compile(r"[-+−–]?\s*([0-9]*)(?:[.,]([0-9]*))?", re.ASCII)
 _DUST = 1e-9
 
 
 @dataclass(frozen=True)
-class Typed:
+class TypedDecimal:
     """A decimal number as it was typed: its value, and how many digits stand after the comma."""
 
     value: float
@@ -27,13 +27,13 @@ class Typed:
         return rounded or cut
 
 
-def typed(raw: Any, value: float) -> Typed | None:
+def parse_decimal(raw: Any, value: float) -> TypedDecimal | None:
     """An answer that reads as `value`, where it is a decimal number of two significant digits or more."""
     match = _PLAIN.fullmatch((raw if isinstance(raw, str) else repr(raw)).strip())
     if match is None:
         return None
     whole, decimals = match[1], match[2] or ""
-    return Typed(value, len(decimals)) if len((whole + decimals).lstrip("0")) >= LEAST_DIGITS else None
+    return TypedDecimal(value, len(decimals)) if len((whole + decimals).lstrip("0")) >= MIN_DIGITS else None
 
 
 def decimals_for(tolerance: float) -> int:

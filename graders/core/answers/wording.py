@@ -47,7 +47,7 @@ class NumericSheet:
     data: tuple[Datum, ...]
     questions: tuple[NumericWording, ...]
 
-    def filled(self, text: str, values: Mapping[str, float]) -> str:
+    def fill_placeholders(self, text: str, values: Mapping[str, float]) -> str:
         """The text with its placeholders replaced by numbers, inside formulas and outside."""
         parts = FORMULAS.split(text)
         return "".join(self._filled(part, values, tex=place % 2 == 1) for place, part in enumerate(parts))
@@ -61,7 +61,7 @@ class NumericSheet:
             return datum.tex(value) if tex else datum.text(value)
         return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
 
-    def unknown(self) -> list[list[str]]:
+    def unknown_placeholders(self) -> list[list[str]]:
         """For each question, the names in placeholders that nothing replaces."""
         data = {datum.name for datum in self.data}
         answers = {question.id for question in self.questions}

@@ -21,13 +21,20 @@ from typing import Any
 import numpy as np
 
 from graders.core.code.bench import Bench
+from graders.core.code.call_series import (
+    STOPPED,
+    CallSeries,
+    call_series,
+    modified_arguments,
+    read_answers,
+    stored_answers,
+)
 from graders.core.code.checks import Rejection, Untouched
 from graders.core.code.grading import CodeGrader
-from graders.core.code.plain import Plain, bounded, plain, same
-from graders.core.code.probes import seen
-from graders.core.code.questions import STOPPED, Series, answers_of, changed, read_all, shown_of
-from graders.core.code.recording import Recorder
+from graders.core.code.probes import read_answer
+from graders.core.code.recording import CallRecorder
 from graders.core.code.runner import Runner
+from graders.core.code.stored_answers import StoredAnswer, same_answer, to_stored, truncate_answers
 from graders.core.compare.words import tidy, to_jsonable
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
@@ -36,8 +43,8 @@ from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
 
 #: Instead of an answer, of a function that does not give the same one twice.
-VARIES = "variable"
-MESSAGE = 400  # characters of what an exception says
+UNSTABLE = "variable"
+MAX_MESSAGE = 400  # characters of what an exception says
 
 
 @dataclass(frozen=True)
@@ -62,32 +69,32 @@ class Behaviour:
     `functions` are those that answer wrongly.
     """
 
-    answers: tuple[Plain, ...]
+    answers: tuple[StoredAnswer, ...]
     wrong: tuple[int, ...] = ()
     functions: tuple[str, ...] = ()
-    loads: bool = True
-    lacking: bool = False
+    is_loadable: bool = True
+    lacks_function: bool = False
     example: Example | None = None
 
     @property
-    def tells(self) -> bool:
+    def shows_mistake(self) -> bool:
         """Does it show what is wrong with the program?"""
-        return self.loads and bool(self.wrong)
+        return self.is_loadable and bool(self.wrong)
 
 
 @dataclass
-class _Told:
+class _SeriesResult:
     """What one series showed: what came back, and what is looked at of it."""
 
     answers: list[Answer]
-    shown: list[Plain]
+    shown: list[StoredAnswer]
 
 
 @dataclass(frozen=True)
-class _Wrong:
+class _WrongAnswer:
     """An answer that is not right, to call `k`; None of a function that had been stopped."""
 
-    series: Series
+    series: CallSeries
     k: int
     answer: Answer | None
 
@@ -104,17 +111,17 @@ class _Wrong:
         return isinstance(self.answer, StudentFault)
 
 
-class Observer:
+class BehaviourObserver:
     """Asks programs of one exercise the questions of its version. Made once; thread-safe."""
 
     def __init__(self, grader: CodeGrader, version: str) -> None:
         self._grader = grader
         self._seed = int.from_bytes(hashlib.sha256(version.encode()).digest()[:6])
         self._lock = threading.Lock()
-        self._free: dict[Series, bool] = {}
+        self._free: dict[CallSeries, bool] = {}
 
     @cached_property
-    def series(self) -> tuple[Series, ...]:
+    def series(self) -> tuple[CallSeries, ...]:
         """Those of one kit follow each other."""
         asked = [*self._probed(), *self._recorded()]
         kits = list({id(one.kit): one.kit for one in asked}.values()) or [self._kit]
@@ -125,48 +132,48 @@ class Observer:
     def _kit(self) -> KitSettings:
         return self._grader.kit(stream(self._seed, "kit"))
 
-    def _probed(self) -> Iterator[Series]:
+    def _probed(self) -> Iterator[CallSeries]:
         prober = self._grader.prober
         for index, probes in enumerate(prober.probes if prober else ()):
-            yield Series(probes.function, probes.calls, probes.kit, probes.read, index)
+            yield CallSeries(probes.function, probes.calls, probes.kit, probes.read, index)
 
-    def _recorded(self) -> Iterator[Series]:
+    def _recorded(self) -> Iterator[CallSeries]:
         """What the checks ask the solution, of the functions that have no probes."""
         prober = self._grader.prober
         missing = [one for one in self._grader.functions if prober is None or one not in prober.functions]
         if not missing:
             return
-        recorder = Recorder(missing)
+        recorder = CallRecorder(missing)
         runner = Runner(recorder, self._grader.solution.encode(), self._kit, reenacting=True)
         with closing(runner):
             for check in self._grader.checks:
                 if set(missing) & set(check.functions) and not isinstance(check, Untouched):
                     with suppress(Rejection, StudentFault):
                         check.run(Bench(check.id, runner, stream(self._seed, check.id), self._kit))
-        for kit, function, calls in recorder.recorded():
-            yield Series(function, calls, self._kit if kit == self._kit else kit)
+        for kit, function, calls in recorder.calls_by_kit():
+            yield CallSeries(function, calls, self._kit if kit == self._kit else kit)
 
-    def _left_alone(self, kit: KitSettings) -> Iterator[Series]:
+    def _left_alone(self, kit: KitSettings) -> Iterator[CallSeries]:
         for check in self._grader.checks:
             if isinstance(check, Untouched):
                 for function, args in check.inputs(stream(self._seed, check.id)).items():
-                    yield Series(function, (args,), kit, keeping=check.names[function])
+                    yield CallSeries(function, (args,), kit, keeping=check.names[function])
 
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
         """What the program of a file answers. It is launched twice: what it does not answer twice does not count."""
         first = self._round(source, programs, frozenset())
         if first is None:
-            return Behaviour((), loads=False)
+            return Behaviour((), is_loadable=False)
         stopped = frozenset(
             series.function for series, told in zip(self.series, first, strict=True) if _stopped(told.answers)
         )
         second = self._round(source, programs, stopped)
         if second is None:
-            return Behaviour((), loads=False)
+            return Behaviour((), is_loadable=False)
         with self._lock:
             return self._behaviour(first, second, stopped)
 
-    def _round(self, source: bytes, programs: Programs, without: Collection[str]) -> list[_Told] | None:
+    def _round(self, source: bytes, programs: Programs, without: Collection[str]) -> list[_SeriesResult] | None:
         """The answers to every series but those of functions that were stopped before; None of what does not load."""
         told = []
         for _, group in itertools.groupby(self.series, key=lambda series: id(series.kit)):
@@ -177,51 +184,53 @@ class Observer:
                 except StudentFault:
                     return None
                 for series in asked:
-                    answers = [] if series.function in without else list(answers_of(runner, series))
-                    told.append(_Told(answers, shown_of(series, answers)))
+                    answers = [] if series.function in without else list(call_series(runner, series))
+                    told.append(_SeriesResult(answers, stored_answers(series, answers)))
         return told
 
-    def _behaviour(self, first: Sequence[_Told], second: Sequence[_Told], stopped: Collection[str]) -> Behaviour:
-        answers: list[Plain] = []
+    def _behaviour(
+        self, first: Sequence[_SeriesResult], second: Sequence[_SeriesResult], stopped: Collection[str]
+    ) -> Behaviour:
+        answers: list[StoredAnswer] = []
         wrong: list[int] = []
-        shown: list[_Wrong] = []
+        shown: list[_WrongAnswer] = []
         for series, one, other in zip(self.series, first, second, strict=True):
             steady = one.shown if series.function in stopped else _steady(one.shown, other.shown)
             for k in () if _lacks(one.answers) else self._wrong(series, one, steady):
                 wrong.append(len(answers) + k)
-                shown.append(_Wrong(series, k, one.answers[k] if k < len(one.answers) else None))
+                shown.append(_WrongAnswer(series, k, one.answers[k] if k < len(one.answers) else None))
             answers += steady
         return Behaviour(
-            bounded(answers),
+            truncate_answers(answers),
             tuple(wrong),
             tuple(dict.fromkeys(one.series.function for one in shown)),
-            lacking=any(_lacks(told.answers) for told in first),
+            lacks_function=any(_lacks(told.answers) for told in first),
             example=self._example(shown),
         )
 
-    def _wrong(self, series: Series, told: _Told, steady: Sequence[Plain]) -> list[int]:
+    def _wrong(self, series: CallSeries, told: _SeriesResult, steady: Sequence[StoredAnswer]) -> list[int]:
         """Which of the steady answers are not right."""
         right = self._right(series, told.answers)
-        return [k for k, one in enumerate(steady) if not (same(one, right[k]) or same(one, VARIES))]
+        return [k for k, one in enumerate(steady) if not (same_answer(one, right[k]) or same_answer(one, UNSTABLE))]
 
-    def _right(self, series: Series, answers: Sequence[Answer]) -> Sequence[Plain]:
+    def _right(self, series: CallSeries, answers: Sequence[Answer]) -> Sequence[StoredAnswer]:
         """What a right program answers, of the style of this one where the exercise knows several."""
         if series.keeping:
-            return [plain("")]
+            return [to_stored("")]
         prober = self._grader.prober
         if series.probes is not None and prober is not None:
-            padded = [*read_all(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
-            return [plain(one) for one in prober.nearest(series.probes, padded)]
-        return [plain(seen(args, self._solved(series, args), series.read)) for args in series.calls]
+            padded = [*read_answers(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
+            return [to_stored(one) for one in prober.nearest_right_answers(series.probes, padded)]
+        return [to_stored(read_answer(args, self._solved(series, args), series.read)) for args in series.calls]
 
-    def _solved(self, series: Series, args: Arguments) -> Answer:
+    def _solved(self, series: CallSeries, args: Arguments) -> Answer:
         """The solution's answer to one call, of a program that has answered no other."""
         try:
             return LocalProgram(self._grader.solution.encode(), series.kit).call(series.function, *args)
         except StudentFault as fault:
             return fault
 
-    def _example(self, wrong: Sequence[_Wrong]) -> Example | None:
+    def _example(self, wrong: Sequence[_WrongAnswer]) -> Example | None:
         """The smallest input that is answered wrongly; one that is answered rather than one that raises, and one to
         which there is one right answer rather than one to which the solution itself answers otherwise."""
         told = [(self._is_free(one.series), one.raises, one.size, place) for place, one in enumerate(wrong)]
@@ -232,24 +241,24 @@ class Observer:
         names = _parameters(self._grader.solution, series.function, len(args))
         inputs = {name: to_jsonable(value) for name, value in zip(names, args, strict=True)}
         if isinstance(answer, Reply) and series.keeping:
-            at = series.keeping.index(changed(series, answer)[0])
+            at = series.keeping.index(modified_arguments(series, answer)[0])
             return Example(series.function, inputs, to_jsonable(args[at]), to_jsonable((answer.arguments or ())[at]))
         solved = None if self._is_free(series) else self._solved(series, args)
         expected = tidy(to_jsonable(solved.value)) if isinstance(solved, Reply) else None
-        got = tidy(to_jsonable(answer.value)) if isinstance(answer, Reply) else str(answer)[:MESSAGE]
+        got = tidy(to_jsonable(answer.value)) if isinstance(answer, Reply) else str(answer)[:MAX_MESSAGE]
         return Example(series.function, inputs, expected, got)
 
-    def _is_free(self, series: Series) -> bool:
+    def _is_free(self, series: CallSeries) -> bool:
         """Does the solution itself answer otherwise than what is held for right? Several answers are right then."""
         if series not in self._free:
             answers = [] if series.keeping else [self._solved(series, args) for args in series.calls]
-            shown = shown_of(series, answers)
-            self._free[series] = not series.keeping and bool(self._wrong(series, _Told(answers, shown), shown))
+            shown = stored_answers(series, answers)
+            self._free[series] = not series.keeping and bool(self._wrong(series, _SeriesResult(answers, shown), shown))
         return self._free[series]
 
 
-def _steady(one: Sequence[Plain], other: Sequence[Plain]) -> list[Plain]:
-    return [a if same(a, b) else VARIES for a, b in zip(one, other, strict=True)]
+def _steady(one: Sequence[StoredAnswer], other: Sequence[StoredAnswer]) -> list[StoredAnswer]:
+    return [a if same_answer(a, b) else UNSTABLE for a, b in zip(one, other, strict=True)]
 
 
 def _stopped(answers: Sequence[Answer]) -> bool:

@@ -15,12 +15,12 @@ from operator import is_not
 
 import numpy as np
 
-from graders.core.code.at_once import gathered
+from graders.core.code.batch_judging import concatenate_blocks
 from graders.core.code.runner import Observation, Runner
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, StudentFault, each
-from graders.core.contract.rows import one_by_one
-from graders.core.contract.values import Arguments, Floats, Value, kept
+from graders.core.contract.program import Answer, KitSettings, PlannedCalls, Program, StudentFault, flatten_blocks
+from graders.core.contract.rows import split_rows
+from graders.core.contract.values import Arguments, Floats, Value, compact_value
 
 Turn = tuple[str, Arguments, Iterator[Answer]]
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
@@ -37,10 +37,10 @@ class Bench:
     program: Program | None = None
     last_call: tuple[str, Arguments] | None = None
     #: What the check was seen to ask, before it began.
-    foreseen: Sequence[Foreseen] = ()
+    planned_calls: Sequence[PlannedCalls] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
-    _taken: list[tuple[Foreseen, Sequence[Answer]]] = field(default_factory=list)
+    _taken: list[tuple[PlannedCalls, Sequence[Answer]]] = field(default_factory=list)
     _first: Iterator[tuple[int, Answer]] | None = None
     _turn: Iterator[Turn] | None = None
     _next: Turn | None = None
@@ -77,33 +77,33 @@ class Bench:
 
     def _turns(self) -> Iterator[Turn]:
         """The calls foreseen, in order: function, arguments, and where their answers come from."""
-        for asked in self.foreseen:
+        for asked in self.planned_calls:
             answers = self.runner.answers(asked)
             yield from ((asked.function, args, answers) for args in asked.calls)
 
-    def ahead(self, asked: Foreseen) -> Sequence[Answer]:
+    def prefetch(self, asked: PlannedCalls) -> Sequence[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
 
         A re-enacted mistake has no time to win: it makes each call in its turn.
         """
         if self.runner.reenacting:
             return []
-        answers = gathered(self.blocks(asked))
+        answers = concatenate_blocks(self.answer_blocks(asked))
         self._taken.append((asked, answers))
         return answers
 
-    def blocks(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+    def answer_blocks(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
         """The answers alone, with those together that have come together."""
         if self.program is None:
-            return self.runner.blocks(asked)
+            return self.runner.answer_blocks(asked)
         return ((answer,) for _, answer in self.answers(asked))
 
-    def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:
+    def answers(self, asked: PlannedCalls) -> Iterator[tuple[Arguments, Answer]]:
         """The arguments and the answer of each call, whether it was foreseen or is made now."""
         if self.program is None:
             answers = self.runner.answers(asked)
-        elif self._first is not None and any(asked is one for one in self.foreseen):
-            answers = self.runner.told(self.program, asked.function, (answer for _, answer in self._first))
+        elif self._first is not None and any(asked is one for one in self.planned_calls):
+            answers = self.runner.watch_answers(self.program, asked.function, (answer for _, answer in self._first))
         else:
             answers = self.runner.call_many(self.program, asked.function, asked.calls, faults=asked.faults)
         for args, answer in zip(asked.calls, answers, strict=False):
@@ -120,13 +120,13 @@ class Bench:
             self.last_call = (function, args)
             yield args, answer
 
-    def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
+    def answer_batches(self, asked: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
         """The answers to all of these calls, as far as there are any: in one exchange on the main program."""
         if self.program is None:
-            return self.runner.answered(asked)
+            return self.runner.answer_batches(asked)
         return [
             list(self.runner.call_many(self.program, one.function, one.calls, faults=None))
-            if self.runner.calls(one.function)
+            if self.runner.is_callable(one.function)
             else []
             for one in asked
         ]
@@ -134,7 +134,7 @@ class Bench:
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
         name = (fault.exception or fault.outcome.value) if fault else None
-        observation = Observation(self.check, self._count[0], function, kept(value), name, ok)
+        observation = Observation(self.check, self._count[0], function, compact_value(value), name, ok)
         self.runner.observe(lambda: (observation,))
         self._count[0] += 1
 
@@ -144,7 +144,7 @@ class Bench:
         self._count[0] += len(values)
 
         def written() -> Iterator[Observation]:
-            for index, (value, ok) in enumerate(zip(one_by_one(values), right, strict=True), begins):
+            for index, (value, ok) in enumerate(zip(split_rows(values), right, strict=True), begins):
                 yield Observation(check, index, function, value, None, bool(ok))
 
         self.runner.observe(written)
@@ -161,13 +161,13 @@ class Bench:
             self.runner.films[self.check] = data
 
     @contextmanager
-    def on(self, kit: KitSettings, first: Foreseen | None = None) -> Iterator[Bench]:
+    def on(self, kit: KitSettings, first: PlannedCalls | None = None) -> Iterator[Bench]:
         """The same bench with the program started on another map, and asked there something `first`."""
-        ahead = [first] if first is not None and self.runner.calls(first.function) else []
-        with self.runner.other(kit, ahead) as program:
+        ahead = [first] if first is not None and self.runner.is_callable(first.function) else []
+        with self.runner.side_program(kit, ahead) as program:
             bench = Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
             if ahead:
-                bench.foreseen, bench._first = ahead, each(program.together(ahead))
+                bench.planned_calls, bench._first = ahead, flatten_blocks(program.call_batches(ahead))
             yield bench
 
 

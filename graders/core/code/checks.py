@@ -15,23 +15,23 @@ from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
-from graders.core.code.at_once import plain_answers, seen_at_once
+from graders.core.code.batch_judging import judge_batch, take_plain_answers
 from graders.core.code.bench import Bench
 from graders.core.code.drawable import drawable_as
-from graders.core.code.simplifying import reject, same_kind
+from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, StudentFault
-from graders.core.contract.rows import Replies, Rows
+from graders.core.contract.program import Answer, PlannedCalls, StudentFault
+from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
 MAX_FAULTS = 4
 #: A call that raises once in two is then seen to raise, but for one grading in four thousand.
-CHANCES = 12
+RANDOM_CALLS = 12
 
 
 class Rejection(Exception):
@@ -73,17 +73,17 @@ class Check(ABC):
     points: float
     functions: tuple[str, ...]
     hint: str
-    needs_another: ClassVar[bool] = False
+    requires_other_check: ClassVar[bool] = False
     """True when its points are earned only beside another check on the same functions: doing nothing earns nothing."""
-    tells_call: ClassVar[bool] = False
+    reports_call: ClassVar[bool] = False
     """True when what it rejects is told with the call that shows it (`Rejection.call`)."""
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         """What it will ask of the main program whatever is answered: drawn, before it runs, by the same bench."""
         return ()
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         """Whether a right program is asked more than what is foreseen: what later checks ask must wait for that."""
         return True
 
@@ -99,18 +99,20 @@ class Check(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Trial(Check):
-    """A check made of one function of the bench; `asks` draws what this finds in `bench.foreseen`, which is all that a
-    right program is asked where `no_more`."""
+    """A check that runs one function on the bench.
+
+    `asks` draws `bench.planned_calls` before it runs; with `no_more`, a right program gets no other call.
+    """
 
     protocol: Callable[[Bench], None]
-    asks: Callable[[Bench], Sequence[Foreseen]] | None = None
+    asks: Callable[[Bench], Sequence[PlannedCalls]] | None = None
     no_more: bool = False
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return not self.no_more
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         return self.asks(bench) if self.asks else ()
 
     def run(self, bench: Bench) -> None:
@@ -124,29 +126,29 @@ class Untouched(Check):
     Those of `chance` draw at random: they are called CHANCES times before, since one may raise in some calls alone.
     """
 
-    needs_another: ClassVar[bool] = True
+    requires_other_check: ClassVar[bool] = True
 
     names: dict[str, tuple[str, ...]]
     inputs: Callable[[np.random.Generator], dict[str, Arguments]]
     chance: tuple[str, ...] = ()
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         asked = []
         for function, args in self.inputs(bench.rng).items():
             if function in self.chance:
-                asked.append(Foreseen(function, [args] * CHANCES, faults=1))
-            asked.append(Foreseen(function, [args], keeping=True))
+                asked.append(PlannedCalls(function, [args] * RANDOM_CALLS, faults=1))
+            asked.append(PlannedCalls(function, [args], return_arguments=True))
         return asked
 
     def run(self, bench: Bench) -> None:
-        for asked in foreseen_of(self, bench):
+        for asked in planned_calls_of(self, bench):
             args = asked.calls[0]
             after = self._after(bench, asked)
-            if not asked.keeping:
+            if not asked.return_arguments:
                 continue
             trio = zip(self.names[asked.function], args, after, strict=True)
             changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
@@ -154,7 +156,7 @@ class Untouched(Check):
             if changed:
                 raise self._rejection(asked.function, changed[0], args, after)
 
-    def _after(self, bench: Bench, asked: Foreseen) -> Arguments:
+    def _after(self, bench: Bench, asked: PlannedCalls) -> Arguments:
         """The arguments as the last of the calls leaves them."""
         after: Arguments = ()
         for args, answer in bench.answers(asked):
@@ -186,9 +188,9 @@ class Failure:
     fault: StudentFault | None
 
 
-def foreseen_of(check: Check, bench: Bench) -> Sequence[Foreseen]:
+def planned_calls_of(check: Check, bench: Bench) -> Sequence[PlannedCalls]:
     """What was drawn for a check before it ran, or is drawn now."""
-    return bench.foreseen or check.foreseen(bench)
+    return bench.planned_calls or check.planned_calls(bench)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,7 +205,7 @@ class Cases(Check):
     where `compare` is one of rows: what else `_judged` might hold against one is not asked.
     """
 
-    tells_call: ClassVar[bool] = True
+    reports_call: ClassVar[bool] = True
 
     names: tuple[str, ...]
     cases: Callable[[np.random.Generator], Iterable[Arguments]]
@@ -219,19 +221,19 @@ class Cases(Check):
         return self.functions[0]
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         drawn = self.cases(bench.rng)
-        return [Foreseen(self.function, drawn if isinstance(drawn, Rows) else tuple(drawn), faults=MAX_FAULTS)]
+        return [PlannedCalls(self.function, drawn if isinstance(drawn, Rows) else tuple(drawn), faults=MAX_FAULTS)]
 
     def run(self, bench: Bench) -> None:
-        asked = foreseen_of(self, bench)[-1]
-        blocks = bench.blocks(asked)
-        plain = plain_answers(blocks) if self.rows else ()
-        at_once = seen_at_once(asked, plain, self.expected, self.compare)
-        if isinstance(plain, Replies) and at_once and None not in at_once:
+        asked = planned_calls_of(self, bench)[-1]
+        blocks = bench.answer_blocks(asked)
+        plain = take_plain_answers(blocks) if self.rows else ()
+        at_once = judge_batch(asked, plain, self.expected, self.compare)
+        if isinstance(plain, ArrayReplies) and at_once and None not in at_once:
             bench.observe_all(self.function, plain.values, at_once)
             wrong = at_once.index(False) if False in at_once else None
             first = None if wrong is None else self._judged(asked.calls[wrong], plain[wrong])
@@ -242,7 +244,7 @@ class Cases(Check):
             self._reject(bench, first)
 
     def _judged_in_turn(
-        self, bench: Bench, asked: Foreseen, answers: Iterator[Answer], at_once: Sequence[bool | None]
+        self, bench: Bench, asked: PlannedCalls, answers: Iterator[Answer], at_once: Sequence[bool | None]
     ) -> Failure | None:
         """The first failure; what is seen at once of an answer is not asked again."""
         first: Failure | None = None
@@ -270,9 +272,9 @@ class Cases(Check):
 
         def judge(args: Arguments, answer: Answer) -> Failure | None:
             simpler = self._judged(args, answer)
-            return simpler if simpler is not None and same_kind(failure, simpler) else None
+            return simpler if simpler is not None and fails_alike(failure, simpler) else None
 
-        reject(
+        shrink_and_reject(
             bench, self.function, failure, failure.args, partial(neighbours, self.shrinkers), judge, self._rejection,
             arguments=lambda args: args, fair=self.valid, stops=lambda one: one.fault is not None and one.fault.fatal,
         )  # fmt: skip
@@ -293,11 +295,11 @@ class Cases(Check):
             got=failure.got,
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,
-            figure=self.drawn(failure.args, failure.expected, failure.got),
+            figure=self.figure_data(failure.args, failure.expected, failure.got),
             call=call,
         )
 
-    def drawn(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
+    def figure_data(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
         """The data of the figure for one answer; None where there is nothing to draw."""
         return None if self.figure is None else self.figure(args, expected, drawable_as(expected, got))
 

@@ -63,7 +63,7 @@ def _compete(misconception: Misconception, other: Misconception) -> bool:
 def _explain(
     observations: Sequence[Observation], misconception: Misconception, reenactment: Reenactment
 ) -> Explanation | None:
-    seen = reenactment.seen(partial(hopeless, observations, misconception))
+    seen = reenactment.observe(partial(is_ruled_out, observations, misconception))
     pairs = _paired(observations, seen)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
     explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
@@ -73,7 +73,9 @@ def _explain(
     return Explanation(misconception, explained, agreement)
 
 
-def hopeless(observations: Sequence[Observation], misconception: Misconception, seen: Sequence[Observation]) -> bool:
+def is_ruled_out(
+    observations: Sequence[Observation], misconception: Misconception, seen: Sequence[Observation]
+) -> bool:
     """Do the checks re-enacted so far already rule the misconception out, whatever the others give?"""
     judged = [o for o in observations if o.function in misconception.functions]
     pairs = _paired(judged, seen)
@@ -95,21 +97,21 @@ def agree(observation: Observation, other: Observation) -> bool:
 
 
 def _diagnosis(misconception: Misconception) -> Diagnosis:
-    return combined([misconception.id], [misconception])
+    return combine_diagnoses([misconception.id], [misconception])
 
 
-def combined(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
+def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
     """The diagnosis of these mistakes, of the exercise or usual slips: the first one's, which tells the others too."""
     named: dict[str, Misconception | Slip] = {**SLIPS, **{one.id: one for one in misconceptions}}
     first, *others = [named[one] for one in ids]
     title = AND_ALSO.join(one.title for one in (first, *others))
     paragraphs = [first.explanation, first.question]
     for other in others:
-        paragraphs += [f"Autre erreur : {lowered(other.title)}. {other.explanation}", other.question]
+        paragraphs += [f"Autre erreur : {lowercase_title(other.title)}. {other.explanation}", other.question]
     return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
 
 
-def lowered(title: str) -> str:
+def lowercase_title(title: str) -> str:
     """A title in the middle of a sentence: its first letter small, unless it is a symbol's or a name's."""
     word = title.split(" ", 1)[0]
     return title[:1].lower() + title[1:] if word[1:].islower() or word in ("L'angle", "L'inverse") else title
@@ -129,4 +131,4 @@ def slip_diagnosis(slips: Sequence[tuple[Sequence[str], str | None]]) -> Diagnos
     (name, times), *others = counted.most_common(2)
     if 2 * times <= len(asked) or (others and others[0][1] == times):
         return None
-    return combined([name], ())
+    return combine_diagnoses([name], ())

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders.core.code.checks import Check
-from graders.core.code.folder import Misconception, read_misconceptions, read_model, read_solution, same_functions
+from graders.core.code.folder import (
+    Misconception,
+    check_known_functions,
+    read_misconceptions,
+    read_model,
+    read_solution,
+)
 from graders.core.code.grading import CodeGrader, KitMaker
 from graders.core.code.mutations import Edit, Mutant
 from graders.core.code.prober import Prober
@@ -31,7 +37,7 @@ class CodeDefinition(Definition):
     heavy: bool = False
 
     @property
-    def judged(self) -> frozenset[str]:
+    def judged_functions(self) -> frozenset[str]:
         """The functions that some check judges."""
         return frozenset(function for check in self.checks for function in check.functions)
 
@@ -40,20 +46,20 @@ class CodeDefinition(Definition):
 
         Raises MalformedExerciseError where a check or a misconception speaks of another, or no check of one of them.
         """
-        odd = sorted(self.judged ^ set(functions))
+        odd = sorted(self.judged_functions ^ set(functions))
         if odd:
             raise MalformedExerciseError(
                 self.file,
                 f"fonctions demandées et non corrigées, ou l’inverse : {', '.join(odd)} (exercise.toml dit lesquelles)",
             )
-        same_functions(self.folder, self.misconceptions, functions)
+        check_known_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
             prober=self.prober, long=self.long, heavy=self.heavy,
         )  # fmt: skip
 
 
-def seeded(module: str) -> KitMaker:
+def seeded_kit(module: str) -> KitMaker:
     """The kit of a module, given a seed alone."""
     return lambda rng: KitSettings(module, {"seed": int(rng.integers(2**62))})
 
@@ -95,5 +101,5 @@ def code(
     ]
     prober = Prober(model, probes, whole) if model is not None else None
     return CodeDefinition(
-        folder, tuple(checks), kit or seeded(folder.parent.name), solution, misconceptions, prober, long, heavy
+        folder, tuple(checks), kit or seeded_kit(folder.parent.name), solution, misconceptions, prober, long, heavy
     )

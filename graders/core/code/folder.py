@@ -151,7 +151,7 @@ def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
     return made
 
 
-def same_functions(folder: Path, misconceptions: Sequence[Misconception], functions: Sequence[str]) -> None:
+def check_known_functions(folder: Path, misconceptions: Sequence[Misconception], functions: Sequence[str]) -> None:
     """Misconceptions speak of the functions that are asked for. Raises MalformedExerciseError with their line."""
     for misconception in misconceptions:
         unknown = sorted(set(misconception.functions) - set(functions))

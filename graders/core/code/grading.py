@@ -12,20 +12,20 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
+from graders.core.code.diagnosis import combine_diagnoses, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
-from graders.core.code.prober import Prober, Recognised
+from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
-from graders.core.contract.films import plain
-from graders.core.contract.findings import Finding, Judgement, verdict_of
+from graders.core.contract.films import film_to_json
+from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Programs, StudentFault
-from graders.core.contract.protocol import Known
+from graders.core.contract.protocol import KnownSubmission
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import Diagnosis
 
@@ -33,11 +33,11 @@ JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 #: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
 #: The slip that is told beside any other mistake.
-TOUCHED = "argument_modifie"
+MODIFIED_ARGUMENT = "argument_modifie"
 KitMaker = Callable[[np.random.Generator], KitSettings]
-FRESH = Reenactor()
+FRESH_REENACTOR = Reenactor()
 #: What a counterexample that nobody reads may cost.
-UNSIMPLIFIED = Budget(calls=0)
+NO_SHRINKING = Budget(calls=0)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class CodeGrader:
     kit: KitMaker
     misconceptions: tuple[Misconception, ...]
     solution: str
-    reenactor: Reenactor = FRESH
+    reenactor: Reenactor = FRESH_REENACTOR
     budget: Budget = DEFAULT_BUDGET
     prober: Prober | None = None
     long: bool = False
@@ -77,7 +77,7 @@ class CodeGrader:
             runner.close()
         ended = time.perf_counter()
         timings = {"checks_ms": (started, checked), "diagnosis_ms": (checked, ended), "total_ms": (started, ended)}
-        verdict = verdict_of(
+        verdict = make_verdict(
             self.exercise,
             version,
             seed,
@@ -87,7 +87,7 @@ class CodeGrader:
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
-        films = {check: film for check, data in runner.films.items() if (film := plain(data)) is not None}
+        films = {check: film for check, data in runner.films.items() if (film := film_to_json(data)) is not None}
         return Judgement(verdict, figures, films)
 
     def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
@@ -96,11 +96,11 @@ class CodeGrader:
         prober = self.prober
         if prober is None:
             return run_checks(self.checks, runner, kit, seed)
-        steady = cache(lambda: prober.sees_no_state(source, kit))
+        steady = cache(lambda: prober.is_stateless(source, kit))
         return run_checks(
             self.checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,
-            beside=lambda failed: prober.foreseen(*self._asked_of(failed)) if steady() else (),
+            beside=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
         )  # fmt: skip
 
     def first_failed(
@@ -110,7 +110,7 @@ class CodeGrader:
         named. `checks` are those of the exercise, in another order, or some of them.
         """
         kit = self.kit(stream(seed, "kit"))
-        runner = Runner(programs, source, kit, budget=UNSIMPLIFIED)
+        runner = Runner(programs, source, kit, budget=NO_SHRINKING)
         asked = self.checks if checks is None else checks
         try:
             _ = runner.program
@@ -128,12 +128,12 @@ class CodeGrader:
             return None
         failed = [check for check, _ in pairs]
         blamed, (asked, alone) = _blamed(failed), self._asked_of(failed)
-        ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else Recognised()
+        ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else RecognisedMistakes()
         left = (alone if ids else blamed) - set(follow)
         ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
         if ids:
-            touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
-            return combined((*ids, *touched), self.misconceptions)
+            touched = {MODIFIED_ARGUMENT} & {finding.slip for _, finding in pairs} - set(ids)
+            return combine_diagnoses((*ids, *touched), self.misconceptions)
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
@@ -174,19 +174,19 @@ class CodeGrader:
         for source in mistakes if self.heavy else (self.solution, *mistakes):
             self.grade(source.encode(), LOCAL, seed=0, version="")
 
-    def mistakes(self) -> frozenset[str]:
+    def mistake_ids(self) -> frozenset[str]:
         """The ids of the misconceptions."""
         return frozenset(misconception.id for misconception in self.misconceptions)
 
-    def known(self) -> Iterator[Known]:
+    def known_submissions(self) -> Iterator[KnownSubmission]:
         """The solution, the catalogued mistakes, the specimens."""
-        yield Known("référence", _always(self.solution.encode()), Outcome.OK)
+        yield KnownSubmission("référence", _always(self.solution.encode()), Outcome.OK)
         for misconception in self.misconceptions:
             source = _always(misconception.source.encode())
-            yield Known(f"erreur {misconception.id}", source, diagnosis=misconception.id)
+            yield KnownSubmission(f"erreur {misconception.id}", source, diagnosis=misconception.id)
         for specimen in self.specimens():
             subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
-            yield Known(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+            yield KnownSubmission(subject, _always(specimen.path.read_bytes()), specimen.outcome)
 
     def specimens(self) -> Iterator[Specimen]:
         """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""

@@ -18,7 +18,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, StudentFault
 
 #: Seconds of a clock after which no other run is begun, well below what a grading may take.
-LONGEST = 240.0
+MAX_TOTAL_SECONDS = 240.0
 
 
 @dataclass
@@ -29,14 +29,14 @@ class Run:
     number: int
     bench: Bench
     step: int = 0
-    filming: Callable[[], FigureData] | None = None
+    make_film: Callable[[], FigureData] | None = None
 
     @property
     def film(self) -> FigureData | None:
-        return None if self.filming is None else self.filming()
+        return None if self.make_film is None else self.make_film()
 
     @property
-    def place(self) -> str:
+    def location_text(self) -> str:
         return f"Essai {self.number + 1}" + (f", pas {self.step}" if self.step else "")
 
 
@@ -45,21 +45,21 @@ Play = Callable[[Run], None]
 
 
 @dataclass(frozen=True)
-class Failed:
+class FailedRun:
     """Why a run failed, and where."""
 
     run: Run
-    why: Rejection | StudentFault
+    reason: Rejection | StudentFault
 
 
 @dataclass
-class Tally:
+class RunTally:
     """The runs so far: how many succeeded, why the others did not, and who makes the film that is kept of one of them:
     only that one is made."""
 
     succeeded: int = 0
-    failures: list[Failed] = field(default_factory=list)
-    filming: Callable[[], FigureData] | None = None
+    failures: list[FailedRun] = field(default_factory=list)
+    make_film: Callable[[], FigureData] | None = None
     stopped: bool = False
 
     @property
@@ -67,9 +67,9 @@ class Tally:
         return self.succeeded + len(self.failures)
 
     @property
-    def worst(self) -> Failed:
+    def representative_failure(self) -> FailedRun:
         """What is told of the failures: a fault, which its author can mend first, before a run that was lost."""
-        faults = [one for one in self.failures if isinstance(one.why, StudentFault)]
+        faults = [one for one in self.failures if isinstance(one.reason, StudentFault)]
         return (faults or self.failures)[0]
 
 
@@ -86,7 +86,7 @@ class ClosedLoop(Check):
     kit: Callable[[Bench, int], KitSettings]
     play: Play
     after: tuple[str, ...] = ()
-    seconds: float = LONGEST
+    seconds: float = MAX_TOTAL_SECONDS
 
     def run(self, bench: Bench) -> None:
         if bench.runner.reenacting:
@@ -94,28 +94,28 @@ class ClosedLoop(Check):
         if bench.runner.failed.intersection(self.after):
             raise self._waits()
         tally = self._tally(bench)
-        if tally.filming is not None:
+        if tally.make_film is not None:
             counts = {"runs": self.runs, "needed": self.needed, "succeeded": tally.succeeded}
-            bench.film({**tally.filming(), **counts})
+            bench.film({**tally.make_film(), **counts})
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
             raise self._told(tally)
 
-    def _tally(self, bench: Bench) -> Tally:
+    def _tally(self, bench: Bench) -> RunTally:
         """Play runs until it is decided."""
-        tally, deadline = Tally(), time.monotonic() + self.seconds
+        tally, deadline = RunTally(), time.monotonic() + self.seconds
         for number in range(self.runs):
             if time.monotonic() > deadline:
                 tally.stopped = True
                 break
             run = Run(number, bench)
             why = self._why(run)
-            if run.filming is not None and not tally.failures:
-                tally.filming = run.filming
+            if run.make_film is not None and not tally.failures:
+                tally.make_film = run.make_film
             if why is None:
                 tally.succeeded += 1
             else:
-                tally.failures.append(Failed(run, why))
+                tally.failures.append(FailedRun(run, why))
             if tally.succeeded >= self.needed or len(tally.failures) > self.runs - self.needed:
                 break
             if isinstance(why, StudentFault) and why.fatal:
@@ -141,16 +141,16 @@ class ClosedLoop(Check):
             got="une d'elles au moins échoue",
         )
 
-    def _told(self, tally: Tally) -> Rejection:
+    def _told(self, tally: RunTally) -> Rejection:
         if tally.stopped or not tally.failures:
             return self._too_long(tally)
-        run, why = tally.worst.run, tally.worst.why
+        run, why = tally.representative_failure.run, tally.representative_failure.reason
         told = fault_rejection(why, inputs={}) if isinstance(why, StudentFault) else why
         won = {0: "aucun n'est réussi", 1: "un seul est réussi"}.get(tally.succeeded, f"{tally.succeeded} sont réussis")
         count = f"Il faut {self.needed} essais réussis sur {self.runs} ; des {tally.played} joués, {won}."
         message, *frames = told.message.split("\n")
         return Rejection(
-            "\n".join((f"{run.place} : {message} {count}", *frames)),
+            "\n".join((f"{run.location_text} : {message} {count}", *frames)),
             inputs={"essai": run.number + 1, **(told.inputs or {})},
             expected=told.expected,
             got=told.got,
@@ -159,7 +159,7 @@ class ClosedLoop(Check):
             figure=told.figure,
         )
 
-    def _too_long(self, tally: Tally) -> Rejection:
+    def _too_long(self, tally: RunTally) -> Rejection:
         return Rejection(
             f"Les essais ont duré plus de {self.seconds:.0f} s : {tally.played} seulement ont été joués sur "
             f"{self.runs}.",

@@ -11,85 +11,85 @@ from typing import Any
 
 import numpy as np
 
+from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
 from graders.core.code.mutations import Edit, Model, Mutant
-from graders.core.code.packed import Column, Packed
-from graders.core.code.probes import Facet, Fault, Probes, Seen, same_seen
-from graders.core.code.reached import BETWEEN, Piece, reached
-from graders.core.contract.copies import copied
-from graders.core.contract.local import called, kit_names
+from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, Probes, same_probe_answer
+from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, reachable_pieces
+from graders.core.contract.copies import copy_value
+from graders.core.contract.local import call_function, kit_names
 from graders.core.contract.values import Arguments
 
 #: How many mistakes are sought together; one more where a facet tells two of them already.
-DEEP = 2
+MAX_COMBINED_MISTAKES = 2
 #: Of how many programs with several mistakes, each of which is tried once in the life of a process (0.2 to 0.5 ms).
-MOST_TOGETHER = 1500
+MAX_COMBINED_MUTANTS = 1500
 #: In how many of its ways each mistake is tried beside another.
-USUAL_WAYS = 2
-MOST_EXTENDED = 20
+MAX_WAYS_COMBINED = 2
+MAX_EXTENDED_MUTANTS = 20
 
 
 @dataclass(eq=False)
-class Told:
+class MutantAnswers:
     """What mutants in which a function reaches the same text have answered so far."""
 
-    answers: list[Seen] = field(default_factory=list)
-    rest: Iterator[Seen] | None = None
+    answers: list[ProbeAnswer] = field(default_factory=list)
+    rest: Iterator[ProbeAnswer] | None = None
     #: As far as they are there, read.
-    packed: Packed = field(default_factory=Packed)
+    packed: AnswerSequence = field(default_factory=AnswerSequence)
 
 
 @dataclass(frozen=True)
-class Row:
+class MutantRow:
     """A mutant, and what it answers."""
 
     mutant: Mutant
-    told: Told
+    told: MutantAnswers
 
 
-class Mutants:
+class MutantAnswerCache:
     """The programs with some mistakes of a `model`, and those of `whole`, as far as they have been asked the probes."""
 
     def __init__(self, model: Model, probes: Sequence[Probes], whole: Sequence[Mutant]) -> None:
         self.model, self.whole, self.probes = model, tuple(whole), tuple(probes)
-        self._rows: dict[tuple[int, int], list[Row]] = {}
-        self._firsts: dict[tuple[int, int], Column] = {}
-        self._made: dict[tuple[int, tuple[str, ...]], list[Row]] = {}
+        self._rows: dict[tuple[int, int], list[MutantRow]] = {}
+        self._firsts: dict[tuple[int, int], AnswerColumn] = {}
+        self._made: dict[tuple[int, tuple[str, ...]], list[MutantRow]] = {}
         self._edits: dict[int, list[Edit]] = {}
         self._kits: dict[int, dict[str, Any]] = {}
-        self._told: dict[tuple[int, bytes], Told] = {}
+        self._told: dict[tuple[int, bytes], MutantAnswers] = {}
 
-    def agreeing(self, index: int, row: Row, packed: Packed) -> int:
+    def count_agreements(self, index: int, row: MutantRow, packed: AnswerSequence) -> int:
         """To how many probes a mutant answers so."""
         probes, count = self.probes[index], len(packed.answers)
-        if probes.same is not same_seen or count < len(probes.calls):
+        if probes.same is not same_probe_answer or count < len(probes.calls):
             return sum(probes.same(self._answer(index, row, k), one) for k, one in enumerate(packed.answers))
-        return sum(self._read(index, row, count).agreeing(packed))
+        return sum(self._read(index, row, count).agreement(packed))
 
-    def _read(self, index: int, row: Row, count: int) -> Packed:
+    def _read(self, index: int, row: MutantRow, count: int) -> AnswerSequence:
         """So many of its answers at least, where it has so many to give."""
         for k in range(len(row.told.packed.answers), count):
             row.told.packed.add(self._answer(index, row, k))
         return row.told.packed
 
-    def beginning(self, index: int, mistakes: int, answer: Seen) -> Sequence[Row]:
+    def matching_first_answer(self, index: int, mistakes: int, answer: ProbeAnswer) -> Sequence[MutantRow]:
         """The mutants with so many mistakes, but for those that do not answer the first probe so."""
-        rows, probes, key = self.all(index, mistakes), self.probes[index], (index, mistakes)
-        if probes.same is not same_seen or probes.compared == 0:
+        rows, probes, key = self.mutants_with(index, mistakes), self.probes[index], (index, mistakes)
+        if probes.same is not same_probe_answer or probes.compared == 0:
             return rows
         if key not in self._firsts:
-            self._firsts[key] = Column([self._answer(index, row, 0) for row in rows])
-        return [rows[place] for place in self._firsts[key].same_as(answer)]
+            self._firsts[key] = AnswerColumn([self._answer(index, row, 0) for row in rows])
+        return [rows[place] for place in self._firsts[key].indices_of(answer)]
 
-    def fits(self, index: int, row: Row, packed: Packed) -> bool:
+    def matches(self, index: int, row: MutantRow, packed: AnswerSequence) -> bool:
         """Does the mutant answer every probe so?"""
         probes, answers = self.probes[index], packed.answers[: self.probes[index].compared]
-        if probes.same is not same_seen:
+        if probes.same is not same_probe_answer:
             return all(probes.same(self._answer(index, row, k), answer) for k, answer in enumerate(answers))
         if answers and len(row.told.packed.answers) >= len(answers) == len(packed.answers):
-            return all(row.told.packed.agreeing(packed))
-        return all(self._read(index, row, k + 1).same(packed, k) for k in range(len(answers)))
+            return all(row.told.packed.agreement(packed))
+        return all(self._read(index, row, k + 1).agrees_at(packed, k) for k in range(len(answers)))
 
-    def _fits_in(self, facet: Facet, index: int, row: Row, answers: Sequence[Seen]) -> bool:
+    def _fits_in(self, facet: Facet, index: int, row: MutantRow, answers: Sequence[ProbeAnswer]) -> bool:
         """Does the mutant answer every probe so, in this facet?"""
         probes = self.probes[index]
         return all(
@@ -97,22 +97,22 @@ class Mutants:
             for k, answer in enumerate(answers[: probes.compared])
         )
 
-    def all(self, index: int, mistakes: int) -> list[Row]:
+    def mutants_with(self, index: int, mistakes: int) -> list[MutantRow]:
         key = (index, mistakes)
         if key not in self._rows:
             if mistakes == 0:
-                made = self.model.right()
+                made = self.model.correct_versions()
             elif mistakes == 1:
                 made = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
             else:
-                made = itertools.islice(self._together(index, mistakes), MOST_TOGETHER)
+                made = itertools.islice(self._together(index, mistakes), MAX_COMBINED_MUTANTS)
             self._rows[key] = [self._row(index, mutant) for mutant in made]
         return self._rows[key]
 
-    def _row(self, index: int, mutant: Mutant) -> Row:
+    def _row(self, index: int, mutant: Mutant) -> MutantRow:
         """Another row's answers, where the function of the probes reaches the same text in both."""
-        key = index, _digest(reached(mutant.text, self.probes[index].function))
-        return Row(mutant, self._told.setdefault(key, Told()))
+        key = index, _digest(reachable_pieces(mutant.text, self.probes[index].function))
+        return MutantRow(mutant, self._told.setdefault(key, MutantAnswers()))
 
     def _together(self, index: int, mistakes: int) -> Iterator[Mutant]:
         """Programs with several mistakes, each made in its most usual ways, those of the catalogue's head first."""
@@ -120,9 +120,9 @@ class Mutants:
         usual = []
         for edit in self._telling(index):
             taken[edit.id] += 1
-            if taken[edit.id] <= USUAL_WAYS:
+            if taken[edit.id] <= MAX_WAYS_COMBINED:
                 usual.append(edit)
-        styles = [row.mutant for row in self.all(index, 0)]
+        styles = [row.mutant for row in self.mutants_with(index, 0)]
         for _, chosen in sorted(
             (
                 (sum(places), [usual[k] for k in places])
@@ -130,24 +130,29 @@ class Mutants:
             ),
             key=lambda pair: pair[0],
         ):
-            yield from self.model.together(styles, chosen)
+            yield from self.model.combine(styles, chosen)
 
     def _telling(self, index: int) -> list[Edit]:
         """The edits that change an answer to these probes."""
         if index not in self._edits:
             calls = range(len(self.probes[index].calls))
-            rights = {row.told: Packed([self._answer(index, row, k) for k in calls]) for row in self.all(index, 0)}
-            edited = {row.told: row for row in self.all(index, 1) if row.mutant.edits and row.told not in rights}
+            rights = {
+                row.told: AnswerSequence([self._answer(index, row, k) for k in calls])
+                for row in self.mutants_with(index, 0)
+            }
+            edited = {
+                row.told: row for row in self.mutants_with(index, 1) if row.mutant.edits and row.told not in rights
+            }
             telling = {
                 told
                 for told, row in edited.items()
-                if not any(self.fits(index, row, right) for right in rights.values())
+                if not any(self.matches(index, row, right) for right in rights.values())
             }
-            edits = {row.mutant.edits for row in self.all(index, 1) if row.told in telling}
+            edits = {row.mutant.edits for row in self.mutants_with(index, 1) if row.told in telling}
             self._edits[index] = [edit for edit in self.model.edits if (edit,) in edits]
         return self._edits[index]
 
-    def making(self, index: int, ids: Sequence[str]) -> Sequence[Row]:
+    def mutants_making(self, index: int, ids: Sequence[str]) -> Sequence[MutantRow]:
         """The mutants that make just these mistakes."""
         key = index, tuple(ids)
         if key not in self._made:
@@ -155,16 +160,21 @@ class Mutants:
             self._made[key] = [self._row(index, mutant) for mutant in self.model.mutants(edits, len(ids))]
         return self._made[key]
 
-    def extended(self, index: int, answers: Sequence[Seen]) -> Iterator[Row]:
+    def extended_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[MutantRow]:
         """The mutants of a facet that fits, with one mistake more."""
         facet = self.probes[index].facet
         if facet is None:
             return
-        begun = [row for row in self.all(index, DEEP) if self._fits_in(facet, index, row, answers)]
-        for row in begun[:MOST_EXTENDED]:
-            yield from (Row(mutant, Told()) for mutant in self.model.extended(row.mutant, self._telling(index)))
+        begun = [
+            row for row in self.mutants_with(index, MAX_COMBINED_MISTAKES) if self._fits_in(facet, index, row, answers)
+        ]
+        for row in begun[:MAX_EXTENDED_MUTANTS]:
+            yield from (
+                MutantRow(mutant, MutantAnswers())
+                for mutant in self.model.with_one_more(row.mutant, self._telling(index))
+            )
 
-    def _answer(self, index: int, row: Row, k: int) -> Seen:
+    def _answer(self, index: int, row: MutantRow, k: int) -> ProbeAnswer:
         """What a mutant answers to probe k, having answered those before."""
         probes, told = self.probes[index], row.told
         if k == 0 and not told.answers:  # of most mutants no more is asked: nothing is kept to go on with
@@ -175,9 +185,9 @@ class Mutants:
             told.answers.append(next(told.rest))
         return told.answers[k]
 
-    def _asked(self, index: int, row: Row, calls: Sequence[Arguments]) -> Iterator[Seen]:
+    def _asked(self, index: int, row: MutantRow, calls: Sequence[Arguments]) -> Iterator[ProbeAnswer]:
         probes = self.probes[index]
-        return _answers(reached(row.mutant.text, probes.function), probes, self._names(index), calls)
+        return _answers(reachable_pieces(row.mutant.text, probes.function), probes, self._names(index), calls)
 
     def _names(self, index: int) -> dict[str, Any]:
         """The names that a mutant finds: the kit's, made once for all of them unless they draw at random."""
@@ -188,22 +198,22 @@ class Mutants:
 
 
 def _answers(
-    pieces: Sequence[Piece], probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]
-) -> Iterator[Seen]:
+    pieces: Sequence[CodePiece], probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]
+) -> Iterator[ProbeAnswer]:
     """What these pieces of a mutant, which is our own code, answer with `names`, where they leave their own."""
     for piece in pieces:
         exec(piece.code, names)
     for args in calls:
-        given = copied(args)
+        given = copy_value(args)
         try:
             with np.errstate(all="ignore"):
-                value = called(names, probes.function, given)
+                value = call_function(names, probes.function, given)
         except Exception as error:
-            yield Fault(type(error).__name__)
+            yield ProbeFault(type(error).__name__)
         else:
             yield probes.read(args, value)
 
 
-def _digest(pieces: Sequence[Piece]) -> bytes:
+def _digest(pieces: Sequence[CodePiece]) -> bytes:
     """Kept for each text that is asked, where the texts themselves would take megabytes."""
-    return hashlib.blake2b(BETWEEN.join(piece.text for piece in pieces).encode(), digest_size=16).digest()
+    return hashlib.blake2b(PIECE_SEPARATOR.join(piece.text for piece in pieces).encode(), digest_size=16).digest()

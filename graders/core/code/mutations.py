@@ -44,7 +44,7 @@ class Mutant:
     text: str
     edits: tuple[Edit, ...] = ()
 
-    def speaks_of(self, functions: Collection[str]) -> bool:
+    def applies_to(self, functions: Collection[str]) -> bool:
         """Is every mistake one that these functions may have?"""
         return all(not edit.functions or edit.functions.intersection(functions) for edit in self.edits)
 
@@ -57,7 +57,7 @@ class Model:
     edits: Sequence[Edit]
     styles: Sequence[Edit] = ()
 
-    def right(self) -> Iterator[Mutant]:
+    def correct_versions(self) -> Iterator[Mutant]:
         """The model in each of its styles."""
         texts = (self.text, *(text for style in self.styles if (text := style.apply(self.text)) is not None))
         yield from (Mutant((), text) for text in texts)
@@ -65,9 +65,9 @@ class Model:
     def mutants(self, edits: Sequence[Edit], mistakes: int) -> Iterator[Mutant]:
         """Every program with so many different mistakes among these edits, in each style."""
         for chosen in itertools.combinations(edits, mistakes):
-            yield from self.together(list(self.right()), chosen)
+            yield from self.combine(list(self.correct_versions()), chosen)
 
-    def together(self, styles: Sequence[Mutant], chosen: Sequence[Edit]) -> Iterator[Mutant]:
+    def combine(self, styles: Sequence[Mutant], chosen: Sequence[Edit]) -> Iterator[Mutant]:
         """The program that makes all these mistakes, in each style; none where two are of the same id."""
         ids = tuple(edit.id for edit in chosen)
         seen = set()
@@ -77,7 +77,7 @@ class Model:
                 seen.add(text)
                 yield Mutant(ids, text, tuple(chosen))
 
-    def extended(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
+    def with_one_more(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
         """A mutant with one of these mistakes more, in each way in which it can be made."""
         for edit in edits:
             text = edit.apply(mutant.text) if edit.id not in mutant.ids else None

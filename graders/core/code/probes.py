@@ -16,7 +16,7 @@ from graders.core.contract.values import Arguments, Floats, UnreadableError, Val
 
 TOLERANCE = 1e-7
 #: Numbers in one answer that is kept: no right one has as many.
-LARGEST = 2000
+MAX_ITEMS = 2000
 TOO_LARGE = "trop grand"
 
 #: From the arguments and the value that came back to what is compared.
@@ -24,40 +24,40 @@ Read = Callable[[Arguments, Value], Value]
 
 
 @dataclass(frozen=True)
-class Fault:
+class ProbeFault:
     """A call that raised: by which exception, or which outcome."""
 
     name: str
 
 
-Seen = Any  # what a probe showed: a plain value, or a Fault
+ProbeAnswer = Any  # what a probe showed: a plain value, or a Fault
 
 
-def same_seen(one: Seen, other: Seen, tolerance: float = TOLERANCE) -> bool:
+def same_probe_answer(one: ProbeAnswer, other: ProbeAnswer, tolerance: float = TOLERANCE) -> bool:
     """The same value, or the same way of failing."""
-    if isinstance(one, Fault) or isinstance(other, Fault):
-        return bool(one == other) if isinstance(one, Fault) and isinstance(other, Fault) else False
+    if isinstance(one, ProbeFault) or isinstance(other, ProbeFault):
+        return bool(one == other) if isinstance(one, ProbeFault) and isinstance(other, ProbeFault) else False
     return same_value(one, other, tolerance=tolerance)
 
 
 @dataclass(frozen=True)
-class Shown:
+class ProbeResults:
     """What a program showed on the probes of one function, beside what is right."""
 
     calls: Sequence[Arguments]
-    got: Sequence[Seen]
-    right: Sequence[Seen]
-    same: Callable[[Seen, Seen], bool] = same_seen
+    got: Sequence[ProbeAnswer]
+    right: Sequence[ProbeAnswer]
+    same: Callable[[ProbeAnswer, ProbeAnswer], bool] = same_probe_answer
 
-    def wrong(self) -> list[int]:
+    def wrong_indices(self) -> list[int]:
         """Which probes were answered otherwise than the model does."""
         return [k for k, (a, b) in enumerate(zip(self.got, self.right, strict=True)) if not self.same(a, b)]
 
 
 #: From the arguments and what was shown to a part of it.
-Facet = Callable[[Arguments, Seen], Seen]
+Facet = Callable[[Arguments, ProbeAnswer], ProbeAnswer]
 #: Says which mistake (its id) the answers show, or None.
-Rule = Callable[[Shown], str | None]
+Rule = Callable[[ProbeResults], str | None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +77,7 @@ class Probes:
     calls: tuple[Arguments, ...]
     kit: KitSettings
     read: Read = field(default=lambda args, value: value)
-    same: Callable[[Seen, Seen], bool] = same_seen
+    same: Callable[[ProbeAnswer, ProbeAnswer], bool] = same_probe_answer
     rules: tuple[Rule, ...] = ()
     last_rules: tuple[Rule, ...] = ()
     random: bool = False
@@ -87,21 +87,23 @@ class Probes:
     given: Mapping[str, Any] = field(default_factory=dict)
 
 
-def seen(args: Arguments, answer: Answer, read: Read) -> Seen:
+def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
     """What an answer shows."""
     if isinstance(answer, Reply):
         shown = read(args, answer.value)
-        return TOO_LARGE if any(isinstance(one, np.ndarray) and one.size > LARGEST for one in _items(shown)) else shown
-    return Fault(answer.exception or answer.outcome.value)
+        return (
+            TOO_LARGE if any(isinstance(one, np.ndarray) and one.size > MAX_ITEMS for one in _items(shown)) else shown
+        )
+    return ProbeFault(answer.exception or answer.outcome.value)
 
 
-def _items(shown: Seen) -> Sequence[Seen]:
+def _items(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:
     return shown if isinstance(shown, list) else (shown,)
 
 
-def as_array(value: Seen, shape: tuple[int, ...] | None = None) -> Floats | None:
+def as_array(value: ProbeAnswer, shape: tuple[int, ...] | None = None) -> Floats | None:
     """A seen value as an array of finite numbers (of that shape), or None."""
-    if isinstance(value, Fault):
+    if isinstance(value, ProbeFault):
         return None
     try:
         array = read_array(value)

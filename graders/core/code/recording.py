@@ -6,30 +6,38 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Reply, in_turn
+from graders.core.contract.program import (
+    Answer,
+    Block,
+    KitSettings,
+    PlannedCalls,
+    Program,
+    Reply,
+    call_batches_sequentially,
+)
 from graders.core.contract.values import Arguments, Value
 
 #: How many calls of one function are written down.
-MOST_RECORDED = 24
+MAX_RECORDED_CALLS = 24
 
 
-class Recorder:
+class CallRecorder:
     """Starts trusted files, and writes down what some of their functions are asked."""
 
     def __init__(self, functions: Collection[str]) -> None:
         self._functions = frozenset(functions)
         self._calls: dict[tuple[int, str], tuple[KitSettings, list[Arguments]]] = {}
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         return _Recording(LOCAL.open(source, kit), kit, self)
 
     def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
         if function in self._functions:
             _, calls = self._calls.setdefault((id(kit), function), (kit, []))
-            if len(calls) < MOST_RECORDED:
+            if len(calls) < MAX_RECORDED_CALLS:
                 calls.append(args)
 
-    def recorded(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:
+    def calls_by_kit(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:
         for (_, function), (kit, calls) in self._calls.items():
             yield kit, function, tuple(calls)
 
@@ -37,7 +45,7 @@ class Recorder:
 class _Recording:
     """A program of `Recorder`."""
 
-    def __init__(self, program: LocalProgram, kit: KitSettings, recorder: Recorder) -> None:
+    def __init__(self, program: LocalProgram, kit: KitSettings, recorder: CallRecorder) -> None:
         self._program, self._kit, self._recorder = program, kit, recorder
         self.functions = program.functions
 
@@ -51,8 +59,8 @@ class _Recording:
             self._recorder.note(self._kit, function, args)
         return self._program.call_many(function, noted, faults=faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        return in_turn(self, asked)
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, asked)
 
     def stdout(self) -> str:
         return self._program.stdout()

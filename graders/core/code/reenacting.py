@@ -14,7 +14,7 @@ from graders.core.contract.program import KitSettings, StudentFault
 from graders.core.contract.streams import stream
 
 #: Says, from what was seen so far, that the checks to come need not be run.
-Enough = Callable[[Sequence[Observation]], bool]
+StopCondition = Callable[[Sequence[Observation]], bool]
 
 
 class Reenactment:
@@ -26,7 +26,7 @@ class Reenactment:
         self._checks = [check for check in checks if set(check.functions) & set(misconception.functions)]
         self._ends = [0]
 
-    def seen(self, enough: Enough = lambda seen: False) -> Sequence[Observation]:
+    def observe(self, enough: StopCondition = lambda seen: False) -> Sequence[Observation]:
         """The observations of its checks, up to the first after which there are `enough`."""
         done = 0
         while True:

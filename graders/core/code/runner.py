@@ -9,17 +9,17 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from graders.core.code.ahead import Ahead, end_of
-from graders.core.code.at_once import gathered
-from graders.core.code.beside import Beside
+from graders.core.code.batch_judging import concatenate_blocks
+from graders.core.code.piggyback import PiggybackCalls
+from graders.core.code.pipelining import CallPipeline, fatal_fault
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
-    Foreseen,
     KitSettings,
-    Preparing,
+    PlannedCalls,
+    PreparablePrograms,
     Program,
     Programs,
     Reply,
@@ -29,7 +29,7 @@ from graders.core.contract.values import Arguments, Value
 
 #: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
 MAX_LAUNCHES = 12
-MAX_OTHERS = 64
+MAX_SIDE_PROGRAMS = 64
 DEFAULT_BUDGET = Budget()
 
 
@@ -72,8 +72,8 @@ class Runner:
         self._others = self._expected = 0
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
-        self._ahead = Ahead()
-        self._beside = Beside()
+        self._ahead = CallPipeline()
+        self._beside = PiggybackCalls()
         self._seen: list[Observation] = []
         self._unwritten: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
@@ -97,108 +97,110 @@ class Runner:
         """The program on the main map. Raises StudentFault when its file does not load."""
         return self._program or self._launched()
 
-    def _launched(self, ahead: Sequence[Foreseen] = ()) -> Program:
+    def _launched(self, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self._launches += 1
         self._program = self._start(self._kit, self._launches, MAX_LAUNCHES, ahead)
         return self._program
 
-    def _start(self, kit: KitSettings, launches: int, most: int, ahead: Sequence[Foreseen] = ()) -> Program:
+    def _start(self, kit: KitSettings, launches: int, most: int, ahead: Sequence[PlannedCalls] = ()) -> Program:
         if launches > most:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
         return self._programs.open(self._source, kit, ahead)
 
     @property
-    def pace(self) -> float:
+    def seconds_per_call(self) -> float:
         """Seconds that a call has taken so far, with all that was done of its answer."""
         return (time.perf_counter() - self._begun) / max(1, self._told)
 
-    def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
+    def answer_batches(self, asked: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
         """The answers of the main program to all of these calls, which are asked together, as far as there are any.
 
         A function that is not called again gives none. What is to be asked beside goes with them, after them.
         """
-        beside = self._beside.begin(self.pace)
-        self.foresee([*asked, *beside])
-        told = [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
+        beside = self._beside.take_queued(self.seconds_per_call)
+        self.plan([*asked, *beside])
+        told = [list(self.answers(one)) if self.is_callable(one.function) else [] for one in asked]
         self._take_beside(beside)
         return told
 
-    def ask_beside(self, asked: Sequence[Foreseen]) -> None:
+    def piggyback(self, asked: Sequence[PlannedCalls]) -> None:
         """Has these asked with the next exchange, whenever that is: see `Beside`."""
-        self._beside.wait(asked)
+        self._beside.queue(asked)
 
-    def told_beside(self, asked: Foreseen) -> Sequence[Answer] | None:
+    def piggybacked_answers(self, asked: PlannedCalls) -> Sequence[Answer] | None:
         """The answers to what was to be asked beside others; None where it must be asked of a program of its own.
 
         It is the last thing that the main program is asked, at the latest: what it prints meanwhile is not shown.
         """
-        beside = [one for one in self._beside.begin(self.pace) if self.calls(one.function)]
+        beside = [one for one in self._beside.take_queued(self.seconds_per_call) if self.is_callable(one.function)]
         if beside and self._program is not None:
-            self.keep_what_was_printed()
+            self.freeze_stdout()
             printed = self.stdout
-            self.foresee(beside)
+            self.plan(beside)
             self._asked_with_the_rest(beside[0])
             self._take_beside(beside)
             self.close()
             self.stdout = printed
-        return self._beside.told(asked)
+        return self._beside.answers(asked)
 
-    def _take_beside(self, asked: Sequence[Foreseen]) -> None:
+    def _take_beside(self, asked: Sequence[PlannedCalls]) -> None:
         """No fault here costs a function anything."""
         if asked:
-            self._beside.take({one: gathered(self._unmourned(one)) for one in asked if self.calls(one.function)})
+            self._beside.store_answers(
+                {one: concatenate_blocks(self._unmourned(one)) for one in asked if self.is_callable(one.function)}
+            )
 
-    def _unmourned(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
-        ready = self._ahead.ready(asked)
-        while ready or self._ahead.awaits(asked):
+    def _unmourned(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        ready = self._ahead.ready_blocks(asked)
+        while ready or self._ahead.is_pending(asked):
             if ready:
                 yield ready.popleft()
             else:
                 self._take_in()
 
-    def foresee(self, plan: Sequence[Foreseen]) -> None:
+    def plan(self, plan: Sequence[PlannedCalls]) -> None:
         """What the next checks will ask of the main program, in this order and nothing else in between."""
         self._settle()
-        self._ahead.foresee(plan)
+        self._ahead.set_plan(plan)
 
-    def start(self, plan: Sequence[Foreseen]) -> None:
+    def start(self, plan: Sequence[PlannedCalls]) -> None:
         """Start the main program, with what is asked of it first. Raises StudentFault when its file does not load."""
-        self._ahead.foresee(plan)
-        self._ahead.begin(self._launched(plan), plan)
+        self._ahead.set_plan(plan)
+        self._ahead.send(self._launched(plan), plan)
 
-    def answers(self, asked: Foreseen) -> Iterator[Answer]:
+    def answers(self, asked: PlannedCalls) -> Iterator[Answer]:
         """The answers of the main program to what may have been foreseen, as the calls made now would give them."""
-        return itertools.chain.from_iterable(self.blocks(asked))
+        return itertools.chain.from_iterable(self.answer_blocks(asked))
 
-    def blocks(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+    def answer_blocks(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
         """As `answers`, with those together that have come together; a fatal one is alone.
 
         Nothing is waited for beyond the answer to the last of the calls.
         """
-        if self._refused(asked.function) or not self._ahead.foresees(asked):
+        if self._refused(asked.function) or not self._ahead.is_planned(asked):
             yield from self._asked_now(asked)
             return
         try:
-            ready = self._ahead.ready(asked)
+            ready = self._ahead.ready_blocks(asked)
             ready = self._asked_with_the_rest(asked) if ready is None else ready
         except StudentFault as fault:
             self._mourn(None, asked.function, fault)
             yield (fault,)
             return
         left = len(asked.calls)
-        while left and (ready or self._ahead.awaits(asked)):
+        while left and (ready or self._ahead.is_pending(asked)):
             if not ready:
                 self._take_in()
                 continue
             answers = ready.popleft()
-            if last := end_of(answers):
+            if last := fatal_fault(answers):
                 self._dead[asked.function] = last
             self._told += len(answers)
             left -= len(answers)
             yield answers
 
-    def _asked_now(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
-        if not asked.keeping:
+    def _asked_now(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        if not asked.return_arguments:
             yield from self._asked_alone(asked)
             return
         for args in asked.calls:
@@ -207,37 +209,37 @@ class Runner:
             except StudentFault as fault:
                 yield (fault,)
 
-    def _asked_alone(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+    def _asked_alone(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
         refused = self._refused(asked.function)
         if refused is not None:
             yield (refused,)
             return
         self._settle()
         try:
-            given = self.program.together([asked])
+            given = self.program.call_batches([asked])
         except StudentFault as fault:
             given = iter([(0, (fault,))])
         for _, answers in given:
             self._told += len(answers)
-            if last := end_of(answers):
+            if last := fatal_fault(answers):
                 self._mourn(None, asked.function, last)
             yield answers
 
-    def _asked_with_the_rest(self, asked: Foreseen) -> deque[Sequence[Answer]]:
+    def _asked_with_the_rest(self, asked: PlannedCalls) -> deque[Sequence[Answer]]:
         self._settle()
-        together = self._ahead.from_here(asked, self._dead)
-        self._ahead.begin(self._program or self._launched(together), together)
-        ready = self._ahead.ready(asked)
+        together = self._ahead.batches_from(asked, self._dead)
+        self._ahead.send(self._program or self._launched(together), together)
+        ready = self._ahead.ready_blocks(asked)
         assert ready is not None, "it was asked"
         return ready
 
     def _settle(self) -> None:
         """Have all answers in that are on their way: nothing else can be asked before."""
-        while self._ahead.on_the_way:
+        while self._ahead.has_pending:
             self._take_in()
 
     def _take_in(self) -> None:
-        if self._ahead.take_in():
+        if self._ahead.receive_block():
             self.close()
 
     def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
@@ -261,9 +263,9 @@ class Runner:
         refused = self._refused(function)
         if refused is not None:
             return iter((refused,))
-        return self.told(program, function, self._answers(program, function, calls, faults))
+        return self.watch_answers(program, function, self._answers(program, function, calls, faults))
 
-    def told(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
+    def watch_answers(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
         """The same answers; what they say of the program's end is noted."""
         for answer in answers:
             self.note(program, function, answer)
@@ -275,7 +277,7 @@ class Runner:
         if isinstance(answer, StudentFault):
             self._mourn(program, function, answer)
 
-    def calls(self, function: str) -> bool:
+    def is_callable(self, function: str) -> bool:
         """Whether a function is still called."""
         return function not in self._dead
 
@@ -305,24 +307,24 @@ class Runner:
         if self._program is not None and program in (None, self._program):
             self.close()
 
-    def expect(self, launches: int) -> None:
+    def announce_launches(self, launches: int) -> None:
         """The file is about to be started so many times more."""
         self._expected += launches
-        if self._expected and isinstance(self._programs, Preparing):
+        if self._expected and isinstance(self._programs, PreparablePrograms):
             self._programs.prepare(self._source, self._kit, self._expected)
 
     @contextmanager
-    def other(self, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Iterator[Program]:
+    def side_program(self, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Iterator[Program]:
         """The same file started on another map, for as long as the block lasts; what is asked `ahead` goes with it."""
         self._others += 1
         self._expected = max(0, self._expected - 1)
-        program = self._start(kit, self._others, MAX_OTHERS, ahead)
+        program = self._start(kit, self._others, MAX_SIDE_PROGRAMS, ahead)
         try:
             yield program
         finally:
             program.close()
 
-    def keep_what_was_printed(self) -> None:
+    def freeze_stdout(self) -> None:
         """What is printed from here on is not shown, unless nothing was before."""
         self._settle()
         if self._program is not None:
@@ -331,7 +333,7 @@ class Runner:
     def close(self) -> None:
         """Keep what was printed and give the main program back."""
         if self._program is not None:
-            self._ahead.lose()
+            self._ahead.discard_pending()
             self.stdout = self.stdout or self._program.stdout()
             self._program.close()
             self._program = None

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Sequence
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.runner import Runner
-from graders.core.code.simplifying import Unsimplified, run_alone, simplify
+from graders.core.code.simplifying import PendingShrink, run_and_shrink, shrink_all
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
 from graders.core.contract.findings import Finding
-from graders.core.contract.program import Foreseen, KitSettings, StudentFault
+from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import CheckResult, Counterexample
 
@@ -24,7 +24,7 @@ def run_checks(
     seed: int,
     *,
     launches_if_failed: Callable[[], int] = lambda: 0,
-    beside: Callable[[Sequence[Check]], Sequence[Foreseen]] = lambda failed: (),
+    beside: Callable[[Sequence[Check]], Sequence[PlannedCalls]] = lambda failed: (),
 ) -> list[Finding]:
     """What each of the checks finds of the runner's program, with the same draws for the same seed.
 
@@ -32,30 +32,30 @@ def run_checks(
     once it is known which checks have failed, goes with what simplifies these.
     """
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
-    found: list[Finding | Unsimplified] = []
+    found: list[Finding | PendingShrink] = []
     for begins, ends in _spans(checks):
         plan = _foreseen(checks[begins:ends], benches[begins:ends])
         if begins:
-            runner.foresee(plan)
+            runner.plan(plan)
         else:
             try:
                 runner.start(plan)
             except StudentFault as fault:
                 return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
-            runner.expect(sum(check.launches for check in checks))
+            runner.announce_launches(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
             found.append(_found(check, bench))
-            if isinstance(found[-1], Unsimplified) or not found[-1].passed:
+            if isinstance(found[-1], PendingShrink) or not found[-1].passed:
                 if not runner.failed:
-                    runner.expect(launches_if_failed())
+                    runner.announce_launches(launches_if_failed())
                 runner.failed.add(check.id)
     if runner.failed:
-        runner.ask_beside(beside([check for check in checks if check.id in runner.failed]))
-    if failed := [one for one in found if isinstance(one, Unsimplified)]:
-        runner.keep_what_was_printed()
-        simplify(runner, failed, runner.answered)
+        runner.piggyback(beside([check for check in checks if check.id in runner.failed]))
+    if failed := [one for one in found if isinstance(one, PendingShrink)]:
+        runner.freeze_stdout()
+        shrink_all(runner, failed, runner.answer_batches)
     findings = [
-        _told(check, one, bench) if isinstance(one, Unsimplified) else one
+        _told(check, one, bench) if isinstance(one, PendingShrink) else one
         for check, one, bench in zip(checks, found, benches, strict=True)
     ]
     return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
@@ -65,15 +65,15 @@ def _spans(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
     """Checks in a row whose questions can go together: none but the last asks more than what is foreseen of it."""
     begins = 0
     for ends, check in enumerate(checks, 1):
-        if check.asks_on or ends == len(checks):
+        if check.has_unplanned_calls or ends == len(checks):
             yield begins, ends
             begins = ends
 
 
-def _foreseen(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[Foreseen]:
+def _foreseen(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[PlannedCalls]:
     for check, bench in zip(checks, benches, strict=True):
-        bench.foreseen = check.foreseen(bench)
-    return [asked for bench in benches for asked in bench.foreseen]
+        bench.planned_calls = check.planned_calls(bench)
+    return [asked for bench in benches for asked in bench.planned_calls]
 
 
 def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]) -> Finding:
@@ -81,9 +81,9 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
     others = [
         f
         for c, f in zip(checks, findings, strict=True)
-        if not c.needs_another and set(c.functions) & set(check.functions)
+        if not c.requires_other_check and set(c.functions) & set(check.functions)
     ]
-    if not check.needs_another or not finding.passed or any(f.passed for f in others):
+    if not check.requires_other_check or not finding.passed or any(f.passed for f in others):
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
     return _finding(
@@ -93,18 +93,18 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
 
 def run_check(check: Check, bench: Bench) -> Finding:
     """Run one check and put what it found in words."""
-    return _judged(check, lambda: run_alone(check.run, bench), bench)
+    return _judged(check, lambda: run_and_shrink(check.run, bench), bench)
 
 
-def _found(check: Check, bench: Bench) -> Finding | Unsimplified:
+def _found(check: Check, bench: Bench) -> Finding | PendingShrink:
     """As `run_check`, of one that does not simplify what it fails on."""
     try:
         return _judged(check, lambda: check.run(bench), bench)
-    except Unsimplified as unsimplified:
+    except PendingShrink as unsimplified:
         return unsimplified
 
 
-def _told(check: Check, unsimplified: Unsimplified, bench: Bench) -> Finding:
+def _told(check: Check, unsimplified: PendingShrink, bench: Bench) -> Finding:
     """What a check that has failed holds against the program, on the simplest input that was found."""
 
     def tell() -> None:

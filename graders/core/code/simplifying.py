@@ -12,18 +12,18 @@ from typing import Any, NoReturn, Protocol, TypeVar
 from graders.core.code.bench import Bench
 from graders.core.code.runner import Runner
 from graders.core.compare.comparison import Mismatch
-from graders.core.compare.search import Search
+from graders.core.compare.search import ShrinkSearch
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, StudentFault
+from graders.core.contract.program import Answer, PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments
 
 CaseT = TypeVar("CaseT")
 FailureT = TypeVar("FailureT")
 #: Inputs that are asked together, of a program that answers in no time; seconds of calls that a slow one is asked.
-AHEAD, PATIENCE = 24, 0.02
+MAX_PREFETCHED, MAX_BATCH_SECONDS = 24, 0.02
 
 
-class Told(Protocol):
+class FailureReason(Protocol):
     """Why an answer is held against a submission: a mismatch, or a fault."""
 
     @property
@@ -33,7 +33,7 @@ class Told(Protocol):
     def fault(self) -> StudentFault | None: ...
 
 
-def same_kind(first: Told, other: Told) -> bool:
+def fails_alike(first: FailureReason, other: FailureReason) -> bool:
     """A shrunk case must fail as the first one did: by the same exception or limit, or by a value of the same cause."""
     if first.fault or other.fault:
         return _end(first.fault) == _end(other.fault)
@@ -46,7 +46,7 @@ def _end(fault: StudentFault | None) -> tuple[Outcome, str | None] | None:
     return None if fault is None else (fault.outcome, fault.exception)
 
 
-class Unsimplified(Exception):
+class PendingShrink(Exception):
     """A check has failed on an input that may be simplified: `search` seeks a simpler one, which `function` is called
     on with the `arguments` of it, and `told` says what is shown of the simplest."""
 
@@ -54,23 +54,23 @@ class Unsimplified(Exception):
         self,
         function: str,
         arguments: Callable[[Any], Arguments],
-        search: Search[Any, Answer, Any],
+        search: ShrinkSearch[Any, Answer, Any],
         told: Callable[[Any], Exception],
     ) -> None:
         super().__init__(function)
         self.function, self.search, self._arguments, self._told = function, search, arguments, told
 
-    def asked(self, most: int) -> Foreseen | None:
+    def next_calls(self, most: int) -> PlannedCalls | None:
         """What is to be asked next; None when the simplest is found."""
         cases = self.search.questions(most)
-        return Foreseen(self.function, list(map(self._arguments, cases))) if cases else None
+        return PlannedCalls(self.function, list(map(self._arguments, cases))) if cases else None
 
     def rejection(self) -> Exception:
         """What is held against the program, on the simplest input found."""
         return self._told(self.search.simplest)
 
 
-def reject(
+def shrink_and_reject(
     bench: Bench,
     function: str,
     failure: FailureT,
@@ -92,36 +92,36 @@ def reject(
     """
     if bench.runner.reenacting or stops(failure):
         raise told(failure)
-    budget, ahead = bench.runner.budget, 1 if costly else AHEAD
-    search = Search(failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead)
-    unsimplified = Unsimplified(function, arguments, search, told)
+    budget, ahead = bench.runner.budget, 1 if costly else MAX_PREFETCHED
+    search = ShrinkSearch(failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead)
+    unsimplified = PendingShrink(function, arguments, search, told)
     if bench.program is None:
         raise unsimplified
-    simplify(bench.runner, [unsimplified], bench.answered)
+    shrink_all(bench.runner, [unsimplified], bench.answer_batches)
     raise unsimplified.rejection()
 
 
-def simplify(
+def shrink_all(
     runner: Runner,
-    failed: Sequence[Unsimplified],
-    answered: Callable[[Sequence[Foreseen]], Sequence[Sequence[Answer]]],
+    failed: Sequence[PendingShrink],
+    answered: Callable[[Sequence[PlannedCalls]], Sequence[Sequence[Answer]]],
 ) -> None:
     """Looks for the simplest input of each, as far as their budgets go; `answered` has several calls made."""
     for one in failed:
         one.search.seconds *= len(failed)  # they share their time
     while True:
-        most = max(1, min(AHEAD, int(PATIENCE / runner.pace)))
-        due = [(one, asked) for one in failed if (asked := one.asked(most)) is not None]
+        most = max(1, min(MAX_PREFETCHED, int(MAX_BATCH_SECONDS / runner.seconds_per_call)))
+        due = [(one, asked) for one in failed if (asked := one.next_calls(most)) is not None]
         if not due:
             return
         for (one, _), answers in zip(due, answered([asked for _, asked in due]), strict=True):
             one.search.take(answers)
 
 
-def run_alone(run: Callable[[Bench], None], bench: Bench) -> None:
+def run_and_shrink(run: Callable[[Bench], None], bench: Bench) -> None:
     """Runs a check by itself: what it fails on is simplified before it raises what it finds."""
     try:
         run(bench)
-    except Unsimplified as unsimplified:
-        simplify(bench.runner, [unsimplified], bench.answered)
+    except PendingShrink as unsimplified:
+        shrink_all(bench.runner, [unsimplified], bench.answer_batches)
         raise unsimplified.rejection() from None

@@ -44,23 +44,23 @@ Comparator = Callable[[Value, Value], Mismatch | None]
 WELL_WITHIN, WELL_BEYOND = 0.5, 2.0
 
 
-class OfRows(ABC):
+class RowComparator(ABC):
     """A comparator of numbers that also compares many cases at once."""
 
     @abstractmethod
-    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+    def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
         """Of two arrays of one shape, a case a row (n, …): how far apart each row is, its tolerance being 1 (n,).
 
         A row that is WELL_WITHIN agrees when it is compared alone, one WELL_BEYOND does not. None where rows must be.
         """
 
-    def surely(self, expected: Floats, got: Floats) -> bool:
+    def all_rows_agree(self, expected: Floats, got: Floats) -> bool:
         """Do all rows agree?"""
-        gaps = self.gaps(expected, got)
+        gaps = self.row_errors(expected, got)
         return gaps is not None and bool((gaps <= WELL_WITHIN).all())
 
 
-def row_gaps(expected: Floats, got: Floats, tolerance: float) -> Floats:
+def row_errors(expected: Floats, got: Floats, tolerance: float) -> Floats:
     """How far apart rows are, as `close` would have it; infinitely where something is no number."""
     with np.errstate(invalid="ignore", over="ignore"):
         gaps = np.abs(got - expected) / (tolerance * np.maximum(1.0, np.abs(expected)))
@@ -81,7 +81,7 @@ def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
 
 
 @dataclass(frozen=True)
-class CloseTo(OfRows):
+class CloseTo(RowComparator):
     """Arrays or numbers of the same shape and, within the tolerance, the same values."""
 
     tolerance: float = TOLERANCE
@@ -98,12 +98,12 @@ class CloseTo(OfRows):
             return None
         return Mismatch(lambda: worst_difference(wanted, array), value_slip(wanted, array))
 
-    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
-        return row_gaps(expected, got, self.tolerance)
+    def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
+        return row_errors(expected, got, self.tolerance)
 
 
 @dataclass(frozen=True)
-class ScalarCloseTo(OfRows):
+class ScalarCloseTo(RowComparator):
     """One number (a float, an int, a numpy scalar, a 0-d array) within the tolerance."""
 
     tolerance: float = TOLERANCE
@@ -115,8 +115,8 @@ class ScalarCloseTo(OfRows):
             return unreadable(error)
         return CloseTo(self.tolerance)(float(expected), value)
 
-    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
-        return row_gaps(expected, got, self.tolerance) if got.ndim == 1 else None
+    def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
+        return row_errors(expected, got, self.tolerance) if got.ndim == 1 else None
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ class _Tried(Generic[CaseT, AnswerT, FailureT]):
     failures: Sequence[FailureT | None] = ()
 
 
-class Search(Generic[CaseT, AnswerT, FailureT]):
+class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
     """Simplifies one failing input. `simplest` is the failure on the simplest input found so far.
 
     `neighbours` gives simpler inputs, the simplest first; `fair` says whether one may be asked; `judge`, the failure

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from graders.core.contract.films import within
+from graders.core.contract.films import drop_heaviest_films
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import CheckResult, Counterexample
 
@@ -23,28 +23,28 @@ _WORDS = 200
 _NO_DRAWING = "Le dessin de ce cas serait trop volumineux : il n’est pas montré."
 
 
-def weight(value: Any) -> int:
+def json_size(value: Any) -> int:
     """Bytes of strict JSON."""
     return len(json.dumps(value, allow_nan=False))
 
 
-def bounded(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
+def limit_size(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
     """The same judgement within `most` bytes: the heaviest of its values, messages, figures and prints are cut.
 
     All parts above one level are cut to that level, which is as high as may be, so that the light ones stay whole.
     Its films have a bound of their own, and take nothing of this one.
     """
-    films = within(judgement.films)
+    films = drop_heaviest_films(judgement.films)
     if len(films) < len(judgement.films):
         judgement = replace(judgement, films=films)
     verdict = judgement.verdict
-    whole = weight(verdict.to_json()) + weight(judgement.figures)
+    whole = json_size(verdict.to_json()) + json_size(judgement.figures)
     if whole <= most:
         return judgement
     parts = [*_values(verdict.checks), *judgement.figures.values(), verdict.stdout]
-    weights = [weight(part) for part in parts]
+    weights = [json_size(part) for part in parts]
     level = _level(weights, most - (whole - sum(weights)) - _WORDS * len(parts))
-    figures = {name: data for name, data in judgement.figures.items() if weight(data) <= level}
+    figures = {name: data for name, data in judgement.figures.items() if json_size(data) <= level}
     checks = [_lighter(check, level, figures) for check in verdict.checks]
     return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures, films)
 
@@ -83,16 +83,16 @@ def _shown(counterexample: Counterexample, light: Callable[[Any], Any]) -> Count
 
 
 def _light(value: Any, level: int) -> Any:
-    if weight(value) <= level:
+    if json_size(value) <= level:
         return value
     return _shorter(value, level) if isinstance(value, str) else "valeur trop longue pour être montrée ici"
 
 
 def _shorter(text: str, level: int) -> str:
     """The beginning of a text, within `level` bytes but for the words that say how long it was."""
-    if weight(text) <= level:
+    if json_size(text) <= level:
         return text
     kept = text[: max(level, 0) // 12]  # a character takes 12 bytes at most, and most of them one
-    while (more := text[: 2 * len(kept) + 1]) != kept and weight(more) <= level:
+    while (more := text[: 2 * len(kept) + 1]) != kept and json_size(more) <= level:
         kept = more
     return f"{kept}… (coupé ici : {len(text)} caractères en tout)"

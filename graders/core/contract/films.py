@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 FILM_BYTES = 192 * 1024
 
 
-def plain(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
+def film_to_json(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
     """The same as strict JSON holds it, arrays as lists; None where it is heavier than `most` bytes.
 
     Numbers that are not finite are None: a film shows what there is to see. What no film can be made of is our error,
@@ -34,7 +34,7 @@ def plain(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
     return json.loads(text) if len(text) <= most else None
 
 
-def within(films: Mapping[str, FigureData], most: int = FILM_BYTES) -> dict[str, FigureData]:
+def drop_heaviest_films(films: Mapping[str, FigureData], most: int = FILM_BYTES) -> dict[str, FigureData]:
     """As many of the films as `most` bytes hold: what is beyond is left out, the heaviest first."""
     weights = {check: len(json.dumps(film, allow_nan=False)) for check, film in films.items()}
     left = sum(weights.values())

@@ -47,7 +47,7 @@ class Judgement:
     films: dict[str, FigureData] = field(default_factory=dict)
 
 
-def verdict_of(
+def make_verdict(
     exercise: str,
     version: str,
     seed: int,

@@ -16,7 +16,7 @@ PLAIN = Path(__file__).with_name("plain_kit.py")
 Files = dict[str, Path]
 
 
-def kits_of(module: Path) -> dict[str, Files]:
+def find_kits(module: Path) -> dict[str, Files]:
     """The kits of a module's folder, its own first."""
     home = module / "kit"
     file = home / f"{module.name}.py"

@@ -16,11 +16,20 @@ from typing import Any
 import numpy as np
 
 import graders
-from graders.core.contract.copies import copied
-from graders.core.contract.earlier import NAME, Earlier
-from graders.core.contract.kits import PLAIN, kits_of, module_name
+from graders.core.contract.copies import copy_value
+from graders.core.contract.kits import PLAIN, find_kits, module_name
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Reply, StudentFault, in_turn, one_by_one
+from graders.core.contract.program import (
+    Answer,
+    Block,
+    KitSettings,
+    PlannedCalls,
+    Reply,
+    StudentFault,
+    call_batches_sequentially,
+    call_sequentially,
+)
+from graders.core.contract.solution_module import NAME, SolutionModule
 from graders.core.contract.values import Arguments, Value
 
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
@@ -30,7 +39,7 @@ DRIVERS = "__drivers__"
 @cache
 def kit_source(module: str) -> str:
     """The source of a module's kit, as students can read it."""
-    return kits_of(_home(module))[module][f"{module}.py"].read_text(encoding="utf-8")
+    return find_kits(_home(module))[module][f"{module}.py"].read_text(encoding="utf-8")
 
 
 @cache
@@ -45,7 +54,7 @@ _IMPORTING = threading.Lock()
 def _home(kit: str) -> Path:
     """The folder of the module that a kit belongs to, in the course."""
     modules = (module for room in _curricula() for module in sorted(room.iterdir()) if module.is_dir())
-    return next(module for module in modules if kit in kits_of(module))
+    return next(module for module in modules if kit in find_kits(module))
 
 
 def _curricula() -> list[Path]:
@@ -61,7 +70,7 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
     They are imported from where they stand, and are no longer there for this process's own imports afterwards.
     """
     home = _home(name)
-    files = kits_of(home)[name]
+    files = find_kits(home)[name]
     names = [module_name(path) for path in files]
     places = [str(home / "kit" / name), str(home / "kit")]
     with _IMPORTING:
@@ -105,11 +114,11 @@ def kit_names(kit: KitSettings) -> dict[str, Any]:
     names = dict(modules[kit.module].configurer(**kit.parameters))
     found = {name: value for name, value in names.items() if name not in kit.without}
     built_in = dict(vars(builtins))
-    built_in["__import__"] = _importer({**modules, NAME: Earlier(_home(kit.module).name, found, built_in)})
+    built_in["__import__"] = _importer({**modules, NAME: SolutionModule(_home(kit.module).name, found, built_in)})
     return found | {"__builtins__": built_in}
 
 
-def called(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:
+def call_function(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:
     """Call a name of a program, which runs in this process, as its kit says that it is called."""
     driver = names.get(DRIVERS, {}).get(function)
     return names[function](*arguments) if driver is None else driver(names[function], *arguments)
@@ -132,20 +141,20 @@ class LocalProgram:
         """
         if function not in self.functions:
             raise StudentFault(Outcome.MISSING_FUNCTION, f"la fonction {function} n'est pas définie")
-        given = tuple(map(copied, args))
+        given = tuple(map(copy_value, args))
         try:
             with np.errstate(all="ignore"):
-                value = called(self._names, function, given)
+                value = call_function(self._names, function, given)
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
-        return Reply(copied(_plain(value)), given if return_arguments else None)
+        return Reply(copy_value(_plain(value)), given if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
-        return one_by_one(self, function, calls, faults)
+        return call_sequentially(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        return in_turn(self, asked)
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, asked)
 
     def stdout(self) -> str:
         return ""
@@ -168,7 +177,7 @@ def _sparse(value: Value) -> bool:
 class LocalPrograms:
     """Starts trusted files. See `graders.core.contract.program.Programs`."""
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> LocalProgram:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> LocalProgram:
         return LocalProgram(source, kit)
 
 

@@ -35,7 +35,7 @@ class Wording:
 
 
 @dataclass(frozen=True)
-class Row:
+class OutcomeRow:
     """What is known of an outcome. `brief` is for the command line; `answers` where an exercise answered without code
     has words of its own.
     """
@@ -50,10 +50,10 @@ class Outcome(StrEnum):
     """How a submission ended. Of several, the one that stands first here names the whole submission."""
 
     _value_: str
-    row: Row
+    row: OutcomeRow
     rank: int
 
-    def __new__(cls, name: str, row: Row | None = None) -> Self:
+    def __new__(cls, name: str, row: OutcomeRow | None = None) -> Self:
         if row is None:  # a default only lets `Outcome("ok")`, the look-up of a member, pass for what it is
             raise TypeError(f"outcome {name} has no row")
         member = str.__new__(cls, name)
@@ -64,7 +64,7 @@ class Outcome(StrEnum):
 
     INTERNAL_ERROR = (
         "internal_error",
-        Row(
+        OutcomeRow(
             Blame.OURS,
             "erreur de notre côté",
             Wording(
@@ -76,7 +76,7 @@ class Outcome(StrEnum):
     )
     SYNTAX_ERROR = (
         "syntax_error",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "erreur de syntaxe",
             Wording("Erreur de syntaxe", "Python n’a pas pu lire votre fichier : rien n’a été exécuté."),
@@ -85,7 +85,7 @@ class Outcome(StrEnum):
     )
     IMPORT_ERROR = (
         "import_error",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "import impossible",
             Wording("Importation impossible", "Votre code importe un module qui n’est pas disponible ici."),
@@ -93,7 +93,7 @@ class Outcome(StrEnum):
     )
     FORBIDDEN_OPERATION = (
         "forbidden_operation",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "opération interdite",
             Wording("Opération interdite", "Votre code a tenté une opération qui n’est pas autorisée ici."),
@@ -101,7 +101,7 @@ class Outcome(StrEnum):
     )
     MEMORY_LIMIT = (
         "memory_limit",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "mémoire dépassée",
             Wording("Mémoire dépassée", "Votre code demande plus de mémoire qu’il n’en est accordé."),
@@ -109,7 +109,7 @@ class Outcome(StrEnum):
     )
     TIMEOUT = (
         "timeout",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "temps dépassé",
             Wording(
@@ -120,7 +120,7 @@ class Outcome(StrEnum):
     )
     OUTPUT_LIMIT = (
         "output_limit",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "réponse trop volumineuse",
             Wording("Réponse trop volumineuse", "Ce que renvoie votre code est trop gros pour être lu."),
@@ -128,7 +128,7 @@ class Outcome(StrEnum):
     )
     MISSING_FUNCTION = (
         "missing_function",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "fonction manquante",
             Wording("Fonction manquante", "Une des fonctions demandées n’est pas définie dans votre fichier."),
@@ -136,7 +136,7 @@ class Outcome(StrEnum):
     )
     RUNTIME_ERROR = (
         "runtime_error",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "erreur à l’exécution",
             Wording(
@@ -147,7 +147,7 @@ class Outcome(StrEnum):
     )
     INVALID_OUTPUT = (
         "invalid_output",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "réponse illisible",
             Wording("Résultat illisible", "Une fonction ne renvoie pas ce qui est demandé (type ou forme)."),
@@ -156,7 +156,7 @@ class Outcome(StrEnum):
     )
     WRONG_ANSWER = (
         "wrong_answer",
-        Row(
+        OutcomeRow(
             Blame.STUDENT,
             "réponse fausse",
             Wording("Réponse à revoir", "Votre code s’exécute, mais certains résultats ne sont pas les bons."),
@@ -165,7 +165,7 @@ class Outcome(StrEnum):
     )
     OK = (
         "ok",
-        Row(
+        OutcomeRow(
             Blame.NOBODY,
             "réussi",
             Wording("Exercice réussi", "Toutes les vérifications passent. Bravo !"),

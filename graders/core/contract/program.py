@@ -63,7 +63,7 @@ Block = tuple[int, Sequence[Answer]]
 
 
 @dataclass(frozen=True, eq=False)
-class Foreseen:
+class PlannedCalls:
     """Calls of one function that are made whatever is answered, so that they may be asked before their turn comes.
 
     None is made after `faults` faults (None: all are). With `keeping`, the arguments come back with each answer.
@@ -73,8 +73,8 @@ class Foreseen:
     function: str
     calls: Sequence[Arguments]
     faults: int | None = None
-    keeping: bool = False
-    about: Sequence[Any] = ()
+    return_arguments: bool = False
+    context: Sequence[Any] = ()
 
 
 class Program(Protocol):
@@ -93,7 +93,7 @@ class Program(Protocol):
         """
         ...
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
         """The answers to several of these in order, each with the number of what has asked for it.
 
         Of each, those that `call_many` would give; none after a fatal fault, which comes alone.
@@ -105,23 +105,23 @@ class Program(Protocol):
     def close(self) -> None: ...
 
 
-def each(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
+def flatten_blocks(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
     """The answers one by one."""
     for number, answers in blocks:
         for answer in answers:
             yield number, answer
 
 
-def in_turn(program: Program, asked: Sequence[Foreseen]) -> Iterator[Block]:
+def call_batches_sequentially(program: Program, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
     """`Program.together` where nothing is won by it: each call is made when its answer is taken."""
     for number, one in enumerate(asked):
-        for answer in one_by_one(program, one.function, one.calls, one.faults, keeping=one.keeping):
+        for answer in call_sequentially(program, one.function, one.calls, one.faults, keeping=one.return_arguments):
             yield number, (answer,)
             if isinstance(answer, StudentFault) and answer.fatal:
                 return
 
 
-def one_by_one(
+def call_sequentially(
     program: Program, function: str, calls: Iterable[Arguments], faults: int | None = None, *, keeping: bool = False
 ) -> Iterator[Answer]:
     """`Program.call_many` where nothing is won by calling ahead: each call is made when its answer is taken."""
@@ -137,7 +137,7 @@ def one_by_one(
 
 
 @runtime_checkable
-class Preparing(Protocol):
+class PreparablePrograms(Protocol):
     """Programs that are started sooner where it is said before that they will be."""
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
@@ -148,7 +148,7 @@ class Preparing(Protocol):
 class Programs(Protocol):
     """Where the programs of files are started."""
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         """The program of a file, loaded with this kit. Raises StudentFault when the file does not load.
 
         What is asked `ahead`, which may be on its way with the file, is what `together` must be called with first.

@@ -12,7 +12,7 @@ from graders.core.contract.program import Programs
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownSubmission:
     """A submission of which the verdict is known in advance.
 
     `write` gives it for a seed. It must get `outcome`, or, where that is None, less than full marks; and be named
@@ -20,7 +20,7 @@ class Known:
     """
 
     subject: str
-    write: Callable[[int], bytes]
+    source_for_seed: Callable[[int], bytes]
     outcome: Outcome | None = None
     diagnosis: str | None = None
     rounds: int = 1
@@ -38,8 +38,8 @@ class Grader(Protocol):
     def rehearse(self) -> None:
         """Do once what is slow the first time."""
 
-    def known(self) -> Iterator[Known]:
+    def known_submissions(self) -> Iterator[KnownSubmission]:
         """The reference first, then every catalogued mistake and every specimen."""
 
-    def mistakes(self) -> frozenset[str]:
+    def mistake_ids(self) -> frozenset[str]:
         """The ids of the misconceptions that it can name."""

@@ -28,7 +28,7 @@ class Rows(Sequence[Arguments]):
 
     @cached_property
     def _calls(self) -> list[Arguments]:
-        return list(zip(*map(one_by_one, self.columns), strict=True))
+        return list(zip(*map(split_rows, self.columns), strict=True))
 
     def __len__(self) -> int:
         return len(self.columns[0])
@@ -44,7 +44,7 @@ class Rows(Sequence[Arguments]):
         return iter(self._calls)
 
 
-class Replies(Sequence[Answer]):
+class ArrayReplies(Sequence[Answer]):
     """Answers that are all a float, or arrays of floats of one shape: `values` (n, …). No arguments have come back."""
 
     def __init__(self, values: Floats) -> None:
@@ -52,7 +52,7 @@ class Replies(Sequence[Answer]):
 
     @cached_property
     def _answers(self) -> list[Answer]:
-        return [Reply(value) for value in one_by_one(self.values)]
+        return [Reply(value) for value in split_rows(self.values)]
 
     def __len__(self) -> int:
         return len(self.values)
@@ -68,7 +68,7 @@ class Replies(Sequence[Answer]):
         return iter(self._answers)
 
 
-def by_columns(calls: Sequence[Arguments]) -> Sequence[Arguments]:
+def as_rows(calls: Sequence[Arguments]) -> Sequence[Arguments]:
     """The same calls, as rows where their arguments are arrays of floats, of one shape each."""
     columns = list(zip(*calls, strict=False))
     alike = len(set(map(len, calls))) == 1 and all(map(_are_alike, columns))
@@ -80,6 +80,6 @@ def _are_alike(column: Sequence[Value]) -> bool:
     return arrays and len({one.shape for one in column}) == 1
 
 
-def one_by_one(values: Floats) -> list[Value]:
+def split_rows(values: Floats) -> list[Value]:
     """Floats, or arrays."""
     return values.tolist() if values.ndim == 1 else list(values)

@@ -19,7 +19,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 NUMERIC_KINDS = "biuf"
 #: Bytes of what is kept of one value, a digest beyond; the largest right answer of the course takes 20 KB.
-KEPT_BYTES = 1 << 16
+MAX_COMPACT_BYTES = 1 << 16
 #: More numbers than this are not read one by one, in Python: huge integers, indices.
 MAX_READ_ONE_BY_ONE = 20_000
 
@@ -102,23 +102,23 @@ def _kind(value: Value) -> str:
 
 
 @dataclass(frozen=True)
-class Digest:
+class ValueDigest:
     """What is kept of a value that is too big to be kept: the same for the same numbers of the same types."""
 
     digest: bytes
 
 
-def kept(value: Value) -> Value:
+def compact_value(value: Value) -> Value:
     """The same value for `same_value`, read once and small whatever was returned: its numbers are one array.
 
     Comparing it again and again costs what a small array costs; of what is too big, a `Digest` is kept.
     """
     small = _read_once(value)
-    if _bytes(small) <= KEPT_BYTES:
+    if _bytes(small) <= MAX_COMPACT_BYTES:
         return small
     digest = hashlib.blake2b()
     _feed(digest, small)
-    return Digest(digest.digest())
+    return ValueDigest(digest.digest())
 
 
 def _read_once(value: Value) -> Value:
@@ -156,7 +156,7 @@ def _bytes(value: Value) -> int:
 
 def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
     """True when two plain values hold the same numbers in the same shape (NaN equals NaN)."""
-    if isinstance(left, Digest) or isinstance(right, Digest):
+    if isinstance(left, ValueDigest) or isinstance(right, ValueDigest):
         return bool(left == right) if type(left) is type(right) else False
     if isinstance(left, np.ndarray) and isinstance(right, np.ndarray):
         same_numbers = left.dtype == right.dtype == np.float64 and left.tobytes() == right.tobytes()

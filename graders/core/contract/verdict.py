@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from graders.core.contract.members import MalformedVerdictError, Members
+from graders.core.contract.json_object import MalformedVerdictError, ObjectReader
 from graders.core.contract.outcomes import Outcome
 
 __all__ = [
@@ -36,7 +36,7 @@ class Counterexample:
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Counterexample:
-        with Members(value, place) as members:
+        with ObjectReader(value, place) as members:
             return cls(members.object("inputs"), members.any("expected"), members.any("got"))
 
 
@@ -77,7 +77,7 @@ class CheckResult:
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> CheckResult:
-        with Members(value, place) as members:
+        with ObjectReader(value, place) as members:
             read: dict[str, Any] = {
                 "id": members.text("id"),
                 "title": members.text("title"),
@@ -124,7 +124,7 @@ class Diagnosis:
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:
-        with Members(value, place) as members:
+        with ObjectReader(value, place) as members:
             source = members.text("source") if members.has("source") else None
             return cls(members.text("id"), members.text("title"), members.text("explanation"), source)
 
@@ -194,7 +194,7 @@ class Verdict:
     @classmethod
     def from_json(cls, value: Any) -> Verdict:
         """Read what `to_json` made, by this version or an earlier one. Raises MalformedVerdictError, with the place."""
-        with Members(value) as members:
+        with ObjectReader(value) as members:
             read: dict[str, Any] = {
                 "exercise": members.text("exercise"),
                 "exercise_version": members.text("exercise_version"),
@@ -216,7 +216,7 @@ class Verdict:
         return verdict
 
 
-def _outcome(members: Members) -> Outcome:
+def _outcome(members: ObjectReader) -> Outcome:
     name = members.text("outcome")
     try:
         return Outcome(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Rule, Shown, as_array
+from graders.core.code.probes import ProbeResults, Probes, Rule, as_array
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array, read_scalar
 from graders.l19.gain.cases import row
@@ -52,7 +52,7 @@ def read_rows(args: Arguments, value: Value) -> Value:
 def only_column(which: int, name: str) -> Rule:
     """The name for chains of which the other column is always right, and this one never from end to end."""
 
-    def rule(shown: Shown) -> str | None:
+    def rule(shown: ProbeResults) -> str | None:
         for seen, right in zip(shown.got, shown.right, strict=True):
             found = as_array(seen, np.shape(right))
             if found is None:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
 from graders.l20 import world
 from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, REPEATED, SAME, SIGNED, TIED, TINY, TURNED, A
@@ -35,7 +35,7 @@ def read_signed(args: Arguments, value: Value) -> Value:
     return [is_complex(value), reading]
 
 
-def _signatures(shown: Shown) -> list[Floats] | None:
+def _signatures(shown: ProbeResults) -> list[Floats] | None:
     """All of the signatures, of one length, or None."""
     found = [one[1] for one in shown.got if isinstance(one, list)]
     return found if len(found) == len(shown.got) and len({one.shape for one in found}) == 1 else None
@@ -49,7 +49,7 @@ def _invariant(signatures: list[Floats]) -> bool:
     return all(_equal(signatures[0], signatures[k]) for k in SAME)
 
 
-def starts_at_an_extreme(shown: Shown) -> str | None:
+def starts_at_an_extreme(shown: ProbeResults) -> str | None:
     """The same for all shifts of a scan without ties, not for those of a scan with."""
     found = _signatures(shown)
     if found is None or not _invariant(found):
@@ -57,7 +57,7 @@ def starts_at_an_extreme(shown: Shown) -> str | None:
     return None if all(_equal(found[TIED[0]], found[k]) for k in TIED) else "depart_sur_un_extreme"
 
 
-def repeats_dropped(shown: Shown) -> str | None:
+def repeats_dropped(shown: ProbeResults) -> str | None:
     """It ignores the heading, is shorter where distances come again, and the same however often each comes."""
     found = [one[1] for one in shown.got if isinstance(one, list)]
     if len(found) < len(shown.got) or any(
@@ -71,7 +71,7 @@ def repeats_dropped(shown: Shown) -> str | None:
     return "doublons_retires" if same else None
 
 
-def single_number(shown: Shown) -> str | None:
+def single_number(shown: ProbeResults) -> str | None:
     """One number, the same for all shifts."""
     found = _signatures(shown)
     if found is None or found[0].size != 1 or not _invariant(found) or _equal(found[0], found[3]):
@@ -83,7 +83,7 @@ def single_number(shown: Shown) -> str | None:
     return "rayon_le_plus_long" if _equal(values, longest) else "un_seul_nombre"
 
 
-def one_ray_forgotten(shown: Shown) -> str | None:
+def one_ray_forgotten(shown: ProbeResults) -> str | None:
     """The ray at an end of the scan never counts, whatever it measures; the 35 others do, wherever they start from."""
     found = _signatures(shown)
     if found is None or _invariant(found) or found[0].size < 2 or _equal(found[0], found[MIDDLE]):
@@ -92,7 +92,7 @@ def one_ray_forgotten(shown: Shown) -> str | None:
     return "rayon_oublie" if blind.count(True) == 1 else None
 
 
-def single_ray(shown: Shown) -> str | None:
+def single_ray(shown: ProbeResults) -> str | None:
     """One number: what one ray measures, always the same ray."""
     found = _signatures(shown)
     if found is None or found[0].size != 1:
@@ -102,7 +102,7 @@ def single_ray(shown: Shown) -> str | None:
     return "premier_rayon" if np.any(same) else None
 
 
-def keeps_the_order(shown: Shown) -> str | None:
+def keeps_the_order(shown: ProbeResults) -> str | None:
     """Thirty-six numbers, which a shift of the scan shifts as much."""
     found = _signatures(shown)
     if found is None or _invariant(found) or found[0].size != len(RAMP):
@@ -110,7 +110,7 @@ def keeps_the_order(shown: Shown) -> str | None:
     return "scan_brut" if all(_equal(np.roll(found[0], k), found[n]) for n, k in ((1, 1), (2, 9))) else None
 
 
-def fourier_without_modulus(shown: Shown) -> str | None:
+def fourier_without_modulus(shown: ProbeResults) -> str | None:
     """The coefficients of Fourier themselves, their real parts or their arguments: all, or some that follow."""
     found = _signatures(shown)
     if found is None or _invariant(found):
@@ -140,25 +140,25 @@ def _proportional(got: Floats, known: Floats) -> bool:
     return times != 0.0 and bool(np.allclose(got, times * known, atol=1e-7 * float(np.max(np.abs(got)))))
 
 
-def same_for_all(shown: Shown) -> str | None:
+def same_for_all(shown: ProbeResults) -> str | None:
     """Always the same numbers, which are not those of a file that nobody has begun to fill in."""
     found = _signatures(shown)
     same = found is not None and all(_equal(found[0], one) for one in found)
     return "signature_constante" if same and found is not None and np.any(found[0] != 0.0) else None
 
 
-def follows_the_heading(shown: Shown) -> str | None:
+def follows_the_heading(shown: ProbeResults) -> str | None:
     """A shift changes it: what no better known mistake explains."""
     found = _signatures(shown)
     return None if found is None or _invariant(found) else "secteurs_fixes"
 
 
-def _indices(seen: Seen) -> list[int] | None:
+def _indices(seen: ProbeAnswer) -> list[int] | None:
     found = as_array(seen)
     return None if found is None or found.ndim != 1 else [int(one) for one in found]
 
 
-def unsorted(shown: Shown) -> str | None:
+def unsorted(shown: ProbeResults) -> str | None:
     """The right indices, in another order."""
     pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
     if any(one is None or other is None or sorted(one) != other for one, other in pairs):
@@ -166,19 +166,19 @@ def unsorted(shown: Shown) -> str | None:
     return "plus_proche_d_abord"
 
 
-def more_with_less(shown: Shown) -> str | None:
+def more_with_less(shown: ProbeResults) -> str | None:
     """A huge threshold finds nothing, a tiny one other places and no other thing."""
     tiny, huge, same = _indices(shown.got[0]), _indices(shown.got[1]), _indices(shown.right[0])
     return "comparaison_a_l_envers" if tiny and huge == [] and not set(tiny) & set(same or ()) else None
 
 
-def threshold_unused(shown: Shown) -> str | None:
+def threshold_unused(shown: ProbeResults) -> str | None:
     """What a tiny and a huge threshold find is the same: some scans, and more than one."""
     tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
     return "seuil_ignore" if tiny is not None and tiny == huge and 1 < len(tiny) < 14 else None
 
 
-def breaks_off(shown: Shown) -> str | None:
+def breaks_off(shown: ProbeResults) -> str | None:
     """What is right until the first scan that is not to be found, or the first after one that is; no more."""
     pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
     known = [(one, other) for one, other in pairs if one is not None and other is not None]
@@ -194,7 +194,7 @@ def _run(indices: list[int], start: int) -> list[int]:
     return [j for k, j in enumerate(indices) if j == start + k]
 
 
-def window_only(shown: Shown) -> str | None:
+def window_only(shown: ProbeResults) -> str | None:
     """A huge threshold finds a wrong row of scans, and a tiny one those of them that are of the right place."""
     (scans, i, _), tiny, huge = shown.calls[0], _indices(shown.got[0]), _indices(shown.got[1])
     if tiny is None or not huge or huge == _indices(shown.right[1]) or any(b != a + 1 for a, b in pairwise(huge)):
@@ -204,7 +204,7 @@ def window_only(shown: Shown) -> str | None:
     return "fenetre_fausse" if tiny == [j for j in huge if np.array_equal(scans[j], scans[i])] else None
 
 
-def distances_instead(shown: Shown) -> str | None:
+def distances_instead(shown: ProbeResults) -> str | None:
     """With a huge threshold, one number for each scan of the window: a zero for those of the same place."""
     seen, same, window = shown.got[1], as_array(shown.right[0]), as_array(shown.right[1])
     huge = as_array(seen[1]) if isinstance(seen, list) and seen[0] == "nombres" else None
@@ -213,7 +213,7 @@ def distances_instead(shown: Shown) -> str | None:
     return "distances_renvoyees" if np.sum(np.abs(huge) <= TINY) == len(same) else None
 
 
-def raw_scans(shown: Shown) -> str | None:
+def raw_scans(shown: ProbeResults) -> str | None:
     """Scans that were turned are not found, the others are."""
     found, right = _indices(shown.got[0]), _indices(shown.right[0])
     scans = shown.calls[0][0]
@@ -222,7 +222,7 @@ def raw_scans(shown: Shown) -> str | None:
     return "scans_compares_bruts" if found == [j for j in right if np.array_equal(scans[j], A)] else None
 
 
-def compared_badly(shown: Shown) -> str | None:
+def compared_badly(shown: ProbeResults) -> str | None:
     """What is found, and should not be: the place of the same norm, or all that are lower, or higher; no other.
 
     Whoever takes lower places for the same does not take a higher one for it: from a lower place A is not found, from

@@ -13,7 +13,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
-from graders.core.code.simplifying import reject, same_kind
+from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
@@ -215,9 +215,9 @@ def _reject(bench: Bench, failure: Failure) -> NoReturn:
             simpler = Failure(one, answer.value, mismatch, None)
         else:
             return None
-        return simpler if same_kind(failure, simpler) else None
+        return simpler if fails_alike(failure, simpler) else None
 
-    reject(
+    shrink_and_reject(
         bench, FUNCTION, failure, failure.one, simpler_maps, judged, rejection,
         arguments=lambda one: tuple(one.inputs.values()), costly=True,
         stops=lambda one: one.fault is not None and _hopeless(one.fault),

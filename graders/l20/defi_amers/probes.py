@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Shown, as_array
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
@@ -84,7 +84,7 @@ def read(args: Arguments, value: Value) -> Value:
     return numbers / COARSENESS if np.all(np.abs(numbers) < FAR) else LOST
 
 
-def _found(shown: Shown, k: int) -> Found | None:
+def _found(shown: ProbeResults, k: int) -> Found | None:
     numbers = as_array(shown.got[k])
     if numbers is None:
         return None
@@ -96,9 +96,9 @@ def _reached(found: Found | None, one: Map) -> bool:
     return found is not None and max(float(part.max()) for part in found.away(one)) < 1e-3
 
 
-def half(shown: Shown) -> str | None:
+def half(shown: ProbeResults) -> str | None:
     """H is twice what it should be, or half of it, everywhere."""
-    if any(isinstance(one, Fault | str) for one in shown.got):
+    if any(isinstance(one, ProbeFault | str) for one in shown.got):
         return None
     sizes = [(3 * len(one.poses) + 2 * len(one.landmarks)) ** 2 for one in SYSTEMS]
     pairs = [
@@ -109,7 +109,7 @@ def half(shown: Shown) -> str | None:
     return "facteur_deux" if scaled else None
 
 
-def never_moves(shown: Shown) -> str | None:
+def never_moves(shown: ProbeResults) -> str | None:
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
     still = [
         f is not None and float(np.abs(gaps(m.poses, f.poses)).max()) < 1e-6
@@ -119,7 +119,7 @@ def never_moves(shown: Shown) -> str | None:
     return "carte_de_depart" if all(still) else None
 
 
-def landmarks_stay(shown: Shown) -> str | None:
+def landmarks_stay(shown: ProbeResults) -> str | None:
     """Poses move, landmarks never do."""
     found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
     if never_moves(shown) is not None:
@@ -128,25 +128,25 @@ def landmarks_stay(shown: Shown) -> str | None:
     return "amers_immobiles" if all(still) else None
 
 
-def singular(shown: Shown) -> str | None:
+def singular(shown: ProbeResults) -> str | None:
     """Systems that cannot be solved, or of which the solution is any, the first pose going with it: none is held."""
-    faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
+    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
     lost = [isinstance(one, str) and one == LOST for one in shown.got]
     astray = [faults[k] or lost[k] or _first_moved(shown, k) for k in range(len(MAPS))]
     return "jauge_libre" if all(astray) and (any(faults) or any(lost[k] for k in STEPS)) else None
 
 
-def _first_moved(shown: Shown, k: int) -> bool:
+def _first_moved(shown: ProbeResults, k: int) -> bool:
     found = _found(shown, k)
     return found is not None and float(np.abs(gaps(MAPS[k].poses[:1], found.poses[:1])).max()) > 1e-3
 
 
-def first_moves(shown: Shown) -> str | None:
+def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     return "premiere_pose_bouge" if sum(_first_moved(shown, k) for k in range(len(MAPS))) >= len(MAPS) - 1 else None
 
 
-def turns_only(shown: Shown) -> str | None:
+def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_found(shown, k) for k in ENDED]
     out = [f is not None and float(np.abs(f.poses[:, 2]).max()) > math.pi + 1e-6 for f in found]
@@ -154,7 +154,7 @@ def turns_only(shown: Shown) -> str | None:
     return "angles_jamais_ramenes" if any(out) and reached else None
 
 
-def one_step_only(shown: Shown) -> str | None:
+def one_step_only(shown: ProbeResults) -> str | None:
     """Twenty iterations give what one gives."""
     arrays = [(as_array(shown.got[all_of_them]), as_array(shown.got[one])) for all_of_them, one in ONE_STEP.items()]
     same = [a is not None and b is not None and np.allclose(a, b, atol=1e-8) for a, b in arrays]

@@ -13,7 +13,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
-from graders.core.code.simplifying import reject, same_kind
+from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
@@ -150,9 +150,9 @@ def failure_of(one: Map, answer: Answer) -> Failure | None:
 def _reject(bench: Bench, failure: Failure) -> NoReturn:
     def judged(one: Map, answer: Answer) -> Failure | None:
         simpler = failure_of(one, answer)
-        return simpler if simpler is not None and same_kind(failure, simpler) else None
+        return simpler if simpler is not None and fails_alike(failure, simpler) else None
 
-    reject(
+    shrink_and_reject(
         bench, FUNCTION, failure, failure.one, simpler_points, judged, rejection,
         arguments=lambda one: tuple(one.at.values()), costly=True,
         stops=lambda one: one.fault is not None and one.fault.fatal,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Shown, as_array
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -63,7 +63,7 @@ def read(args: Arguments, value: Value) -> Value:
     return np.concatenate([found.poses.ravel(), found.weights]) / COARSENESS
 
 
-def _shown(shown: Shown, k: int) -> tuple[Floats, Floats] | None:
+def _shown(shown: ProbeResults, k: int) -> tuple[Floats, Floats] | None:
     numbers = as_array(shown.got[k])
     if numbers is None or numbers.shape != (15 + len(GRAPHS[k].edges),):
         return None
@@ -74,27 +74,27 @@ def _near(poses: Floats, other: Floats) -> bool:
     return float(np.abs(gaps(other, poses)).max()) < 1e-3
 
 
-def plain_least_squares(shown: Shown) -> str | None:
+def plain_least_squares(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of plain least squares."""
     found = _shown(shown, LAST)
     return "moindres_carres_ordinaires" if found and _near(found[0], GRAPHS[LAST].plain) else None
 
 
-def never_moves(shown: Shown) -> str | None:
+def never_moves(shown: ProbeResults) -> str | None:
     found = [_shown(shown, k) for k in range(len(GRAPHS))]
     return "rien_ne_bouge" if all(one is not None and _near(one[0], START) for one in found) else None
 
 
-def first_moves(shown: Shown) -> str | None:
+def first_moves(shown: ProbeResults) -> str | None:
     """No pose is held, or another than the first: it is not where it was given, or the system cannot be solved."""
-    faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
+    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
     found = [_shown(shown, k) for k in range(len(GRAPHS))]
     moved = [one is not None and float(np.abs(gaps(START[:1], one[0][:1])).max()) > HELD for one in found]
     astray = [fault or away for fault, away in zip(faults, moved, strict=True)]
     return "jauge_libre" if sum(astray) >= len(GRAPHS) - 1 else None
 
 
-def weights_out(shown: Shown) -> str | None:
+def weights_out(shown: ProbeResults) -> str | None:
     """Weights above one or below zero, with poses that are not those of plain least squares."""
     found = _shown(shown, LAST)
     if found is None or plain_least_squares(shown):
@@ -107,7 +107,7 @@ def true_optimum() -> Floats:
     return Graph(START, tuple(TRUE)).optimum
 
 
-def all_trusted(shown: Shown) -> str | None:
+def all_trusted(shown: ProbeResults) -> str | None:
     """The map is near the right one, but the weights that are told are all ones."""
     found = _shown(shown, LAST)
     if found is None or plain_least_squares(shown):
@@ -116,7 +116,7 @@ def all_trusted(shown: Shown) -> str | None:
     return "poids_tous_a_un" if near and np.allclose(found[1], 1.0, atol=1e-4) else None
 
 
-def constant(shown: Shown) -> str | None:
+def constant(shown: ProbeResults) -> str | None:
     """The same number, whatever the graph."""
     numbers = {float(one) for one in shown.got if isinstance(one, int | float)}
     return "toujours_pareil" if len(numbers) == 1 and len(shown.got) > 1 else None

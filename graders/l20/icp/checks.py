@@ -9,13 +9,13 @@ from typing import NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, foreseen_of
-from graders.core.code.simplifying import reject
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, planned_calls_of
+from graders.core.code.simplifying import shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
+from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.icp.cases import NOWHERE, STILL, Draw
 from graders.l20.icp.descent import Registration, descend, fair, staircase
@@ -59,17 +59,17 @@ class Registrations(Check):
     judge: Judge = misplaced
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         cases = list(self.cases(bench.rng))
-        return [Foreseen(FUNCTION, [case.arguments for case in cases], faults=MAX_FAULTS, about=cases)]
+        return [PlannedCalls(FUNCTION, [case.arguments for case in cases], faults=MAX_FAULTS, context=cases)]
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        (asked,) = foreseen_of(self, bench)
-        for case, (_, answer) in zip(asked.about, bench.answers(asked), strict=False):
+        (asked,) = planned_calls_of(self, bench)
+        for case, (_, answer) in zip(asked.context, bench.answers(asked), strict=False):
             failure = judged(case, answer, self.judge)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if isinstance(answer, StudentFault) else answer.value
@@ -83,7 +83,7 @@ class Registrations(Check):
             simpler = judged(case, answer, self.judge)
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        reject(
+        shrink_and_reject(
             bench, FUNCTION, failure, failure.case, simpler_cases, judge, lambda one: rejection(one, self.judge),
             arguments=lambda case: case.arguments, fair=long_enough, stops=lambda one: one.stops, costly=True,
         )  # fmt: skip

@@ -10,12 +10,12 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, fault_rejection, foreseen_of
-from graders.core.code.simplifying import reject
+from graders.core.code.checks import Check, Rejection, fault_rejection, planned_calls_of
+from graders.core.code.simplifying import shrink_and_reject
 from graders.core.compare.shrinking import shrink_number
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
+from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.kabsch.best import best_of
 from graders.l20.kabsch.judge import Assessment, judge
@@ -83,17 +83,17 @@ class Alignments(Check):
     pairings: Drawing
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         questions = drawn(self.pairings, int(bench.rng.integers(2**62)))
-        return [Foreseen("kabsch", [(one.pairing.P, one.pairing.Q) for one in questions], about=questions)]
+        return [PlannedCalls("kabsch", [(one.pairing.P, one.pairing.Q) for one in questions], context=questions)]
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        (asked,) = foreseen_of(self, bench)
-        for question in asked.about:
+        (asked,) = planned_calls_of(self, bench)
+        for question in asked.context:
             if bench.runner.reenacting and not question.pairing.observed:
                 continue
             failure = failure_on(bench, question)
@@ -112,7 +112,7 @@ class Alignments(Check):
             simpler = failure_of(question, answer)[0]
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        reject(
+        shrink_and_reject(
             bench, "kabsch", failure, Question(failure.pairing, failure.best), simpler_questions, judged, rejection,
             arguments=lambda one: one.pairing[:2], fair=lambda one: one.best.unique, stops=lambda one: one.stops,
         )  # fmt: skip

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Seen, Shown, as_array, same_seen
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, as_array, same_probe_answer
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.kabsch.cases import AXES_IN_TURN, points
@@ -68,33 +68,33 @@ def read(args: Arguments, value: Value) -> Value:
     return np.concatenate([R.ravel(), t])
 
 
-def _parts(shown: Shown, k: int) -> tuple[Floats, Floats] | None:
+def _parts(shown: ProbeResults, k: int) -> tuple[Floats, Floats] | None:
     """R and t of probe k, when they are finite and of the right shapes."""
     d = shown.calls[k][0].shape[1]
     row = as_array(shown.got[k], (d * d + d,))
     return None if row is None else (row[: d * d].reshape(d, d), row[d * d :])
 
 
-def _right_rotation(shown: Shown, k: int) -> bool:
+def _right_rotation(shown: ProbeResults, k: int) -> bool:
     mine = _parts(shown, k)
     d = shown.calls[k][0].shape[1]
     return mine is not None and bool(np.allclose(mine[0].ravel(), shown.right[k][: d * d], atol=1e-6))
 
 
-def rotation_part(args: Arguments, shown: Seen) -> Seen:
+def rotation_part(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     """R alone."""
     d = args[0].shape[1]
     return shown[: d * d] if isinstance(shown, np.ndarray) else shown
 
 
-def only_t(shown: Shown) -> str | None:
+def only_t(shown: ProbeResults) -> str | None:
     """Every R is right, and every t is wrong where it can be."""
     telling = range(TELLING)
-    wrong = set(shown.wrong()) & set(telling)
+    wrong = set(shown.wrong_indices()) & set(telling)
     return "t_fausse" if len(wrong) >= 4 and all(_right_rotation(shown, k) for k in telling) else None
 
 
-def no_rotation(shown: Shown) -> str | None:
+def no_rotation(shown: ProbeResults) -> str | None:
     """Some R, of clouds that are no mirrors, is not orthogonal."""
     parts = [_parts(shown, k) for k in (*EXACT, *NOISY)]
     found = [p for p in parts if p is not None]
@@ -111,9 +111,9 @@ def _stretches(R: Floats) -> bool:
     return size > 0 and bool(np.allclose(gram, size * np.eye(len(R)), atol=1e-6 * size))
 
 
-def mirrors_only(shown: Shown) -> str | None:
+def mirrors_only(shown: ProbeResults) -> str | None:
     """All is right but the mirrors."""
-    wrong = {k for k in shown.wrong() if k < TELLING}
+    wrong = {k for k in shown.wrong_indices() if k < TELLING}
     if not wrong or not wrong <= set(MIRRORS):
         return None
     signs = [math.copysign(1.0, float(np.linalg.det(p[0]))) for k in wrong if (p := _parts(shown, k)) is not None]
@@ -124,7 +124,7 @@ def mirrors_only(shown: Shown) -> str | None:
     return "correction_fausse" if all(_turns_a_direction(shown, k) for k in wrong) else None
 
 
-def _turns_a_direction(shown: Shown, k: int) -> bool:
+def _turns_a_direction(shown: ProbeResults, k: int) -> bool:
     """Is R the best orthogonal matrix but for the signs of its singular directions?"""
     parts = _parts(shown, k)
     P, Q = shown.calls[k]
@@ -133,7 +133,7 @@ def _turns_a_direction(shown: Shown, k: int) -> bool:
     return bool(np.allclose(np.abs(signs), np.eye(len(U)), atol=1e-6))
 
 
-def half_a_turn(shown: Shown) -> str | None:
+def half_a_turn(shown: ProbeResults) -> str | None:
     """In the plane, right up to a quarter of a turn, and beyond it half a turn away."""
     for k in PLANE:
         parts, right = _parts(shown, k), np.asarray(shown.right[k][:4]).reshape(2, 2)
@@ -143,29 +143,29 @@ def half_a_turn(shown: Shown) -> str | None:
     return "angle_modulo_pi"
 
 
-def exact_only(shown: Shown) -> str | None:
+def exact_only(shown: ProbeResults) -> str | None:
     """Right for clouds that coincide, wrong in both dimensions for those that do not."""
-    wrong = set(shown.wrong())
+    wrong = set(shown.wrong_indices())
     if wrong & set(EXACT) or any(_parts(shown, k) is None for k in NOISY):
         return None
     # An honest minimiser stops near the best: what is next to it is no mistake.
-    far = all(not same_seen(shown.got[k], shown.right[k], NEAR) for k in NOISY)
+    far = all(not same_probe_answer(shown.got[k], shown.right[k], NEAR) for k in NOISY)
     return "juste_sans_bruit" if far else None
 
 
-def plane_only(shown: Shown) -> str | None:
+def plane_only(shown: ProbeResults) -> str | None:
     """Right in the plane, mirror included, and never in space."""
-    wrong = set(shown.wrong())
+    wrong = set(shown.wrong_indices())
     return "plan_seulement" if not wrong & set(PLANE) and set(SPACE) <= wrong else None
 
 
-def poor_only(shown: Shown) -> str | None:
+def poor_only(shown: ProbeResults) -> str | None:
     """All is right but clouds too poor to fix a rotation, or flat."""
-    wrong = shown.wrong()
+    wrong = shown.wrong_indices()
     return "nuages_pauvres" if wrong and min(wrong) >= TELLING else None
 
 
-def never_turns(shown: Shown) -> str | None:
+def never_turns(shown: ProbeResults) -> str | None:
     """R is always the identity."""
     parts = [_parts(shown, k) for k in range(TELLING)]
     return "rotation_identite" if all(p is not None and np.allclose(p[0], np.eye(len(p[0]))) for p in parts) else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from graders.core.code.probes import Fault, Probes, Rule, Seen, Shown, same_seen
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, same_probe_answer
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -46,29 +46,29 @@ def read(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def same(one: Seen, other: Seen) -> bool:
+def same(one: ProbeAnswer, other: ProbeAnswer) -> bool:
     """Do two distances differ by an honest step at most? Whoever marches may make the mistake of whoever walks."""
     if isinstance(one, float) and isinstance(other, float) and math.isfinite(one) and math.isfinite(other):
         return abs(one - other) <= ACCEPTED
-    return same_seen(one, other)
+    return same_probe_answer(one, other)
 
 
-def _lengths(shown: Shown) -> list[float] | None:
+def _lengths(shown: ProbeResults) -> list[float] | None:
     """What came back, when all are finite lengths."""
-    rows = [one for one in shown.got if not isinstance(one, Fault | str | None)]
+    rows = [one for one in shown.got if not isinstance(one, ProbeFault | str | None)]
     return rows if len(rows) == len(shown.got) and all(math.isfinite(one) for one in rows) else None
 
 
-def long_strides(shown: Shown) -> str | None:
+def long_strides(shown: ProbeResults) -> str | None:
     """The answers are those of a march whose step is longer than asked; a corner may have been jumped over."""
     lengths = _lengths(shown)
     marching = lengths is not None and any(_marched(shown, lengths, parts / 20) for parts in STRIDES)
     return "pas_trop_grand" if marching else None
 
 
-def _marched(shown: Shown, lengths: Sequence[float], stride: float) -> bool:
+def _marched(shown: ProbeResults, lengths: Sequence[float], stride: float) -> bool:
     """Does each wrong answer, but for a few, lie where steps of this length first meet the wall, or one step before?"""
-    wrong = shown.wrong()
+    wrong = shown.wrong_indices()
     for back in (0.0, stride):
         ends = {k: math.ceil(distance(*shown.calls[k]) / stride) * stride - back for k in wrong}
         near = [k for k in wrong if abs(ends[k] - lengths[k]) <= ACCEPTED]
@@ -81,8 +81,8 @@ def _marched(shown: Shown, lengths: Sequence[float], stride: float) -> bool:
 def only(name: str, among: tuple[int, ...]) -> Rule:
     """All is right but some of these probes."""
 
-    def rule(shown: Shown) -> str | None:
-        return name if set(shown.wrong()) <= set(among) else None
+    def rule(shown: ProbeResults) -> str | None:
+        return name if set(shown.wrong_indices()) <= set(among) else None
 
     return rule
 

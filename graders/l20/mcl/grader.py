@@ -23,7 +23,7 @@ from graders.l20.mcl.probes import PROBES
 class TrialBeside(Trial):
     """One that a step which does nothing passes."""
 
-    needs_another: ClassVar[bool] = True
+    requires_other_check: ClassVar[bool] = True
 
 
 ONE_STEP = ("forme", "deplacement", "dispersion", "pesee", "immobile")

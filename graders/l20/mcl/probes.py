@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graders.core.code.probes import Probes, Shown
+from graders.core.code.probes import ProbeResults, Probes
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import journeys, world
@@ -186,7 +186,7 @@ def hall_lidar(poses: ArrayLike, n_rayons: int) -> Floats:
     return np.where(inside, np.minimum(np.minimum(side, end), HALL_RANGE), 0.0)
 
 
-def words(shown: Shown, places: range) -> set[str]:
+def words(shown: ProbeResults, places: range) -> set[str]:
     return {shown.got[k] for k in places if isinstance(shown.got[k], str)}
 
 
@@ -207,13 +207,13 @@ NAMES = {
 }
 
 
-def misled(shown: Shown) -> str | None:
+def misled(shown: ProbeResults) -> str | None:
     """All the heaps went where one mistake leads."""
     led = {text.split(", ")[0] for text in words(shown, MOTIONS)}
     return NAMES.get(led.pop()) if len(led) == 1 else None
 
 
-def noiseless(shown: Shown) -> str | None:
+def noiseless(shown: ProbeResults) -> str | None:
     """The heaps went the right way, as heaps."""
     ways = {
         "bruit_oublie": "juste, sans bruit",
@@ -223,15 +223,19 @@ def noiseless(shown: Shown) -> str | None:
     return next((name for name, text in ways.items() if words(shown, MOTIONS) == {text}), None)
 
 
-def no_weights(shown: Shown) -> str | None:
+def no_weights(shown: ProbeResults) -> str | None:
     """A lost cloud, and that alone, has no weights any more."""
-    return "produit_qui_s_annule" if shown.wrong() == [UNDERFLOWN] and shown.got[UNDERFLOWN] == "pas de poids" else None
+    return (
+        "produit_qui_s_annule"
+        if shown.wrong_indices() == [UNDERFLOWN] and shown.got[UNDERFLOWN] == "pas de poids"
+        else None
+    )
 
 
-def never_drawn(shown: Shown) -> str | None:
+def never_drawn(shown: ProbeResults) -> str | None:
     """Moves and weighs rightly, and copies nothing, neither where it should nor elsewhere."""
     kept = all(shown.got[k] == "gardées, poids inégaux" for k in (COPIED, TOLD))
-    right = not set(shown.wrong()) & {*MOTIONS, *FIGHTS}
+    right = not set(shown.wrong_indices()) & {*MOTIONS, *FIGHTS}
     return "jamais_reechantillonne" if kept and right and shown.got[REPEATED] == "toutes" else None
 
 
@@ -314,9 +318,9 @@ def _told_heading(heading: float, middle: float, headings: Floats, weights: Floa
     return next((name for name, angle in flat.items() if is_near(angle)), "autre cap")
 
 
-def flat_mean(shown: Shown) -> str | None:
+def flat_mean(shown: ProbeResults) -> str | None:
     """Wrong only where headings go round, and as their plain mean is."""
-    return "moyenne_des_angles" if {shown.got[k] for k in shown.wrong()} <= {
+    return "moyenne_des_angles" if {shown.got[k] for k in shown.wrong_indices()} <= {
         "en long", "en long modulo", "en long sans poids"} else None  # fmt: skip
 
 

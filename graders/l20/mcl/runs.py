@@ -110,10 +110,10 @@ class Following:
 
     def estimate(self, pose: Floats) -> None:
         self.estimates.append(pose)
-        self.run.filming = partial(self._film, ok=False)
+        self.run.make_film = partial(self._film, ok=False)
 
     def finished(self, *, ok: bool) -> None:
-        self.run.filming = partial(self._film, ok=ok)
+        self.run.make_film = partial(self._film, ok=ok)
 
     @property
     def lost_at(self) -> int | None:

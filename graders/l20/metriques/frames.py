@@ -10,7 +10,7 @@ from graders.core.code.checks import Rejection
 from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.compare.comparison import ScalarCloseTo
-from graders.core.contract.program import Foreseen
+from graders.core.contract.program import PlannedCalls
 from graders.core.contract.values import Arguments, Value
 from graders.l20.metriques import cases
 from graders.l20.metriques.cases import QUARTER
@@ -25,7 +25,7 @@ FRAMES = ((-7.0, 4.0, -QUARTER), (3.0, -8.0, math.pi), (5.0, 9.0, QUARTER))
 HOME = (0.0, 0.0, 0.0)
 
 
-def tellings(bench: Bench) -> Sequence[Foreseen]:
+def tellings(bench: Bench) -> Sequence[PlannedCalls]:
     """One estimate and one truth, each told in several frames, by hand then drawn; about each call, the right error."""
     asked = []
     for estimate, truth in ((cases.BENT, cases.CORNER), cases.walk(bench.rng, 6)):
@@ -33,14 +33,14 @@ def tellings(bench: Bench) -> Sequence[Foreseen]:
         first, second, third = (FRAMES[k] for k in bench.rng.permutation(len(FRAMES)))
         for here, there in ((HOME, HOME), (first, HOME), (HOME, second), (third, first)):
             told = cases.seen_from(here, estimate), cases.seen_from(there, truth)
-            asked += [Foreseen("ate", [told], about=[ate]), Foreseen("rpe", [(*told, 2)], about=[rpe])]
+            asked += [PlannedCalls("ate", [told], context=[ate]), PlannedCalls("rpe", [(*told, 2)], context=[rpe])]
     return asked
 
 
 def told_elsewhere(bench: Bench) -> None:
     """Each of the errors is the same in all frames."""
-    for asked in bench.foreseen or tellings(bench):
-        _hold(bench, asked.function, asked.calls[0], asked.about[0])
+    for asked in bench.planned_calls or tellings(bench):
+        _hold(bench, asked.function, asked.calls[0], asked.context[0])
 
 
 def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None:

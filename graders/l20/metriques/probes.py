@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Shown, as_array
+from graders.core.code.probes import ProbeResults, Probes, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
 from graders.l20.metriques.cases import mirrored, seen_from, trajectory
@@ -61,15 +61,15 @@ def read(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def _numbers(shown: Shown) -> Floats:
+def _numbers(shown: ProbeResults) -> Floats:
     """What came back, nan for what is no number."""
     found = [as_array(one, ()) for one in shown.got]
     return np.array([math.nan if one is None else float(one) for one in found])
 
 
-def mirrors_only(shown: Shown) -> str | None:
+def mirrors_only(shown: ProbeResults) -> str | None:
     """All is right but the mirrors, whose error is too small for a rotation."""
-    if set(shown.wrong()) != set(MIRRORS):
+    if set(shown.wrong_indices()) != set(MIRRORS):
         return None
     values, right = _numbers(shown)[list(MIRRORS)], np.array(shown.right, dtype=float)[list(MIRRORS)]
     if np.isnan(values).any():
@@ -77,12 +77,12 @@ def mirrors_only(shown: Shown) -> str | None:
     return "reflexion_permise" if np.all(values < right) else "correction_fausse"
 
 
-def longer_steps_only(shown: Shown) -> str | None:
+def longer_steps_only(shown: ProbeResults) -> str | None:
     """Right over one step, wrong over several."""
-    return "faux_sur_plusieurs_pas" if set(shown.wrong()) == set(range(len(MOTIONS))) - set(ONE_STEP) else None
+    return "faux_sur_plusieurs_pas" if set(shown.wrong_indices()) == set(range(len(MOTIONS))) - set(ONE_STEP) else None
 
 
-def constant_factor(shown: Shown) -> str | None:
+def constant_factor(shown: ProbeResults) -> str | None:
     """One multiple of what is right, however many poses there are."""
     with np.errstate(all="ignore"):
         factors = _numbers(shown) / np.array(shown.right, dtype=float)

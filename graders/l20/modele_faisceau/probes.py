@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Rule, Shown
+from graders.core.code.probes import ProbeResults, Probes, Rule
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, SQUARE, reading
@@ -35,13 +35,13 @@ def read(args: Arguments, value: Value) -> Value:
 def only(name: str, among: tuple[int, ...]) -> Rule:
     """All is right but some of these probes."""
 
-    def rule(shown: Shown) -> str | None:
-        return name if set(shown.wrong()) <= set(among) else None
+    def rule(shown: ProbeResults) -> str | None:
+        return name if set(shown.wrong_indices()) <= set(among) else None
 
     return rule
 
 
-def too_long_or_too_short(shown: Shown) -> str | None:
+def too_long_or_too_short(shown: ProbeResults) -> str | None:
     """Never nearer than right, sometimes further, and right along rows and columns: a search by steps."""
     fields = [one if isinstance(one, np.ndarray) and one.shape == right.shape else None
               for one, right in zip(shown.got, shown.right, strict=True)]  # fmt: skip

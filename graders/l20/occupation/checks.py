@@ -11,11 +11,11 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
 from graders.core.code.drawable import drawable
-from graders.core.code.simplifying import reject
+from graders.core.code.simplifying import shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, KitSettings, StudentFault
+from graders.core.contract.program import Answer, KitSettings, PlannedCalls, StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.occupation.cases import Draw
 from graders.l20.occupation.cells import Mask
@@ -60,7 +60,7 @@ class Integrations(Check):
     kit: KitSettings
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
     @property
@@ -68,7 +68,7 @@ class Integrations(Check):
         return 1
 
     def run(self, bench: Bench) -> None:
-        asked = Foreseen(FUNCTION, tuple(map(tuple, self.cases(bench.rng))), faults=MAX_FAULTS)
+        asked = PlannedCalls(FUNCTION, tuple(map(tuple, self.cases(bench.rng))), faults=MAX_FAULTS)
         try:
             with bench.on(self.kit, asked) as other:
                 self._run(other, asked)
@@ -77,7 +77,7 @@ class Integrations(Check):
             message = f"Relancé sur une autre carte (H = {shape[0]}, W = {shape[1]}), votre fichier s’arrête : "
             raise Rejection(message + fault.message, inputs={}, got=fault.message, cause=fault.outcome) from fault
 
-    def _run(self, bench: Bench, asked: Foreseen) -> None:
+    def _run(self, bench: Bench, asked: PlannedCalls) -> None:
         first: Failure | None = None
         for args, answer in bench.answers(asked):
             failure = _judged(Integration(*args), answer)
@@ -103,7 +103,7 @@ def _reject(bench: Bench, failure: Failure) -> NoReturn:
         simpler = _judged(case, answer)
         return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-    reject(
+    shrink_and_reject(
         bench, FUNCTION, failure, failure.case, simpler_cases, judged, rejection,
         arguments=tuple, fair=_tells_enough, stops=lambda one: one.stops,
     )  # fmt: skip

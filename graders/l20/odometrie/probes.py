@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Rule, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_scalar
 from graders.l20 import world
 from graders.l20.odometrie.cases import pose, turn
@@ -52,11 +52,11 @@ def read_number(args: Arguments, value: Value) -> Value:
         return str(error)
 
 
-def position(args: Arguments, shown: Seen) -> Seen:
+def position(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     return shown[:2] if isinstance(shown, np.ndarray) else shown
 
 
-def _poses(shown: Shown) -> tuple[Floats, Floats] | None:
+def _poses(shown: ProbeResults) -> tuple[Floats, Floats] | None:
     """What came back and what is right, (n, 3) both, when all are poses."""
     rows = [as_array(one, (3,)) for one in shown.got]
     if any(row is None for row in rows):
@@ -73,22 +73,22 @@ def _whole_turns(both: tuple[Floats, Floats]) -> bool:
     return _same(turns, np.round(turns))
 
 
-def only_turns(shown: Shown) -> str | None:
+def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
     return "angle_non_ramene" if both and _same(both[0][:, :2], both[1][:, :2]) and _whole_turns(both) else None
 
 
-def only_heading(shown: Shown) -> str | None:
+def only_heading(shown: ProbeResults) -> str | None:
     """Every position is right, and no heading of a step that turns."""
     both = _poses(shown)
     if both is None or not _same(both[0][:, :2], both[1][:, :2]):
         return None
     turning = {k for k, args in enumerate(shown.calls) if turn(args)}
-    return "cap_faux" if turning <= set(shown.wrong()) else None
+    return "cap_faux" if turning <= set(shown.wrong_indices()) else None
 
 
-def only_position(shown: Shown) -> str | None:
+def only_position(shown: ProbeResults) -> str | None:
     """Every heading is right up to whole turns, and no position of a step that advances."""
     both = _poses(shown)
     if both is None or not _whole_turns(both):
@@ -100,13 +100,13 @@ def only_position(shown: Shown) -> str | None:
 def only(name: str, places: tuple[int, ...]) -> Rule:
     """Wrong on these, all of them, and nowhere else."""
 
-    def rule(shown: Shown) -> str | None:
-        return name if set(shown.wrong()) == set(places) else None
+    def rule(shown: ProbeResults) -> str | None:
+        return name if set(shown.wrong_indices()) == set(places) else None
 
     return rule
 
 
-def constant_factor(shown: Shown) -> str | None:
+def constant_factor(shown: ProbeResults) -> str | None:
     """One multiple of what is right, whatever the wheels and the track."""
     values = np.array([math.nan if (one := as_array(seen, ())) is None else float(one) for seen in shown.got])
     with np.errstate(all="ignore"):

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graders.core.code.at_once import value_of
+from graders.core.code.batch_judging import answer_value
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import WELL_WITHIN
-from graders.core.contract.program import Answer, Foreseen
-from graders.core.contract.rows import Replies, Rows
+from graders.core.contract.program import Answer, PlannedCalls
+from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Floats, Value
 from graders.l20.poses.cases import NAMES, by_hand, pose, random_poses
 from graders.robotics.poses import SamePose
@@ -47,21 +47,21 @@ BY_HAND = by_hand(
 )
 
 
-def identity_calls(bench: Bench) -> Sequence[Foreseen]:
+def identity_calls(bench: Bench) -> Sequence[PlannedCalls]:
     """What the identities ask of what is drawn: poses far round, by hand, then any."""
     drawn = random_poses(bench.rng, 15, 5.0).reshape(5, 3, 3)
     a, b, c = np.concatenate((BY_HAND, np.round(drawn[:2]), np.round(drawn[2:], 6))).swapaxes(0, 1)
     return [
-        Foreseen("inverse", Rows(a), faults=1, about=(a, b, c)),
-        Foreseen("relatif", Rows(a, b), faults=1),
-        Foreseen("composer", Rows(a, b), faults=1),
-        Foreseen("composer", Rows(b, c), faults=1),
+        PlannedCalls("inverse", Rows(a), faults=1, context=(a, b, c)),
+        PlannedCalls("relatif", Rows(a, b), faults=1),
+        PlannedCalls("composer", Rows(a, b), faults=1),
+        PlannedCalls("composer", Rows(b, c), faults=1),
     ]
 
 
 def identities(bench: Bench) -> None:
     """The three identities of the statement, on the student's own functions."""
-    asked = bench.foreseen or identity_calls(bench)
+    asked = bench.planned_calls or identity_calls(bench)
     sides = None if bench.runner.reenacting else _sides(bench, asked)
     if sides is not None:
         _hold_all(bench, asked, *sides)
@@ -75,34 +75,34 @@ def identities(bench: Bench) -> None:
         _hold(bench, LAWS[2], (a, b, c), left, right)
 
 
-def _hold_all(bench: Bench, asked: Sequence[Foreseen], left: Floats, right: Floats) -> None:
+def _hold_all(bench: Bench, asked: Sequence[PlannedCalls], left: Floats, right: Floats) -> None:
     """As one by one: the identities of each triple in their order, up to the first that does not hold.
 
     Both sides are (3, n, 3): what is seen at once to hold is not looked at again.
     """
     lefts, rights = (side.swapaxes(0, 1).reshape(-1, 3) for side in (left, right))
-    gaps = ON_BOTH_SIDES.gaps(rights, lefts)
+    gaps = ON_BOTH_SIDES.row_errors(rights, lefts)
     unsure = range(len(lefts)) if gaps is None else np.flatnonzero(~(gaps <= WELL_WITHIN)).tolist()
     first = unsure[0] if unsure else len(lefts)
     bench.observe_all("composer", lefts[:first], [True] * first)
     for place in range(first, len(lefts)):
-        triple = tuple(column[place // len(LAWS)] for column in asked[0].about)
+        triple = tuple(column[place // len(LAWS)] for column in asked[0].context)
         _hold(bench, LAWS[place % len(LAWS)], triple, lefts[place], rights[place])
 
 
-def _sides(bench: Bench, asked: Sequence[Foreseen]) -> tuple[Floats, Floats] | None:
+def _sides(bench: Bench, asked: Sequence[PlannedCalls]) -> tuple[Floats, Floats] | None:
     """Both sides (3, n, 3) of the three identities, for all n triples; None where an answer is not a pose.
 
     What is to be asked of the poses that came back is asked once they have, all together: before, it would hold what a
     right program answers, in the student's own process.
     """
-    a, b, c = asked[0].about
-    inverses, relatives, left, right = (_poses(bench.ahead(one)) for one in asked)
+    a, b, c = asked[0].context
+    inverses, relatives, left, right = (_poses(bench.prefetch(one)) for one in asked)
     outer = Rows(
         np.concatenate((a[inverses.places], a[relatives.places], left.poses, a[right.places])),
         np.concatenate((inverses.poses, relatives.poses, c[left.places], right.poses)),
     )
-    found = _poses(bench.ahead(Foreseen("composer", outer, faults=1))).poses
+    found = _poses(bench.prefetch(PlannedCalls("composer", outer, faults=1))).poses
     if len(found) < 4 * len(a):
         return None
     back, there, one_way, other_way = found.reshape(4, *a.shape)
@@ -117,7 +117,7 @@ class _Poses(NamedTuple):
 
 
 def _poses(answers: Sequence[Answer]) -> _Poses:
-    if isinstance(answers, Replies) and answers.values.shape[1:] == (3,):
+    if isinstance(answers, ArrayReplies) and answers.values.shape[1:] == (3,):
         found = answers.values
         if np.isfinite(found).all() and (np.abs(found[:, 2]) <= math.pi).all():
             return _Poses(range(len(found)), found)
@@ -126,7 +126,7 @@ def _poses(answers: Sequence[Answer]) -> _Poses:
 
 
 def _pose_of(answer: Answer) -> Floats | None:
-    value = value_of(answer)
+    value = answer_value(answer)
     if value is None or IS_POSE(pose(0, 0, 0), value) is not None:
         return None
     return np.asarray(value, dtype=np.float64)

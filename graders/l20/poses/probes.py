@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import Probes, Rule, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -38,15 +38,15 @@ def read(args: Arguments, value: Value) -> Value:
     return pose if pose.shape == (3,) else f"forme {pose.shape}"
 
 
-def position(args: Arguments, shown: Seen) -> Seen:
+def position(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     return shown[:2] if isinstance(shown, np.ndarray) else shown
 
 
-def angle(args: Arguments, shown: Seen) -> Seen:
+def angle(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     return shown[2:] if isinstance(shown, np.ndarray) else shown
 
 
-def _poses(shown: Shown) -> tuple[Floats, Floats] | None:
+def _poses(shown: ProbeResults) -> tuple[Floats, Floats] | None:
     """What came back and what is right, (n, 3) both, when all are poses."""
     rows = [as_array(one, (3,)) for one in shown.got]
     if any(row is None for row in rows):
@@ -58,7 +58,7 @@ def _same(a: Floats, b: Floats) -> bool:
     return bool(np.allclose(a, b, atol=1e-7))
 
 
-def only_turns(shown: Shown) -> str | None:
+def only_turns(shown: ProbeResults) -> str | None:
     """All is right up to whole turns."""
     both = _poses(shown)
     if both is None or not _same(both[0][:, :2], both[1][:, :2]):
@@ -70,7 +70,7 @@ def only_turns(shown: Shown) -> str | None:
 def only_angle(name: str) -> Rule:
     """The position is right everywhere, the angle is not."""
 
-    def rule(shown: Shown) -> str | None:
+    def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         return name if both is not None and _same(both[0][:, :2], both[1][:, :2]) else None
 
@@ -80,7 +80,7 @@ def only_angle(name: str) -> Rule:
 def only_position(name: str) -> Rule:
     """The angle is right everywhere, up to whole turns; the position is wrong with most headings."""
 
-    def rule(shown: Shown) -> str | None:
+    def rule(shown: ProbeResults) -> str | None:
         both = _poses(shown)
         if both is None:
             return None

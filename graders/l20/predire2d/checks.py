@@ -15,7 +15,7 @@ from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.compare.shrinking import keep
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Foreseen, StudentFault
+from graders.core.contract.program import PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import SameBelief, at, in_words, shrink_belief, shrink_scan, support
@@ -98,22 +98,22 @@ def by_cells(belief: Floats) -> dict[str, float]:
 class OnGrid(Check):
     """The cases of one function on the module's map or, with `draw`, on one drawn afresh, where the file is run."""
 
-    tells_call: ClassVar[bool] = True
+    reports_call: ClassVar[bool] = True
 
     cases: Callable[[np.random.Generator, GridWorld], Iterator[Arguments]]
     draw: Callable[[np.random.Generator], GridWorld] | None = None
     judge: type[SameBelief] = SameBelief
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
     @property
     def launches(self) -> int:
         return 0 if self.draw is None else 1
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
-        return self._on(module_world()).foreseen(bench) if self.draw is None else ()
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
+        return self._on(module_world()).planned_calls(bench) if self.draw is None else ()
 
     def run(self, bench: Bench) -> None:
         if self.draw is None:
@@ -122,7 +122,7 @@ class OnGrid(Check):
         kit = world.kit(bench.rng, grid.free)
         cases = self._on(grid)
         try:
-            with bench.on(kit, *cases.foreseen(bench)) as other:
+            with bench.on(kit, *cases.planned_calls(bench)) as other:
                 return cases.run(other)
         except StudentFault as fault:
             raise _not_loaded(grid, fault) from fault
@@ -158,7 +158,7 @@ def _drawn(
 class OnGridBeside(OnGrid):
     """One that a function which does nothing passes."""
 
-    needs_another: ClassVar[bool] = True
+    requires_other_check: ClassVar[bool] = True
 
 
 def _not_loaded(grid: GridWorld, fault: StudentFault) -> Rejection:

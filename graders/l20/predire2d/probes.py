@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Rule, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, as_array
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -99,37 +99,37 @@ def read(args: Arguments, value: Value) -> Value:
     return array.ravel() if np.all(np.isfinite(array)) else "nan"
 
 
-def shares(args: Arguments, shown: Seen) -> Seen:
+def shares(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
     """A belief up to a factor."""
     if not isinstance(shown, np.ndarray) or abs(shown.sum()) < 1e-12:
         return shown
     return np.asarray(shown / shown.sum())
 
 
-def _rows(shown: Shown) -> list[Floats | None]:
+def _rows(shown: ProbeResults) -> list[Floats | None]:
     return [as_array(one, (FREE.size,)) for one in shown.got]
 
 
-def other_map(shown: Shown) -> str | None:
+def other_map(shown: ProbeResults) -> str | None:
     """On this map every call raises, or answers for a map of another size."""
     odd = [
-        one.name == "IndexError" if isinstance(one, Fault) else isinstance(one, str) and one.startswith("forme")
+        one.name == "IndexError" if isinstance(one, ProbeFault) else isinstance(one, str) and one.startswith("forme")
         for one in shown.got
     ]
     return "carte_en_dur" if all(odd) else None
 
 
-def only(name: str, places: Sequence[int], *, unless: Callable[[Shown], bool] = lambda shown: False) -> Rule:
+def only(name: str, places: Sequence[int], *, unless: Callable[[ProbeResults], bool] = lambda shown: False) -> Rule:
     """All is right but some of these probes."""
 
-    def rule(shown: Shown) -> str | None:
-        wrong = set(shown.wrong())
+    def rule(shown: ProbeResults) -> str | None:
+        wrong = set(shown.wrong_indices())
         return name if wrong and wrong <= set(places) and not unless(shown) else None
 
     return rule
 
 
-def _sums(shown: Shown) -> list[float]:
+def _sums(shown: ProbeResults) -> list[float]:
     return [float(row.sum()) for row in _rows(shown) if row is not None]
 
 
@@ -144,14 +144,14 @@ def _arriving(bel: Floats, du: int, dv: int) -> dict[Cell, list[float]]:
     return arriving
 
 
-def overwritten(shown: Shown) -> str | None:
+def overwritten(shown: ProbeResults) -> str | None:
     """Each cell holds one of the shares that arrive there, all of it and no other, up to one factor for each answer.
 
     Whatever the order in which they come, and whether or not the whole is divided by its sum. An order to stay may be
     an exception in the program or not, and says nothing.
     """
     rows = _rows(shown)
-    if MEETING not in shown.wrong():
+    if MEETING not in shown.wrong_indices():
         return None
     for k, (row, (bel, du, dv)) in enumerate(zip(rows, shown.calls, strict=True)):
         if k != STILL and (row is None or not _one_share_each(row.reshape(SHAPE), _arriving(bel, du, dv))):
@@ -170,9 +170,9 @@ def _one_share_each(row: Floats, arriving: dict[Cell, list[float]]) -> bool:
     )  # fmt: skip
 
 
-def lost_mass(shown: Shown) -> str | None:
+def lost_mass(shown: ProbeResults) -> str | None:
     """Right in the open; elsewhere some probability vanishes wherever it is wrong, and none appears."""
-    rows, wrong = _rows(shown), shown.wrong()
+    rows, wrong = _rows(shown), shown.wrong_indices()
     if any(rows[k] is None for k in wrong) or {*OPEN, STILL, MEETING} & set(wrong):
         return None
     fewer = [float(row.sum()) < 1.0 - 1e-9 and bool(np.all(row <= right + 1e-9))
@@ -180,7 +180,7 @@ def lost_mass(shown: Shown) -> str | None:
     return "masse_perdue" if fewer and all(fewer) else None
 
 
-def not_normalised(shown: Shown) -> str | None:
+def not_normalised(shown: ProbeResults) -> str | None:
     """Proportional to what is right, and of another sum."""
     rows = _rows(shown)
     scaled = [row is not None and row.sum() > 0 and np.allclose(row / row.sum(), right, atol=1e-9)
@@ -188,24 +188,24 @@ def not_normalised(shown: Shown) -> str | None:
     return "non_normalisee" if all(scaled) else None
 
 
-def walls_get_some(shown: Shown) -> str | None:
+def walls_get_some(shown: ProbeResults) -> str | None:
     """Walls receive a probability in most answers."""
     rows = [row for row in _rows(shown) if row is not None]
     walls = [float(np.abs(row.reshape(SHAPE)[~FREE]).max()) > 1e-9 for row in rows]
     return "murs_possibles" if rows and sum(walls) > len(rows) / 2 else None
 
 
-def wrong_likelihood(shown: Shown) -> str | None:
+def wrong_likelihood(shown: ProbeResults) -> str | None:
     """A belief of sum 1, on the cells that were possible, with other weights."""
     rows = _rows(shown)
     for row, args in zip(rows, shown.calls, strict=True):
         if row is None or abs(row.sum() - 1.0) > 1e-9 or np.any(np.abs(row[args[0].ravel() == 0.0]) > 1e-12):
             return None
-    return "vraisemblance_fausse" if len(shown.wrong()) >= len(rows) - 1 else None
+    return "vraisemblance_fausse" if len(shown.wrong_indices()) >= len(rows) - 1 else None
 
 
-def _plain(shown: Shown) -> bool:
-    return bool(set(shown.wrong()) & {0, *OPEN})
+def _plain(shown: ProbeResults) -> bool:
+    return bool(set(shown.wrong_indices()) & {0, *OPEN})
 
 
 PROBES = (
@@ -220,7 +220,7 @@ PROBES = (
             only("glisse_a_l_arret", [STILL]),
             overwritten,
             lost_mass,
-            only("bord_mal_traite", [0, *EDGE, *WALL, 14, 15], unless=lambda s: bool(set(s.wrong()) & {9, 11})),
+            only("bord_mal_traite", [0, *EDGE, *WALL, 14, 15], unless=lambda s: bool(set(s.wrong_indices()) & {9, 11})),
             only("choc_mal_traite", [0, *EDGE, *WALL, 14, 15]),
         ),
     ),

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from graders.core.code.at_once import value_of
+from graders.core.code.batch_judging import answer_value
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.drawable import drawable
@@ -120,7 +120,7 @@ def _side_by_side(bench: Bench) -> Sequence[Sequence[Floats]]:
         for function, given in (("predire2d", moves), ("corriger2d", scans)):
             calls = [(walk[-1], *args) for walk, args in zip(beliefs, given, strict=True)]
             for walk, (_, answer) in zip(beliefs, bench.call_many(function, calls), strict=False):
-                belief = drawable(value_of(answer), grid.free.shape)
+                belief = drawable(answer_value(answer), grid.free.shape)
                 if belief is None:
                     return ()
                 walk.append(belief)

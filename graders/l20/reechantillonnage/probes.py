@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Seen, Shown, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -56,24 +56,24 @@ def read_copies(args: Arguments, value: Value) -> Value:
     return same.sum(axis=0).astype(float) if np.all(same.any(axis=1)) else [STRANGE, rows]
 
 
-def _counts(shown: Shown, where: str) -> list[Floats] | None:
+def _counts(shown: ProbeResults, where: str) -> list[Floats] | None:
     found = [as_array(shown.got[k]) for k in AT[where]]
     counts = [one for one in found if one is not None]
     return counts if len(counts) == len(found) else None
 
 
-def _words(shown: Shown) -> list[Seen]:
+def _words(shown: ProbeResults) -> list[ProbeAnswer]:
     return [one for one in shown.got if isinstance(one, str)]
 
 
-def grows(shown: Shown) -> str | None:
+def grows(shown: ProbeResults) -> str | None:
     """More rows at each call with the same weights."""
     shapes = [re.match(r"forme \((\d+),", one) for one in _words(shown)]
     rows = [int(shape[1]) for shape in shapes if shape]
     return "memoire" if len(rows) > 8 and all(b > a for a, b in pairwise(rows)) else None
 
 
-def remembers(shown: Shown) -> str | None:
+def remembers(shown: ProbeResults) -> str | None:
     """Right at first; then always what was right at first."""
     groups = [_counts(shown, where) for where in ("one", "uneven", "equal", "few")]
     counts = [c for group in groups for c in (group or [])]
@@ -81,14 +81,14 @@ def remembers(shown: Shown) -> str | None:
     return "memoire" if complete and all(np.array_equal(c, (0.0, 0.0, 4.0, 0.0)) for c in counts) else None
 
 
-def changed_particles(shown: Shown) -> str | None:
+def changed_particles(shown: ProbeResults) -> str | None:
     """Rows of the right shape that are no copies, at most calls."""
     strange = sum(isinstance(one, list) and one[0] == STRANGE for one in shown.got)
-    raised = any(isinstance(one, Fault) for one in shown.got)
+    raised = any(isinstance(one, ProbeFault) for one in shown.got)
     return "particules_modifiees" if strange > len(shown.got) / 3 and not raised else None
 
 
-def left_alone(shown: Shown) -> str | None:
+def left_alone(shown: ProbeResults) -> str | None:
     """One copy of each particle, whatever the weights, or wherever they are not too uneven."""
     uneven, few, one = (_counts(shown, where) for where in ("uneven", "few", "one"))
     if uneven is None or few is None or one is None or any(np.any(c != 1.0) for c in uneven):
@@ -96,7 +96,7 @@ def left_alone(shown: Shown) -> str | None:
     return "nuage_inchange" if all(np.all(c == 1.0) for c in (*few, *one)) else "seulement_si_necessaire"
 
 
-def not_rigid(shown: Shown) -> str | None:
+def not_rigid(shown: ProbeResults) -> str | None:
     """With equal weights, the copies change from one call to another: more than one number is drawn."""
     equal, one = _counts(shown, "equal"), _counts(shown, "one")
     if equal is None or one is None or any(c[2] != 4.0 for c in one):
@@ -106,7 +106,7 @@ def not_rigid(shown: Shown) -> str | None:
     return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 else None
 
 
-def frozen(shown: Shown) -> str | None:
+def frozen(shown: ProbeResults) -> str | None:
     """The same copies at each of the twelve calls, though right in number."""
     uneven, equal = _counts(shown, "uneven"), _counts(shown, "equal")
     if uneven is None or equal is None or any(np.any(c != 1.0) for c in equal):
@@ -115,9 +115,9 @@ def frozen(shown: Shown) -> str | None:
     return "peigne_fige" if bounded and all(np.array_equal(c, uneven[0]) for c in uneven) else None
 
 
-def out_of_the_cloud(shown: Shown) -> str | None:
+def out_of_the_cloud(shown: ProbeResults) -> str | None:
     """An index beyond the last particle."""
-    faults = sum(isinstance(one, Fault) and one.name == "IndexError" for one in shown.got)
+    faults = sum(isinstance(one, ProbeFault) and one.name == "IndexError" for one in shown.got)
     return "indice_hors_du_nuage" if faults >= 2 else None
 
 

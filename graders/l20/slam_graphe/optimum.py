@@ -13,14 +13,14 @@ from typing import NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, fault_rejection, foreseen_of
+from graders.core.code.checks import Check, Rejection, fault_rejection, planned_calls_of
 from graders.core.code.drawable import drawable
-from graders.core.code.simplifying import reject, same_kind
+from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, StudentFault
+from graders.core.contract.program import Answer, PlannedCalls, StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.slam_graphe.filming import STEPS, film
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
@@ -142,17 +142,17 @@ class Optimum(Check):
     graphs: Callable[[np.random.Generator], Sequence[Graph]]
 
     @property
-    def asks_on(self) -> bool:
+    def has_unplanned_calls(self) -> bool:
         return False
 
-    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+    def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
         graphs = self.graphs(bench.rng)
-        return [Foreseen(FUNCTION, [tuple(graph.inputs.values()) for graph in graphs], about=graphs)]
+        return [PlannedCalls(FUNCTION, [tuple(graph.inputs.values()) for graph in graphs], context=graphs)]
 
     def run(self, bench: Bench) -> None:
         right: list[Answered] = []
         first: Answered | None = None
-        graphs = foreseen_of(self, bench)[0].about
+        graphs = planned_calls_of(self, bench)[0].context
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
             answer = answered(bench, graph)
             if answer.failed and graph.judged:
@@ -220,14 +220,14 @@ def _reject(bench: Bench, failure: Answered) -> NoReturn:
             simpler = Answered(graph, None, None, answer)
         else:
             simpler = Answered(graph, answer.value, judge(graph, answer.value), None)
-        return simpler if simpler.failed and same_kind(failure, simpler) else None
+        return simpler if simpler.failed and fails_alike(failure, simpler) else None
 
     def told(shown: Answered) -> Rejection:
         steps = [] if shown.fault else _first_steps(bench, shown.graph)
         bench.film(film(shown.graph, shown.got, steps, right=False))
         return rejection(shown)
 
-    reject(
+    shrink_and_reject(
         bench, FUNCTION, failure, failure.graph, simpler_graphs, judged, told,
         arguments=lambda graph: tuple(graph.inputs.values()), costly=True,
         stops=lambda one: one.fault is not None and _hopeless(one.fault),

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Shown, as_array
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.poses.probes import only_angle, only_position, only_turns, position
@@ -86,7 +86,7 @@ def _asked(args: Arguments) -> Graph:
     return Graph(poses, tuple(edges), n_iter[0] if n_iter else None)
 
 
-def _poses(shown: Shown, k: int) -> Floats | None:
+def _poses(shown: ProbeResults, k: int) -> Floats | None:
     found = as_array(shown.got[k])
     return None if found is None else found * COARSENESS
 
@@ -95,47 +95,47 @@ def _reached(poses: Floats | None, graph: Graph) -> bool:
     return poses is not None and float(np.abs(gaps(graph.optimum, poses)).max()) < 1e-3
 
 
-def singular(shown: Shown) -> str | None:
+def singular(shown: ProbeResults) -> str | None:
     """The system cannot be solved, or its solution is any, on the first step already: the first pose goes too."""
-    faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
+    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
     if sum(faults) >= len(faults) - 1:
         return "jauge_libre"
     astray = [faults[k] or _is_lost(shown, k) or _first_moved(shown, k) for k in range(len(GRAPHS))]
     return "jauge_libre" if all(astray) and (any(faults) or any(_is_lost(shown, k) for k in STEPS)) else None
 
 
-def _first_moved(shown: Shown, k: int) -> bool:
+def _first_moved(shown: ProbeResults, k: int) -> bool:
     poses = _poses(shown, k)
     return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])).max()) > 1e-2
 
 
-def at_the_origin(shown: Shown) -> str | None:
+def at_the_origin(shown: ProbeResults) -> str | None:
     """The first pose ends at (0, 0, 0), wherever it was given."""
     found = [_poses(shown, k) for k in range(len(GRAPHS))]
     there = [poses is not None and bool(np.all(np.abs(poses[0]) < 1e-6)) for poses in found]
     return "premiere_pose_a_l_origine" if sum(there) >= len(there) - 3 else None
 
 
-def first_moves(shown: Shown) -> str | None:
+def first_moves(shown: ProbeResults) -> str | None:
     """The first pose is not where it was given."""
     moved = [_first_moved(shown, k) for k in range(len(GRAPHS))]
     return "premiere_pose_bouge" if sum(moved) >= len(moved) - 2 else None
 
 
-def never_moves(shown: Shown) -> str | None:
+def never_moves(shown: ProbeResults) -> str | None:
     found = [(_poses(shown, k), GRAPHS[k]) for k in range(len(GRAPHS))]
     still = [p is not None and float(np.abs(gaps(g.poses, p)).max()) < 1e-6 for p, g in found]
     return "poses_de_depart" if all(still) else None
 
 
-def turns_only(shown: Shown) -> str | None:
+def turns_only(shown: ProbeResults) -> str | None:
     """The optimum, with headings out of the interval."""
     found = [_poses(shown, k) for k in ENDED]
     out = [p is not None and float(np.abs(p[:, 2]).max()) > math.pi + 1e-6 for p in found]
     return "angles_jamais_ramenes" if any(out) and all(map(_reached, found, [GRAPHS[k] for k in ENDED])) else None
 
 
-def weights_ignored(shown: Shown) -> str | None:
+def weights_ignored(shown: ProbeResults) -> str | None:
     """What is reached is the optimum of equal weights."""
     equal = [
         Graph(g.poses, tuple((i, j, z, np.eye(3)) for i, j, z, _ in g.edges)) for g in (GRAPHS[PLAIN], GRAPHS[WRAPPING])
@@ -144,7 +144,7 @@ def weights_ignored(shown: Shown) -> str | None:
     return "omega_ignoree" if all(map(_reached, found, equal)) else None
 
 
-def one_step_only(shown: Shown) -> str | None:
+def one_step_only(shown: ProbeResults) -> str | None:
     """Ten iterations give what one gives."""
     pairs = [(_poses(shown, k), _poses(shown, one)) for k, one in ((PLAIN, 1), (WRAPPING, 2), (DOUBLED, 4))]
     same = [a is not None and b is not None and np.allclose(a, b, atol=1e-6) for a, b in pairs]
@@ -152,25 +152,25 @@ def one_step_only(shown: Shown) -> str | None:
     return "une_seule_iteration" if all(same) and moved and not _reached(pairs[0][0], GRAPHS[PLAIN]) else None
 
 
-def _missed(shown: Shown) -> set[int]:
+def _missed(shown: ProbeResults) -> set[int]:
     """The graphs that are not at their optimum in the end."""
     return {k for k in ENDED if not _reached(_poses(shown, k), GRAPHS[k])}
 
 
-def one_of_a_pair(shown: Shown) -> str | None:
+def one_of_a_pair(shown: ProbeResults) -> str | None:
     """Where a pair is measured twice, what is reached is the optimum with one of the two measurements."""
     single = [Graph(START, tuple(edge for edge in TWICE if edge is not left)) for left in (TWICE[0], TWICE[-1])]
     reached = any(_reached(_poses(shown, DOUBLED), graph) for graph in single)
     return "aretes_par_paire" if reached and _missed(shown) == {DOUBLED} else None
 
 
-def wraps_badly(shown: Shown) -> str | None:
+def wraps_badly(shown: ProbeResults) -> str | None:
     """Where headings pass the half turn, and only there, neither the first step nor the end is right."""
-    first = [k for k in shown.wrong() if k in STEPS]
+    first = [k for k in shown.wrong_indices() if k in STEPS]
     return "erreur_non_ramenee_dans_gn" if first == [2] and _missed(shown) == {WRAPPING} else None
 
 
-def elsewhere(shown: Shown) -> str | None:
+def elsewhere(shown: ProbeResults) -> str | None:
     """It ends near the optimum, though not there."""
     poses = [_poses(shown, k) for k in (PLAIN, WRAPPING)]
     near = [
@@ -181,12 +181,12 @@ def elsewhere(shown: Shown) -> str | None:
     return "pas_le_minimum" if all(near) and missed else None
 
 
-def runs_away(shown: Shown) -> str | None:
+def runs_away(shown: ProbeResults) -> str | None:
     """From a start near the optimum, it ends far from it."""
     return "diverge" if all(_is_lost(shown, k) for k in (PLAIN, WRAPPING, DOUBLED)) else None
 
 
-def _is_lost(shown: Shown, k: int) -> bool:
+def _is_lost(shown: ProbeResults, k: int) -> bool:
     poses = _poses(shown, k)
     if poses is None:
         return isinstance(shown.got[k], str) and shown.got[k] == LOST

@@ -13,7 +13,7 @@ from graders.core.code.checks import MAX_FAULTS, Cases, Trial
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Foreseen, StudentFault
+from graders.core.contract.program import PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.robotics.poses import shrink_pose
 from reference.pose_graph import group_residuals, residuals
@@ -166,8 +166,8 @@ def errors(
             figure=edge_figure,
         ).run(bench)  # fmt: skip
 
-    def asks(bench: Bench) -> Sequence[Foreseen]:
-        return [Foreseen(FUNCTION, [PROBE]), Foreseen(FUNCTION, tuple(cases(bench.rng)), faults=MAX_FAULTS)]
+    def asks(bench: Bench) -> Sequence[PlannedCalls]:
+        return [PlannedCalls(FUNCTION, [PROBE]), PlannedCalls(FUNCTION, tuple(cases(bench.rng)), faults=MAX_FAULTS)]
 
     return Trial(
         id=id, title=title, points=points, functions=(FUNCTION,), hint=hint, protocol=protocol, asks=asks, no_more=True

@@ -11,7 +11,15 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare import words
 from graders.core.contract.findings import FigureData
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Reply, in_turn
+from graders.core.contract.program import (
+    Answer,
+    Block,
+    KitSettings,
+    PlannedCalls,
+    Program,
+    Reply,
+    call_batches_sequentially,
+)
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
@@ -65,7 +73,7 @@ def figure_of(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None
         return None
     args = next(iter(check.cases(stream(seed, check.id))))
     expected = check.expected(*args)
-    figure = check.drawn(args, expected, expected)
+    figure = check.figure_data(args, expected, expected)
     plain: Any = words.tidy(words.whole_jsonable(figure, limit=20_000))
     return None if figure is None else dict(plain)
 
@@ -76,7 +84,7 @@ class _Seeing:
     def __init__(self, seen: Asked) -> None:
         self._seen = seen
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         return _Seen(LOCAL.open(source, kit), self._seen)
 
 
@@ -98,8 +106,8 @@ class _Seen:
             self._seen.note(function, args, answer)
             yield answer
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        return in_turn(self, asked)
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, asked)
 
     def stdout(self) -> str:
         return self._program.stdout()

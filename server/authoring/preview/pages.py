@@ -24,7 +24,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.protocol import Known
+from graders.core.contract.protocol import KnownSubmission
 from server.authoring.preview import faults
 from server.authoring.preview.asked import Asked, asked, figure_of
 from server.authoring.preview.supervising import Session
@@ -153,10 +153,10 @@ def send(
         raise NotFound("Cet essai n’existe pas.")
     address = client_address(request)
     if exercise.answers is None:
-        code = trials[number].write(SEED).decode("utf-8", errors="replace")
+        code = trials[number].source_for_seed(SEED).decode("utf-8", errors="replace")
         sent = store.submit(db, account, exercise.id, code, address=address)
     else:
-        answers = json.loads(trials[number].write(variants.get_or_create_seed(db, account, exercise.id)))
+        answers = json.loads(trials[number].source_for_seed(variants.get_or_create_seed(db, account, exercise.id)))
         sent = store.submit_answers(db, account, exercise.id, answers, address=address)
     return RedirectResponse(f"/soumissions/{sent.id}", 303)
 
@@ -176,12 +176,12 @@ async def figure(
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers={"Cache-Control": "no-store"})
 
 
-def _known(exercise: Exercise) -> list[Known]:
-    reference, *others = exercise.grader.known()
-    return [reference, Known("fichier de départ", lambda _: exercise.starter.encode()), *others]
+def _known(exercise: Exercise) -> list[KnownSubmission]:
+    reference, *others = exercise.grader.known_submissions()
+    return [reference, KnownSubmission("fichier de départ", lambda _: exercise.starter.encode()), *others]
 
 
-def _awaited(known: Known) -> str:
+def _awaited(known: KnownSubmission) -> str:
     if known.diagnosis is not None:
         return f"refusé, et nommé « {known.diagnosis} »"
     if known.outcome is Outcome.OK:

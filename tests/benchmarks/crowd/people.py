@@ -24,9 +24,11 @@ def programs(course: Course, slugs: Sequence[str]) -> dict[str, Programs]:
     found = {}
     for slug in slugs:
         grader = course.exercises[f"{MODULE}/{slug}"].grader
-        known = list(grader.known())
-        wrong = [one.write(0).decode() for one in islice((one for one in known if one.diagnosis), MOST_MISTAKES)]
-        found[slug] = Programs(known[0].write(0).decode(), wrong)
+        known = list(grader.known_submissions())
+        wrong = [
+            one.source_for_seed(0).decode() for one in islice((one for one in known if one.diagnosis), MOST_MISTAKES)
+        ]
+        found[slug] = Programs(known[0].source_for_seed(0).decode(), wrong)
     return found
 
 

@@ -87,5 +87,5 @@ def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, g
 
 def test_every_exercise_knows_several_mistakes(course: Course) -> None:
     least = {"code": 6, "answers": 3}
-    known = {name: len(one.grader.mistakes()) - least[one.kind] for name, one in course.exercises.items()}
+    known = {name: len(one.grader.mistake_ids()) - least[one.kind] for name, one in course.exercises.items()}
     assert min(known.values()) >= 0, known

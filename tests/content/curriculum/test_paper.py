@@ -155,7 +155,7 @@ def test_the_points_add_up() -> None:
 def test_the_graded_numbers_are_those_of_densities_and_matrices(seed: int) -> None:
     grader = the_course().exercises["l20/epreuve_calculs"].grader
     assert isinstance(grader, NumericGrader)
-    data, right = grader.data(seed), grader.right(seed)
+    data, right = grader.data(seed), grader.right_answers(seed)
     before = np.sqrt(data["n"]) * data["su"]
     mean, after = product((data["m"], data["D"] - data["z"]), (before / 100, data["sz"] / 100))
     assert [right["s_avant"], right["position"], right["s_apres"] / 100] == pytest.approx([before, mean, after])

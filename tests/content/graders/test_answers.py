@@ -18,7 +18,7 @@ from tests.support.quick import some
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_verdicts_have_the_shape_of_the_contract_and_depend_on_the_seed_alone(name: str) -> None:
-    right = dict(grader_of(name).right(5))
+    right = dict(grader_of(name).right_answers(5))
     one, other = graded(name, right, 5), graded(name, right, 5)
     assert (one.verdict.outcome, one.verdict.score) == (Outcome.OK, 1.0)
     assert sum(check.max_points for check in one.verdict.checks) == pytest.approx(20)
@@ -30,7 +30,7 @@ def test_verdicts_have_the_shape_of_the_contract_and_depend_on_the_seed_alone(na
 @pytest.mark.parametrize("name", EXERCISES)
 def test_answers_to_another_draw_are_not_right(name: str) -> None:
     grader = grader_of(name)
-    outcomes = {graded(name, dict(grader.right(seed)), seed + 1).verdict.outcome for seed in SEEDS}
+    outcomes = {graded(name, dict(grader.right_answers(seed)), seed + 1).verdict.outcome for seed in SEEDS}
     assert outcomes <= {Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT} | ({Outcome.OK} if name == QUIZ else set())
     assert Outcome.WRONG_ANSWER in outcomes
 
@@ -63,7 +63,7 @@ def test_one_letter_alone_earns_next_to_nothing(name: str) -> None:
 def secrets_of(grader: Any, seed: int) -> list[str]:
     """What must not leave the server before it is earned: long numbers, explanations."""
     if isinstance(grader, NumericGrader):
-        numbers = [f"{value:.6g}" for value in grader.right(seed).values()]
+        numbers = [f"{value:.6g}" for value in grader.right_answers(seed).values()]
         return [text for text in numbers if len(text.strip("-0.")) > 3]
     groups = [one.options for one in grader.questions] if isinstance(grader, ChoiceGrader) else [grader.sheet.pieces]
     pieces = [piece for group in groups for piece in group]

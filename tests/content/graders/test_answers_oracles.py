@@ -7,15 +7,15 @@ import pytest
 
 from graders.core.answers import Quantity
 from graders.core.answers.choice import LACKING, TOO_MANY, ChoiceGrader, ChoiceQuestion
-from graders.core.answers.interval import around
-from graders.core.answers.numeric import APART, NumericGrader
+from graders.core.answers.interval import rounded_interval
+from graders.core.answers.numeric import MIN_SEPARATION, NumericGrader
 from graders.core.contract.streams import stream
 from tests.support.answered import NUMERIC, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 
 def test_the_seed_of_a_verdict_does_not_tell_the_places_in_the_courses_file() -> None:
     """The steps of a proof stand there in order: undoing the draw must not put them in order again."""
-    right = list(grader_of(PROOF).right(7)["ordre"])
+    right = list(grader_of(PROOF).right_answers(7)["ordre"])
     count = len(grader_of(PROOF).paper(7).questions[0].pieces)
     letters = dict(zip(stream(7, "letters ordre").permutation(count).tolist(), "abcdefghijklmnop", strict=False))
     assert [letters[place] for place in range(len(right))] != right
@@ -25,16 +25,16 @@ def test_the_seed_of_a_verdict_does_not_tell_the_places_in_the_courses_file() ->
 def test_the_seed_of_a_verdict_does_not_tell_how_far_the_ends_of_an_interval_are(name: str) -> None:
     def factors(seed: int, question: str) -> tuple[float, float]:
         """What someone who only knows the seed would undo."""
-        low, high = around(1e9, stream(seed, f"interval {question}"))
+        low, high = rounded_interval(1e9, stream(seed, f"interval {question}"))
         return low / 1e9, high / 1e9
 
     undone = 0
     for seed in SEEDS:
-        for question, value in grader_of(name).right(seed).items():
+        for question, value in grader_of(name).right_answers(seed).items():
             told = check_of(graded(name, {question: 987.6}, seed), question)["counterexample"]["expected"]
             low, high = sorted(abs(value) * factor for factor in factors(seed, question))
             undone += all(f"{end:.1g}".replace(".", ",") in told for end in (low, high))
-    assert undone < 0.3 * len(SEEDS) * len(grader_of(name).right(0))
+    assert undone < 0.3 * len(SEEDS) * len(grader_of(name).right_answers(0))
 
 
 @pytest.mark.parametrize("name", NUMERIC)
@@ -43,15 +43,15 @@ def test_nothing_to_be_found_is_zero(name: str) -> None:
     grader = grader_of(name)
     assert isinstance(grader, NumericGrader)
     for seed in range(300):
-        right = grader.right(seed)
+        right = grader.right_answers(seed)
         for one in grader.quantities:
-            assert abs(right[one.id]) > APART * one.abs, (seed, one.id)
+            assert abs(right[one.id]) > MIN_SEPARATION * one.abs, (seed, one.id)
 
 
 @pytest.mark.parametrize("name", NUMERIC)
 def test_zeros_that_follow_from_zeros_earn_nothing(name: str) -> None:
     for seed in range(10):
-        assert graded(name, dict.fromkeys(grader_of(name).right(seed), 0), seed).verdict.score == 0
+        assert graded(name, dict.fromkeys(grader_of(name).right_answers(seed), 0), seed).verdict.score == 0
 
 
 def test_an_absurd_angle_does_not_make_every_angle_right() -> None:
@@ -111,7 +111,7 @@ def test_each_question_of_a_quiz_names_its_own_mistake_and_the_whole_only_a_comm
         title = grader.catalogue[str(option.misconception)].title
         assert f"Erreur reconnue : {title}" in check_of(graded(QUIZ, wrong), name)["message"]
     twice = [q.id for q, one in named if one.misconception == "reechantillonner_toujours"]
-    both = graded(QUIZ, {**grader.right(7), **{name: wrong[name] for name in ("reechantillonner",)}}).verdict
+    both = graded(QUIZ, {**grader.right_answers(7), **{name: wrong[name] for name in ("reechantillonner",)}}).verdict
     assert both.diagnosis is not None
     assert both.diagnosis.id == "reechantillonner_toujours"
     assert len(twice) == 2

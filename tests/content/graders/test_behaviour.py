@@ -10,30 +10,30 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.code.behaviour import Observer
+from graders.core.code.behaviour import BehaviourObserver
 from graders.core.code.grading import CodeGrader
-from graders.core.code.plain import (
-    LARGEST,
-    NEAR,
+from graders.core.code.probes import TOLERANCE, ProbeFault
+from graders.core.code.stored_answers import (
+    MAX_ITEMS,
+    PROJECTION_TOLERANCE,
     TOO_LARGE,
-    packed,
-    plain,
+    deserialize_answers,
     projection,
-    same,
-    same_all,
-    structure,
-    unpacked,
+    same_answer,
+    same_answers,
+    serialize_answers,
+    structure_hash,
+    to_stored,
 )
-from graders.core.code.probes import TOLERANCE, Fault
 from graders.core.contract.local import LOCAL
 from tests.support.quick import the_course
 from tests.support.shipped import CODE
 
 
-def observer(exercise_id: str, version: str | None = None) -> Observer:
+def observer(exercise_id: str, version: str | None = None) -> BehaviourObserver:
     exercise = the_course().exercises[exercise_id]
     assert isinstance(exercise.grader, CodeGrader)
-    return Observer(exercise.grader, version or exercise.version)
+    return BehaviourObserver(exercise.grader, version or exercise.version)
 
 
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True, width=64)
@@ -48,11 +48,11 @@ VALUES: Any = st.recursive(
 
 @given(VALUES)
 def test_any_answer_is_kept_whole_and_is_the_same_as_itself(value: Any) -> None:
-    kept = plain(value)
-    assert same(kept, kept)
-    (again,) = unpacked(packed((kept,)))
-    assert same(kept, again, tolerance=0.0)
-    assert structure((kept,)) == structure((again,))
+    kept = to_stored(value)
+    assert same_answer(kept, kept)
+    (again,) = deserialize_answers(serialize_answers((kept,)))
+    assert same_answer(kept, again, tolerance=0.0)
+    assert structure_hash((kept,)) == structure_hash((again,))
     assert np.isfinite(projection((kept,)))
 
 
@@ -66,23 +66,23 @@ def test_answers_that_are_the_same_are_found_by_structure_and_projection(
     """The search never passes over a group whose representative is the same."""
     one = np.array(numbers)
     other = one + np.array(shifts[: len(numbers)]) * TOLERANCE * (1.0 + np.abs(one)) * 0.99
-    assert same(plain(one), plain(other)) or same(plain(other), plain(one))
-    assert structure((plain(one),)) == structure((plain(list(other)),))
-    assert abs(projection((plain(one),)) - projection((plain(other),))) < NEAR
+    assert same_answer(to_stored(one), to_stored(other)) or same_answer(to_stored(other), to_stored(one))
+    assert structure_hash((to_stored(one),)) == structure_hash((to_stored(list(other)),))
+    assert abs(projection((to_stored(one),)) - projection((to_stored(other),))) < PROJECTION_TOLERANCE
 
 
 def test_what_is_told_apart() -> None:
     different = [
-        0.0, 1.0, [0.0], [[0.0]], [0.0, 0.0], "0", None, Fault("TypeError"), Fault("ValueError"),
+        0.0, 1.0, [0.0], [[0.0]], [0.0, 0.0], "0", None, ProbeFault("TypeError"), ProbeFault("ValueError"),
         {"a": 0.0}, {"b": 0.0}, (np.zeros(2), np.zeros((2, 2))), [1.0, "a"],
         float("nan"), float("inf"), -float("inf"), 1j, 2j,
     ]  # fmt: skip
-    kept = [plain(one) for one in different]
-    assert not [(a, b) for k, a in enumerate(different) for b in range(k) if same(plain(a), kept[b])]
-    assert same(plain(True), plain(np.float64(1.0)))
-    assert same(plain([1.0, 2.0]), plain(np.array([1, 2])))
-    assert plain(np.zeros(LARGEST)) == plain([[0.0] * LARGEST]) == TOO_LARGE
-    assert len(packed((plain("x" * 10**6),))) < 1000
+    kept = [to_stored(one) for one in different]
+    assert not [(a, b) for k, a in enumerate(different) for b in range(k) if same_answer(to_stored(a), kept[b])]
+    assert same_answer(to_stored(True), to_stored(np.float64(1.0)))
+    assert same_answer(to_stored([1.0, 2.0]), to_stored(np.array([1, 2])))
+    assert to_stored(np.zeros(MAX_ITEMS)) == to_stored([[0.0] * MAX_ITEMS]) == TOO_LARGE
+    assert len(serialize_answers((to_stored("x" * 10**6),))) < 1000
 
 
 @pytest.mark.parametrize("exercise_id", CODE)
@@ -93,12 +93,12 @@ def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(
     assert functions == {one.name for one in exercise.functions}
     solution = exercise.solution.encode()
     behaviour = asked.observe(solution, LOCAL)
-    assert behaviour.loads
-    assert not behaviour.lacking
-    assert same_all(behaviour.answers, observer(exercise_id).observe(solution, LOCAL).answers)
-    assert len(packed(behaviour.answers)) < 10_000
+    assert behaviour.is_loadable
+    assert not behaviour.lacks_function
+    assert same_answers(behaviour.answers, observer(exercise_id).observe(solution, LOCAL).answers)
+    assert len(serialize_answers(behaviour.answers)) < 10_000
     starter = asked.observe(exercise.starter.encode(), LOCAL)
-    assert starter.tells
+    assert starter.shows_mistake
     assert starter.example is not None
     assert starter.example.function in functions
 
@@ -112,12 +112,12 @@ def test_misconceptions_behave_each_in_its_own_way(exercise_id: str) -> None:
     assert isinstance(grader, CodeGrader)
     asked = observer(exercise_id)
     found = [(one.id, asked.observe(one.source.encode(), LOCAL)) for one in grader.misconceptions]
-    assert all(behaviour.tells for _, behaviour in found)
+    assert all(behaviour.shows_mistake for _, behaviour in found)
     alike = [
         (name, other)
         for k, (name, one) in enumerate(found)
         for other, two in found[:k]
-        if name != other and same_all(one.answers, two.answers)
+        if name != other and same_answers(one.answers, two.answers)
     ]
     assert len(alike) <= 1, alike
 
@@ -126,13 +126,13 @@ def test_a_function_without_probes_is_asked_what_the_checks_ask_the_solution() -
     exercise = the_course().exercises["l20/poses"]
     assert isinstance(exercise.grader, CodeGrader)
     bare = replace(exercise.grader, prober=None)
-    asked, again, other = Observer(bare, "v1"), Observer(bare, "v1"), Observer(bare, "v2")
+    asked, again, other = BehaviourObserver(bare, "v1"), BehaviourObserver(bare, "v1"), BehaviourObserver(bare, "v2")
     assert {one.function for one in asked.series} == {"composer", "inverse", "relatif"}
     wrong = exercise.solution.replace("ramener(ta + tb)", "ta + tb").encode()
     behaviour = asked.observe(wrong, LOCAL)
     assert behaviour.functions == ("composer", "relatif")
-    assert same_all(behaviour.answers, again.observe(wrong, LOCAL).answers)
-    assert not same_all(behaviour.answers, other.observe(wrong, LOCAL).answers), "another version draws otherwise"
+    assert same_answers(behaviour.answers, again.observe(wrong, LOCAL).answers)
+    assert not same_answers(behaviour.answers, other.observe(wrong, LOCAL).answers), "another version draws otherwise"
     assert not asked.observe(exercise.solution.encode(), LOCAL).wrong
 
 

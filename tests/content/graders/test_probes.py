@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.code.mutations import Edit, Model
 from graders.core.code.prober import Prober
-from graders.core.code.probes import LARGEST, TOO_LARGE, Probes, Shown, same_seen, seen
+from graders.core.code.probes import MAX_ITEMS, TOO_LARGE, ProbeResults, Probes, read_answer, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
@@ -48,7 +48,7 @@ STYLE = edit("", "cote * autre", "float(cote * autre)")
 CALLS = tuple((float(a), float(b)) for a, b in ((1, 5), (2, 7), (4, 3), (0, 9)))
 
 
-def shifted(shown: Shown) -> str | None:
+def shifted(shown: ProbeResults) -> str | None:
     gaps = {float(a) - float(b) for a, b in zip(shown.got, shown.right, strict=True) if isinstance(a, float)}
     return "decale" if len(gaps) == 1 else None
 
@@ -144,7 +144,7 @@ def test_a_function_that_draws_is_told_apart_from_one_that_remembers(draw: str) 
 
 
 def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("graders.core.code.prober.LONGEST", -1.0)
+    monkeypatch.setattr("graders.core.code.prober.MAX_PROBING_SECONDS", -1.0)
     assert named(written("(x + 2)", "(y - 2)")) == ()
 
 
@@ -229,9 +229,9 @@ def test_what_was_seen_is_the_same_as_itself_only() -> None:
     values: list[Any] = ["a", ["a", np.zeros(2)], np.zeros(2), np.ones(2), None, 1.0, ["a", np.ones(2)]]
     for one in values:
         for other in values:
-            assert same_seen(one, other) == (one is other)
+            assert same_probe_answer(one, other) == (one is other)
 
 
 def test_of_a_large_answer_nothing_is_kept() -> None:
-    for value in (np.zeros(LARGEST + 1), ["masque", np.zeros(LARGEST + 1)]):
-        assert seen((), Reply(value), lambda args, value: value) == TOO_LARGE
+    for value in (np.zeros(MAX_ITEMS + 1), ["masque", np.zeros(MAX_ITEMS + 1)]):
+        assert read_answer((), Reply(value), lambda args, value: value) == TOO_LARGE

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from graders.core.code.diagnosis import agree
-from graders.core.code.grading import FRESH, CodeGrader
+from graders.core.code.grading import FRESH_REENACTOR, CodeGrader
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import Observation
 from graders.core.contract.local import LOCAL
@@ -33,17 +33,17 @@ def test_a_reenactment_is_the_same_in_whatever_pieces_it_was_made(name: str) -> 
     grader, memory = CODE[name], Remembering()
     given: dict[str, Any] = {"checks": grader.checks, "kit": grader.kit(stream(3, "kit")), "seed": 3}
     for misconception in some(grader.misconceptions[:6]):
-        fresh = FRESH.reenact(misconception, **given).seen()
+        fresh = FRESH_REENACTOR.reenact(misconception, **given).observe()
         assert fresh
         for count in (1, len(fresh) // 2, len(fresh) + 1, 1):
 
             def enough(seen: Sequence[Observation], count: int = count) -> bool:
                 return len(seen) >= count
 
-            part = FRESH.reenact(misconception, **given).seen(enough)
+            part = FRESH_REENACTOR.reenact(misconception, **given).observe(enough)
             assert same(part, fresh[: len(part)])
-            assert same(memory.reenact(misconception, **given).seen(enough), part)
-        assert same(memory.reenact(misconception, **given).seen(), fresh)
+            assert same(memory.reenact(misconception, **given).observe(enough), part)
+        assert same(memory.reenact(misconception, **given).observe(), fresh)
 
 
 @GRADERS
@@ -55,4 +55,4 @@ def test_verdicts_are_the_same(name: str) -> None:
         )
         return [replace(grading.verdict, timings={}).to_json() for grading in graded]
 
-    assert verdicts(Remembering()) == verdicts(FRESH)
+    assert verdicts(Remembering()) == verdicts(FRESH_REENACTOR)

@@ -19,7 +19,7 @@ def right(page: Any) -> dict[str, Any]:
     form = page.locator("#essai")
     grader = the_course().exercises[form.get_attribute("data-exercise")].answers
     assert grader is not None
-    return dict(grader.right(int(form.get_attribute("data-seed"))))
+    return dict(grader.right_answers(int(form.get_attribute("data-seed"))))
 
 
 def send(visitor: Visit, score: str) -> None:

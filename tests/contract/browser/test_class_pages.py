@@ -13,7 +13,7 @@ from zlib import crc32
 import pytest
 from sqlalchemy import select
 
-from graders.core.code.plain import packed
+from graders.core.code.stored_answers import serialize_answers
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import AssignedExercise, Assignment, Mode
@@ -144,7 +144,13 @@ def _one_of_each(database: Database, loaded: Loaded) -> None:
     with database.write() as db:
         sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)
         graded = db.scalars(sent.where(Submission.exercise == EXERCISE).order_by(Submission.created_at)).first()
-        values = {"exercise_version": "v1", "structure": "", "projection": 0.0, "answers": packed(()), "functions": []}
+        values = {
+            "exercise_version": "v1",
+            "structure": "",
+            "projection": 0.0,
+            "answers": serialize_answers(()),
+            "functions": [],
+        }
         db.add(BehaviourGroup(id=GROUP, exercise=EXERCISE, example=None, **values))
         db.add(Regrade(class_id=loaded.class_id, exercise=EXERCISE, policy="replace"))
         db.flush()

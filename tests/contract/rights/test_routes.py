@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 from sqlalchemy.orm import Session
 
-from graders.core.code.plain import packed
+from graders.core.code.stored_answers import serialize_answers
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
@@ -189,7 +189,7 @@ class Stage:
             db.add(
                 BehaviourGroup(
                     id=self.group, exercise=EXERCISE, exercise_version="v1", structure="", projection=0.0,
-                    answers=packed(()), functions=[], example=None,
+                    answers=serialize_answers(()), functions=[], example=None,
                 )
             )  # fmt: skip
             db.flush()

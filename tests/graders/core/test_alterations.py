@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from graders.core.alterations.alterations import Alteration, alterations
-from graders.core.alterations.equivalents import read_equivalents, stale
+from graders.core.alterations.alterations import Alteration, find_alterations
+from graders.core.alterations.equivalents import read_equivalents, stale_marks
 from graders.core.contract.malformed import MalformedExerciseError
 from tests.support.quick import some
 from tests.support.shipped import CODE
@@ -18,12 +18,12 @@ from tests.support.shipped import CODE
 def altered(line: str, head: str = "") -> set[str]:
     """What the line becomes, in turn, in a function that begins with `head`."""
     source = f"def f(*_):\n{head}    {line}\n"
-    made = {one.altered for one in alterations(source) if one.altered.startswith(f"def f(*_):\n{head}")}
+    made = {one.altered for one in find_alterations(source) if one.altered.startswith(f"def f(*_):\n{head}")}
     return {one.removeprefix(f"def f(*_):\n{head}").strip() for one in made}
 
 
 def of_our_own(line: str) -> set[str]:
-    return {one.added[0] for one in alterations(f"def f(*_):\n    {line}\n") if one.own}
+    return {one.added[0] for one in find_alterations(f"def f(*_):\n    {line}\n") if one.is_course_mistake}
 
 
 @pytest.mark.parametrize(
@@ -118,13 +118,13 @@ def test_what_is_no_code_is_left_alone() -> None:
         "    # a + b\n"
         "    return f'{a + 1}' + \"a < b\"\n"
     )
-    assert alterations(source) == []
+    assert find_alterations(source) == []
 
 
 def test_each_alteration_is_another_program_and_differs_at_one_place() -> None:
     """Of the shortest solutions that are shipped."""
     for grader in some(sorted(CODE.values(), key=lambda one: len(one.solution)))[:3]:
-        found = some(alterations(grader.solution))
+        found = some(find_alterations(grader.solution))
         assert len({grader.solution, *(one.altered for one in found)}) == 1 + len(found)
         for one in found[::20]:
             compile(one.altered, "solution.py", "exec")
@@ -150,12 +150,12 @@ def in_a_folder(folder: Path, text: str) -> Path:
 def test_a_mark_says_of_what_it_is(tmp_path: Path) -> None:
     assert read_equivalents(tmp_path) == ()
     (mark,) = read_equivalents(in_a_folder(tmp_path, BOUND))
-    found = alterations(SOLUTION)
-    (marked,) = (one for one in found if mark.marks(one))
+    found = find_alterations(SOLUTION)
+    (marked,) = (one for one in found if mark.matches(one))
     assert marked.altered == SOLUTION.replace("<", "<=")
-    assert list(stale([mark], found)) == []
+    assert list(stale_marks([mark], found)) == []
     for other in (SOLUTION.replace("a < 0", "0 > a"), SOLUTION.replace("def f", "def g")):
-        (fault,) = stale([mark], alterations(other))
+        (fault,) = stale_marks([mark], find_alterations(other))
         assert str(fault).startswith(f"{tmp_path / 'equivalents.toml'}:1:")
 
 
@@ -185,12 +185,12 @@ def test_lines_of_a_mark_need_no_margins(tmp_path: Path) -> None:
     source = "def f(a):\n    return g(\n        a + 1,\n    )\n"
     text = BOUND.replace('"if a < 0:"', '"""\n  a + 1,\n"""').replace('"if a <= 0:"', '"a - 1,"')
     (mark,) = read_equivalents(in_a_folder(tmp_path, text))
-    assert [one.altered for one in alterations(source) if mark.marks(one)] == [source.replace("+", "-")]
+    assert [one.altered for one in find_alterations(source) if mark.matches(one)] == [source.replace("+", "-")]
 
 
 def test_what_is_no_program_is_refused() -> None:
     with pytest.raises(SyntaxError):
-        alterations("def f(:")
+        find_alterations("def f(:")
 
 
 def test_where_an_alteration_stands() -> None:
@@ -198,11 +198,13 @@ def test_where_an_alteration_stands() -> None:
         return (one.line, one.function)
 
     source = "A = 2\n\n\ndef f():\n    def g():\n        return 3\n    return g() + 1\n"
-    assert {at(one) for one in alterations(source)} == {(1, ""), (6, "g"), (7, "f")}
+    assert {at(one) for one in find_alterations(source)} == {(1, ""), (6, "g"), (7, "f")}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exercise", sorted(CODE))
 def test_the_marks_that_are_shipped_are_of_something(exercise: str) -> None:
     grader = CODE[exercise]
-    assert [str(fault) for fault in stale(read_equivalents(grader.folder), alterations(grader.solution))] == []
+    assert [
+        str(fault) for fault in stale_marks(read_equivalents(grader.folder), find_alterations(grader.solution))
+    ] == []

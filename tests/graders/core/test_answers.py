@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from graders.core.answers import MalformedSheetError, Quantity, numeric
-from graders.core.answers.interval import around
-from graders.core.answers.numeric import DEALS, NumericGrader, NumericSheet
+from graders.core.answers.interval import rounded_interval
+from graders.core.answers.numeric import MAX_DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
 from graders.core.contract.findings import Judgement
 from graders.core.contract.malformed import MalformedExerciseError
@@ -24,7 +24,7 @@ from tests.support.quick import some
 
 
 def test_numbers_may_be_typed_in_any_way() -> None:
-    right = grader_of(ODOMETRY).right(7)
+    right = grader_of(ODOMETRY).right_answers(7)
     french = {key: f"{value:.7f}".replace(".", ",") for key, value in right.items()}
     assert graded(ODOMETRY, french).verdict.outcome is Outcome.OK
     data = grader_of(ODOMETRY).data(7)  # type: ignore[attr-defined]
@@ -38,7 +38,7 @@ def test_numbers_may_be_typed_in_any_way() -> None:
 
 
 def test_what_follows_from_a_wrong_answer_earns_half_and_is_told_so() -> None:
-    right = dict(grader_of(ODOMETRY).right(7))
+    right = dict(grader_of(ODOMETRY).right_answers(7))
     wrong = {**right, "sigma_dtheta": 2 * right["sigma_dtheta"], "sigma_theta": 2 * right["sigma_theta"]}
     grading = graded(ODOMETRY, {**wrong, "derive": 2 * right["derive"]})
     for name in ("sigma_theta", "derive"):
@@ -50,7 +50,7 @@ def test_what_follows_from_a_wrong_answer_earns_half_and_is_told_so() -> None:
 
 
 def test_a_slip_is_named_even_when_it_starts_from_a_wrong_answer() -> None:
-    right = dict(grader_of(ODOMETRY).right(7))
+    right = dict(grader_of(ODOMETRY).right_answers(7))
     data = grader_of(ODOMETRY).data(7)  # type: ignore[attr-defined]
     own = 1.7 * right["sigma_dtheta"]
     grading = graded(ODOMETRY, {**right, "sigma_dtheta": own, "sigma_theta": own * data["n"] / 1000})
@@ -60,7 +60,7 @@ def test_a_slip_is_named_even_when_it_starts_from_a_wrong_answer() -> None:
 
 @pytest.mark.parametrize("value", [1e15, -1e15, 1e-300, 0, 1e308, "1e14", "-0"])
 def test_absurd_earlier_answers_never_break_what_follows_from_them(value: Any) -> None:
-    wanted = dict.fromkeys(grader_of(ODOMETRY).right(7), value)
+    wanted = dict.fromkeys(grader_of(ODOMETRY).right_answers(7), value)
     for seed in range(5):
         assert graded(ODOMETRY, wanted, seed).verdict.outcome in {Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT}
 
@@ -69,13 +69,13 @@ def test_a_wrong_number_is_told_an_interval_that_does_not_tell_it() -> None:
     centred = 0
     for seed in SEEDS:
         grader = grader_of(ODOMETRY)
-        right = grader.right(seed)
+        right = grader.right_answers(seed)
         first, second = (graded(ODOMETRY, dict.fromkeys(right, wrong), seed) for wrong in (987.0, 4321.0))
         for name, value in right.items():
             told = check_of(first, name)["counterexample"]["expected"]
             assert told == check_of(second, name)["counterexample"]["expected"], "trying again tells no more"
             assert f"{abs(value):.4g}".replace(".", ",") not in told
-            low, high = around(abs(value), np.random.default_rng(seed))
+            low, high = rounded_interval(abs(value), np.random.default_rng(seed))
             assert 0 < low < abs(value) < high
             centred += abs(abs(value) - (low + high) / 2) < 0.02 * abs(value)
     assert centred < 0.1 * len(SEEDS) * len(right)
@@ -111,7 +111,7 @@ def rounded(value: float, decimals: int) -> str:
 def test_the_right_value_of_which_too_few_digits_are_left_is_told_so_and_earns_half() -> None:
     told = 0
     for seed in SEEDS:
-        right = dict(grader_of(ODOMETRY).right(seed))
+        right = dict(grader_of(ODOMETRY).right_answers(seed))
         for decimals in (1, 2):
             typed = rounded(right["x"], decimals)
             check = check_of(graded(ODOMETRY, {**right, "x": typed}, seed), "x")
@@ -145,7 +145,7 @@ def test_a_rounding_that_a_slip_gives_too_earns_nothing(tmp_path: Path) -> None:
 
 
 def test_the_drift_of_the_course_is_named_where_another_is_asked() -> None:
-    right = dict(grader_of(ODOMETRY).right(7))
+    right = dict(grader_of(ODOMETRY).right_answers(7))
     grading = graded(ODOMETRY, {**right, "derive": right["derive"] / 3**0.5})
     assert grading.verdict.diagnosis is not None
     assert grading.verdict.diagnosis.id == "ecart_type_de_la_derive"
@@ -155,7 +155,7 @@ def test_the_interval_of_a_wrong_number_does_not_tell_its_sign() -> None:
     grader = grader_of("l20/calcul_kabsch")
     signs = set()
     for seed in SEEDS:
-        right = grader.right(seed)
+        right = grader.right_answers(seed)
         judged = graded("l20/calcul_kabsch", dict.fromkeys(right, 987.0), seed)
         for name, value in right.items():
             check = check_of(judged, name)
@@ -175,7 +175,7 @@ def test_a_deal_that_is_never_right_is_our_own_fault(tmp_path: Path) -> None:
     asked = Quantity("q", 20, lambda d, _: d["a"], slips={"meme": lambda d, _: d["a"]})
     with pytest.raises(MalformedExerciseError, match="graine 0"):
         made_up(lambda _: {"a": 1.0}, asked, folder=tmp_path)
-    assert DEALS > 50
+    assert MAX_DRAWS > 50
 
 
 def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> None:
@@ -199,14 +199,14 @@ def test_numbers_stand_in_the_text_as_a_french_reader_writes_them(tmp_path: Path
 
 def test_letters_are_drawn_for_each_student_and_tell_nothing() -> None:
     quiz, proof = grader_of(QUIZ), grader_of(PROOF)
-    right = Counter(str(quiz.right(seed)["amcl"]) for seed in range(400))
+    right = Counter(str(quiz.right_answers(seed)["amcl"]) for seed in range(400))
     assert set(right) == set("abcd")
     assert max(right.values()) < 160
-    first = Counter(proof.right(seed)["ordre"][0] for seed in range(400))
+    first = Counter(proof.right_answers(seed)["ordre"][0] for seed in range(400))
     assert len(first) == 10
     assert max(first.values()) < 80
     for grader in (quiz, proof):
-        assert grader.right(3) == grader.right(3)
+        assert grader.right_answers(3) == grader.right_answers(3)
         for question in grader.paper(3).questions:
             ids = [piece.id for piece in question.pieces]
             assert ids == sorted(ids)
@@ -214,7 +214,7 @@ def test_letters_are_drawn_for_each_student_and_tell_nothing() -> None:
 
 def test_several_right_options_are_marked_one_by_one_never_below_zero() -> None:
     grader = grader_of(QUIZ)
-    right = grader.right(7)
+    right = grader.right_answers(7)
     worth = check_of(graded(QUIZ, right), "fermeture")["max_points"]
     letters = right["fermeture"]
     others = sorted(set("abcd") - set(letters))
@@ -232,7 +232,7 @@ def test_several_right_options_are_marked_one_by_one_never_below_zero() -> None:
 
 def test_only_what_was_ticked_is_explained() -> None:
     grader = grader_of(QUIZ)
-    for subject, _, answers in some(grader.wrong()):
+    for subject, _, answers in some(grader.wrong_answers()):
         told = json.dumps(graded(QUIZ, answers(7)).verdict.to_json(), ensure_ascii=False)
         question, _, option = subject.partition(" : ")
         if option == "tout":

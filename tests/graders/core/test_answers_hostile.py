@@ -43,7 +43,7 @@ def test_a_malformed_file_has_its_outcome_and_no_mark(name: str, source: bytes) 
 
 @pytest.mark.parametrize("name", FORMS)
 def test_one_unknown_question_spoils_even_right_answers(name: str) -> None:
-    verdict = graded(name, {**grader_of(name).right(7), "\ud800zut`<b>": 1}).verdict
+    verdict = graded(name, {**grader_of(name).right_answers(7), "\ud800zut`<b>": 1}).verdict
     assert (verdict.outcome, verdict.score) == (Outcome.INVALID_OUTPUT, 0)
     assert "zut" not in verdict.checks[0].message
     json.dumps(verdict.to_json(), ensure_ascii=False).encode()
@@ -60,14 +60,14 @@ HOSTILE = [
 @pytest.mark.parametrize("value", HOSTILE, ids=lambda value: repr(value)[:30])
 def test_values_of_any_kind_are_judged_never_raised(name: str, value: Any) -> None:
     grader = grader_of(name)
-    right = dict(grader.right(7))
+    right = dict(grader.right_answers(7))
     for question in grader.paper(7).questions:
         source = json.dumps({**right, question.id: value}).encode()
         verdict = grader.grade(source, seed=7, version="v").verdict
         assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.WRONG_ANSWER, Outcome.OK}
         json.dumps(verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
-        grader.told({**right, question.id: value}, 7)
-        grader.moved({**right, question.id: value}, 7, 8)
+        grader.transcribe({**right, question.id: value}, 7)
+        grader.reletter({**right, question.id: value}, 7, 8)
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -114,6 +114,6 @@ def test_nothing_that_bytes_hold_breaks_the_grader(source: bytes) -> None:
 
 def test_timings_do_not_depend_on_what_is_right() -> None:
     """One number in all, of the whole grading: none for a question."""
-    timings = graded(QUIZ, grader_of(QUIZ).right(7)).verdict.timings
+    timings = graded(QUIZ, grader_of(QUIZ).right_answers(7)).verdict.timings
     assert list(timings) == ["total_ms"]
     assert math.isfinite(timings["total_ms"])

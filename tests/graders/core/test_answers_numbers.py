@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.answers.numbers import DEEPEST, LONGEST, NotANumberError, bounded, read_number
+from graders.core.answers.numbers import MAX_DEPTH, MAX_LENGTH, NotANumberError, check_finite, read_number
 from graders.core.compare.words import number
 
 READ = {
@@ -100,10 +100,10 @@ def test_a_word_that_is_not_known_is_named_and_those_that_are_with_it(text: str,
 
 def test_length_and_depth_are_bounded() -> None:
     assert read_number("1" + "+1" * 49) == 50
-    for text in ("1" * (LONGEST + 1), "(" * 49 + "1" + ")" * 49, "-" * 60 + "1", "2" + "^2" * 40, "√" * 60 + "2"):
+    for text in ("1" * (MAX_LENGTH + 1), "(" * 49 + "1" + ")" * 49, "-" * 60 + "1", "2" + "^2" * 40, "√" * 60 + "2"):
         with pytest.raises(NotANumberError):
             read_number(text)
-    assert read_number("-" * (DEEPEST - 1) + "1") == -1
+    assert read_number("-" * (MAX_DEPTH - 1) + "1") == -1
 
 
 @given(st.text(max_size=120))
@@ -163,4 +163,4 @@ def test_a_number_is_read_as_it_was_written(value: float) -> None:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e16, -1e300])
 def test_numbers_of_json_are_bounded_too(value: float) -> None:
     with pytest.raises(NotANumberError):
-        bounded(value)
+        check_finite(value)

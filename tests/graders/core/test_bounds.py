@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graders.core.compare import words as render
-from graders.core.contract.bounds import VERDICT_BYTES, bounded, weight
+from graders.core.contract.bounds import VERDICT_BYTES, json_size, limit_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Verdict
@@ -60,19 +60,19 @@ def judgement(messages: list[str], values: list[Any], stdout: str = "", figures:
 
 
 def total(one: Judgement) -> int:
-    return weight(one.verdict.to_json()) + weight(one.figures)
+    return json_size(one.verdict.to_json()) + json_size(one.figures)
 
 
 def test_a_light_verdict_is_the_same() -> None:
     light = judgement(["Non."], [[1.0, 2.0]], "vu", ([0.5],))
-    assert bounded(light) is light
+    assert limit_size(light) is light
 
 
 def test_the_heavy_parts_are_cut_and_the_light_ones_are_whole() -> None:
     heavy = judgement(
         ["Petit.", "m" * 300_000, "Dessin."], [[1.5], ["x" * 400] * 1000, 3], "\x01" * 65536, ([0], [1], [0.1] * 90000)
     )
-    kept = bounded(heavy)
+    kept = limit_size(heavy)
     first, second, third = kept.verdict.checks
     assert total(kept) <= VERDICT_BYTES
     assert (first, kept.figures["c0"]) == (heavy.verdict.checks[0], heavy.figures["c0"])
@@ -100,6 +100,6 @@ def test_any_verdict_comes_within_its_bound(parts: list[tuple[str, int, bool]], 
         printed * 50,
         tuple([text] * times for text, times, drawn in parts if drawn),
     )
-    kept = bounded(one, most)
+    kept = limit_size(one, most)
     assert total(kept) <= max(most, 450 * (3 * len(parts) + 1))
-    assert bounded(kept, total(kept)) is kept
+    assert limit_size(kept, total(kept)) is kept

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from graders.core.compare.comparison import CloseTo, SameIndices, ScalarCloseTo
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.values import KEPT_BYTES, MAX_READ_ONE_BY_ONE, Digest, kept, same_value
+from graders.core.contract.values import MAX_COMPACT_BYTES, MAX_READ_ONE_BY_ONE, ValueDigest, compact_value, same_value
 from graders.robotics.poses import SamePose
 
 plain = st.recursive(
@@ -122,27 +122,27 @@ def test_a_text_is_never_the_same_as_an_array() -> None:
 def test_what_is_kept_of_two_values_is_the_same_when_they_are(first: object, other: object, again: bool) -> None:
     if again:
         other = first
-    assert same_value(kept(first), kept(other)) == same_value(first, other)
+    assert same_value(compact_value(first), compact_value(other)) == same_value(first, other)
 
 
 @pytest.mark.parametrize(
     "value",
     [
         [[0.5] * 100] * 100,
-        np.zeros(KEPT_BYTES // 8 + 1),
-        "x" * (KEPT_BYTES + 1),
-        {"k" * KEPT_BYTES: 1},
+        np.zeros(MAX_COMPACT_BYTES // 8 + 1),
+        "x" * (MAX_COMPACT_BYTES + 1),
+        {"k" * MAX_COMPACT_BYTES: 1},
         [[0.5], [1, 2]] * 1000,
         [np.zeros(0), np.zeros(1)] * 1000,
     ],
     ids=["rows", "array", "text", "key", "ragged", "arrays"],
 )
 def test_of_a_value_that_is_too_big_a_digest_is_kept(value: object) -> None:
-    digest = kept(value)
-    assert isinstance(digest, Digest)
-    assert same_value(digest, kept(value))
-    assert not same_value(digest, kept([value, 1]))
-    assert not same_value(digest, kept([1.0, 2.0]))
+    digest = compact_value(value)
+    assert isinstance(digest, ValueDigest)
+    assert same_value(digest, compact_value(value))
+    assert not same_value(digest, compact_value([value, 1]))
+    assert not same_value(digest, compact_value([1.0, 2.0]))
 
 
 def test_more_indices_than_there_can_be_are_not_read() -> None:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from graders.core.contract.copies import copied
-from tests.graders.core.test_packed import ANSWERS
+from graders.core.contract.copies import copy_value
+from tests.graders.core.test_answer_arrays import ANSWERS
 
 VALUES: list[Any] = [
     *ANSWERS,
@@ -27,7 +27,7 @@ VALUES: list[Any] = [
 
 @pytest.mark.parametrize("value", VALUES, ids=repr)
 def test_it_is_the_same_and_of_the_same_types(value: Any) -> None:
-    one, other = copied(value), copy.deepcopy(value)
+    one, other = copy_value(value), copy.deepcopy(value)
     assert type(one) is type(other)
     assert repr(one) == repr(other)
     if isinstance(value, np.ndarray):
@@ -38,7 +38,7 @@ def test_it_is_the_same_and_of_the_same_types(value: Any) -> None:
 def test_what_is_written_on_a_copy_is_not_on_the_other() -> None:
     array, held = np.zeros(2), [1.0]
     value = ([array, held], {"a": held}, (array, 2), np.array([held, None], dtype=object), sp.eye(2, format="csr"))
-    ours = copied(value)
+    ours = copy_value(value)
     ours[0][0][0], ours[3][0][0], ours[4].data[0] = 1.0, 2.0, 3.0
     ours[0][1].append(2.0)
     ours[2][0][1] = 1.0
@@ -49,6 +49,6 @@ def test_what_is_written_on_a_copy_is_not_on_the_other() -> None:
 def test_a_list_that_holds_itself_is_copied_too() -> None:
     value: list[Any] = [1.0]
     value.append(value)
-    ours = copied(value)
+    ours = copy_value(value)
     assert ours is not value
     assert ours[1] is ours

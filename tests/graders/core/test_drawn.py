@@ -20,7 +20,7 @@ def drawn(expected: Any, got: Any, **changes: Any) -> Any:
         id="c", title="t", points=20, functions=("f",), hint="h", names=("x",), cases=lambda rng: [(1.0,)],
         expected=lambda x: expected, compare=CloseTo(), **figure | changes,
     )  # fmt: skip
-    return check.drawn((1.0,), expected, got)
+    return check.figure_data((1.0,), expected, got)
 
 
 def test_a_pair_of_arrays_is_drawn_item_by_item() -> None:

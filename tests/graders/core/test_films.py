@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graders.core.contract.bounds import VERDICT_BYTES, bounded, weight
-from graders.core.contract.films import FILM_BYTES, plain, within
+from graders.core.contract.bounds import VERDICT_BYTES, json_size, limit_size
+from graders.core.contract.films import FILM_BYTES, drop_heaviest_films, film_to_json
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
@@ -32,24 +32,24 @@ PLAIN = st.recursive(
 @settings(max_examples=50)
 @given(st.dictionaries(st.text(max_size=3), PLAIN, max_size=4))
 def test_a_film_is_strict_json_and_the_same_but_for_what_is_not_finite(data: dict[str, Any]) -> None:
-    film = plain(data)
+    film = film_to_json(data)
     text = json.dumps(film, allow_nan=False)
     finite = json.loads(json.dumps(data), parse_constant=lambda _: None)
     assert json.loads(text) == finite
 
 
 def test_arrays_and_tuples_are_lists() -> None:
-    film = plain({"kind": "any", "at": np.array([[1, 2]]), "end": (np.float64(0.5), np.nan), "n": np.int64(3)})
+    film = film_to_json({"kind": "any", "at": np.array([[1, 2]]), "end": (np.float64(0.5), np.nan), "n": np.int64(3)})
     assert film == {"kind": "any", "at": [[1, 2]], "end": [0.5, None], "n": 3}
 
 
 def test_a_film_that_is_too_heavy_is_left_out() -> None:
-    assert plain({"kind": "any", "at": np.zeros(FILM_BYTES)}) is None
+    assert film_to_json({"kind": "any", "at": np.zeros(FILM_BYTES)}) is None
 
 
 @pytest.mark.parametrize("value", [1j, {(1, 2): 3}, 10**5000, object()], ids=["complex", "key", "integer", "object"])
 def test_what_no_film_is_made_of_is_logged_and_costs_no_verdict(value: Any, caplog: pytest.LogCaptureFixture) -> None:
-    assert plain({"kind": "any", "z": value, "nan": float("nan")}) is None
+    assert film_to_json({"kind": "any", "z": value, "nan": float("nan")}) is None
     assert "not made of plain values" in caplog.text
 
 
@@ -57,14 +57,14 @@ def test_what_no_film_is_made_of_is_logged_and_costs_no_verdict(value: Any, capl
 @given(st.lists(st.integers(0, 500), max_size=8), st.integers(0, 1500))
 def test_the_heaviest_films_are_left_out_and_no_more_than_must_be(sizes: list[int], most: int) -> None:
     films = {f"c{n}": {"kind": "any", "text": "x" * size} for n, size in enumerate(sizes)}
-    kept = within(films, most)
-    left = [weight(film) for check, film in films.items() if check not in kept]
-    held = sum(map(weight, kept.values()))
+    kept = drop_heaviest_films(films, most)
+    left = [json_size(film) for check, film in films.items() if check not in kept]
+    held = sum(map(json_size, kept.values()))
     assert held <= most
     assert [film for film in films.items() if film[0] in kept] == list(kept.items()), "in the order of the checks"
     if left:
         assert held + min(left) > most
-        assert min(left) >= max(map(weight, kept.values()), default=0)
+        assert min(left) >= max(map(json_size, kept.values()), default=0)
 
 
 def judgement(message: str, films: dict[str, Any]) -> Judgement:
@@ -74,12 +74,12 @@ def judgement(message: str, films: dict[str, Any]) -> Judgement:
 
 def test_films_and_verdict_do_not_weigh_on_each_other() -> None:
     light, heavy = {"kind": "any"}, {"kind": "any", "text": "x" * FILM_BYTES}
-    kept = bounded(judgement("m" * 2 * VERDICT_BYTES, {"a": light, "b": heavy}))
+    kept = limit_size(judgement("m" * 2 * VERDICT_BYTES, {"a": light, "b": heavy}))
     assert kept.films == {"a": light}
     assert "coupé ici" in kept.verdict.checks[0].message
     whole = judgement("Non.", {"a": light, "b": heavy})
-    assert bounded(whole).verdict == whole.verdict
-    assert bounded(judgement("Non.", {"a": light})).films == {"a": light}
+    assert limit_size(whole).verdict == whole.verdict
+    assert limit_size(judgement("Non.", {"a": light})).films == {"a": light}
 
 
 def test_a_film_becomes_a_replay_without_settings_under_the_title_of_its_check(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,13 +23,13 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
     Block,
-    Foreseen,
     KitSettings,
+    PlannedCalls,
     Program,
     Reply,
     StudentFault,
-    in_turn,
-    one_by_one,
+    call_batches_sequentially,
+    call_sequentially,
 )
 from graders.core.contract.verdict import internal_error_verdict
 from graders.l20 import world
@@ -190,10 +190,10 @@ class Dying:
         return Reply(args[0] ** 2, args)
 
     def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
-        return one_by_one(self, function, calls, faults)
+        return call_sequentially(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
-        return in_turn(self, asked)
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, asked)
 
     def stdout(self) -> str:
         return "imprimé"
@@ -208,7 +208,7 @@ class Programs:
     def __init__(self, start: Callable[[], Program]) -> None:
         self.start = start
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         return self.start()
 
 
@@ -256,14 +256,14 @@ def test_calls_made_ahead_are_found_once_each_and_the_others_are_made() -> None:
     bench = bench_of(source)
     ones, zeros = np.ones(1), np.zeros(1, dtype=int).tolist()
     assert [
-        a.value for a in bench.ahead(Foreseen("f", [(ones,), (ones.copy(),)], faults=1)) if isinstance(a, Reply)
+        a.value for a in bench.prefetch(PlannedCalls("f", [(ones,), (ones.copy(),)], faults=1)) if isinstance(a, Reply)
     ] == [1.0, 2.0]
     assert [bench.call("f", ones) for _ in range(3)] == [1.0, 2.0, 3.0]
-    assert len(bench.ahead(Foreseen("f", [(zeros,), (ones,)], faults=1))) == 1
+    assert len(bench.prefetch(PlannedCalls("f", [(zeros,), (ones,)], faults=1))) == 1
     with pytest.raises(StudentFault):
         bench.call("f", zeros)
     assert bench.call("f", ones) == 5.0
-    assert bench_of(source, reenacting=True).ahead(Foreseen("f", [(ones,)], faults=1)) == []
+    assert bench_of(source, reenacting=True).prefetch(PlannedCalls("f", [(ones,)], faults=1)) == []
 
 
 def test_a_file_that_does_not_load_fails_every_check() -> None:
@@ -348,8 +348,8 @@ def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_pat
     catalogue.write_text(FOLDER_OF_TWO.replace("triple", "carre"))
     bound = describe().bind(["double", "carre"])
     assert (bound.exercise, bound.functions) == ("m9/x", ("double", "carre"))
-    assert bound.mistakes() == {"a", "b"}
+    assert bound.mistake_ids() == {"a", "b"}
     (folder / "specimens" / "melted").mkdir(parents=True)
     (folder / "specimens" / "melted" / "a.py").write_text("")
     with pytest.raises(MalformedExerciseError, match="« melted » n’est pas un verdict"):
-        list(bound.known())
+        list(bound.known_submissions())

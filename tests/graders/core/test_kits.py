@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from graders.core.contract import local
-from graders.core.contract.kits import kits_of, module_name
+from graders.core.contract.kits import find_kits, module_name
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, StudentFault
 
@@ -40,7 +40,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def test_a_folder_with_a_module_of_its_name_is_a_kit_and_holds_the_module_s_own(module: Path) -> None:
-    found = kits_of(module)
+    found = find_kits(module)
     assert {name: list(files) for name, files in found.items()} == {
         "m9": ["m9.py"],
         "monde": ["m9.py", "monde.py", "moteur/__init__.py", "moteur/roue.py"],

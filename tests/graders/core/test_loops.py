@@ -16,7 +16,7 @@ from graders.core.code.loops import ClosedLoop, Run
 from graders.core.code.runner import Runner
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, KitSettings, Program, StudentFault
+from graders.core.contract.program import KitSettings, PlannedCalls, Program, StudentFault
 
 KIT = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
 
@@ -27,14 +27,14 @@ class Programs:
     def __init__(self) -> None:
         self.opened: list[KitSettings] = []
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self.opened.append(kit)
         return LocalProgram(source, kit)
 
 
 def play(run: Run) -> None:
     """The program says, from the number of the run, whether it succeeds."""
-    run.filming = lambda: {"kind": "essai", "number": run.number}
+    run.make_film = lambda: {"kind": "essai", "number": run.number}
     run.step = 2
     if not run.bench.call("essai", run.number):
         raise Rejection("le robot est perdu.", inputs={"x": 1.0}, expected=2, got=3)
@@ -101,7 +101,7 @@ def test_a_program_that_exhausts_a_limit_is_not_run_again() -> None:
             raise StudentFault(Outcome.TIMEOUT, "temps dépassé", fatal=True)
 
     class SlowPrograms(Programs):
-        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
             self.opened.append(kit)
             return Slow(source, kit)
 

@@ -9,7 +9,7 @@ from typing import get_args
 
 import pytest
 
-from graders.core.contract.findings import Finding, verdict_of
+from graders.core.contract.findings import Finding, make_verdict
 from graders.core.contract.outcomes import Blame, Kind, Outcome, blamed_on, most_telling
 from graders.core.contract.verdict import CheckResult
 from server.api.schemas import VerdictOut
@@ -42,7 +42,9 @@ def test_an_outcome_has_all_of_its_words(outcome: Outcome) -> None:
 @pytest.mark.parametrize("worst", [Outcome.TIMEOUT, Outcome.RUNTIME_ERROR])
 def test_what_is_said_above_is_true_beside_a_first_check_that_failed_otherwise(worst: Outcome) -> None:
     """The first check that failed stands open below: « cherchez une boucle sans fin » contradicted its wrong value."""
-    view = verdicts.verdict_view(verdict_of("l20/x", "v", 1, ended(Outcome.WRONG_ANSWER, worst), None, timings={}), "")
+    view = verdicts.verdict_view(
+        make_verdict("l20/x", "v", 1, ended(Outcome.WRONG_ANSWER, worst), None, timings={}), ""
+    )
     assert view.title == worst.wording().title
     assert "une vérification au moins" in view.sentence.lower()
     assert "boucle" not in view.sentence
@@ -63,7 +65,7 @@ def test_an_outcome_without_a_row_cannot_be_made() -> None:
 
 @pytest.mark.parametrize("cause", FAILURES)
 def test_a_check_that_fails_for_any_cause_is_never_full_marks(cause: Outcome) -> None:
-    verdict = verdict_of("l20/x", "v", 1, ended(cause, Outcome.OK), None, timings={})
+    verdict = make_verdict("l20/x", "v", 1, ended(cause, Outcome.OK), None, timings={})
     assert verdict.outcome is cause
     assert verdict.score == 0.5
     assert exit_status(verdict) != FULL_MARKS
@@ -94,7 +96,7 @@ def test_everyone_answers_for_something_and_only_what_is_ours_does_not_count() -
 
 @pytest.mark.parametrize("outcome", Outcome)
 def test_the_command_line_and_the_api_know_it(outcome: Outcome) -> None:
-    verdict = verdict_of("l20/x", "v", 1, ended(outcome), None, timings={})
+    verdict = make_verdict("l20/x", "v", 1, ended(outcome), None, timings={})
     status = {Blame.NOBODY: FULL_MARKS, Blame.STUDENT: NOT_FULL, Blame.OURS: CANNOT}[outcome.blame]
     assert exit_status(verdict) == status
     assert (outcome.brief in render(verdict)) == outcome.counts

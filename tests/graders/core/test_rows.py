@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graders.core.contract.rows import Rows, by_columns
+from graders.core.contract.rows import Rows, as_rows
 
 
 def test_calls_are_those_of_their_columns() -> None:
@@ -21,4 +21,4 @@ def test_other_numbers_than_floats_are_refused_and_stay_calls(kind: type[np.gene
     with pytest.raises(TypeError, match="float64 is asked for"):
         Rows(np.ones(3), np.ones(3, kind))  # type: ignore[arg-type]
     calls = [(np.ones(3, kind),), (np.zeros(3, kind),)]
-    assert by_columns(calls) is calls  # type: ignore[arg-type]
+    assert as_rows(calls) is calls  # type: ignore[arg-type]

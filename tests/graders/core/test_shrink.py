@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.compare.search import Search
+from graders.core.compare.search import ShrinkSearch
 from graders.core.compare.shrinking import Budget, Shrinker, complexity, neighbours, shrink_array
 from graders.core.contract.values import Arguments
 from graders.robotics.poses import angle_complexity, shrink_pose
@@ -25,7 +25,7 @@ def shrink(
     ahead: int = 1,
 ) -> Arguments:
     """The simplest arguments found on which a program still fails."""
-    search: Search[Arguments, bool, Arguments] = Search(
+    search: ShrinkSearch[Arguments, bool, Arguments] = ShrinkSearch(
         arguments, arguments, partial(neighbours, shrinkers), lambda args, fails: args if fails else None,
         budget=budget, ahead=ahead,
     )  # fmt: skip
@@ -113,7 +113,7 @@ def test_what_is_asked_ahead_changes_nothing_of_what_is_found(
 
 
 def test_a_search_is_over_where_the_program_answers_no_more() -> None:
-    search: Search[float, bool, float] = Search(
+    search: ShrinkSearch[float, bool, float] = ShrinkSearch(
         2.5, 2.5, lambda x: iter([x / 2, x / 4]), lambda x, fails: x if fails else None,
         budget=Budget(calls=9, seconds=math.inf), ahead=6,
     )  # fmt: skip

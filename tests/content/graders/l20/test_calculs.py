@@ -23,7 +23,7 @@ def grader(slug: str) -> NumericGrader:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_motion_is_that_of_the_reference(seed: int) -> None:
     one = grader("calcul_kabsch")
-    data, right = one.data(seed), one.right(seed)
+    data, right = one.data(seed), one.right_answers(seed)
     p, q = (np.array([[data[f"{cloud}{k}{axis}"] for axis in "xy"] for k in (1, 2, 3)]) for cloud in "pq")
     found = kabsch(p, q)
     angle = math.atan2(found.R_q_p[1, 0], found.R_q_p[0, 0])
@@ -43,7 +43,7 @@ def posterior(prior: float, opinions: list[float]) -> float:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_evidence_is_that_of_bayes(seed: int) -> None:
     one = grader("calcul_logodds")
-    data, right = one.data(seed), one.right(seed)
+    data, right = one.data(seed), one.right_answers(seed)
     p0, hit, miss = data["p0"], data["pocc"], data["plib"]
     assert right["p"] == pytest.approx(posterior(p0, int(data["h"]) * [hit] + int(data["m"]) * [miss]), abs=1e-12)
     hits = int(right["arrets"])
@@ -57,7 +57,7 @@ def test_the_evidence_is_that_of_bayes(seed: int) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_tools_are_those_of_plain_arithmetic(seed: int) -> None:
     one = grader("calcul_outils")
-    data, right = dict(one.data(seed)), one.right(seed)
+    data, right = dict(one.data(seed)), one.right_answers(seed)
     a, b, c, d, e, f, g, h = (data[name] for name in "abcdefgh")
     assert right["produit"] == a * f + b * h
     assert right["transposee"] == b * e + d * g

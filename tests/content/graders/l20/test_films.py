@@ -13,8 +13,8 @@ import pytest
 
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_checks
-from graders.core.contract.bounds import weight
-from graders.core.contract.films import plain
+from graders.core.contract.bounds import json_size
+from graders.core.contract.films import film_to_json
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.l20.predire2d.cases import module_world
@@ -54,7 +54,7 @@ def run(exercise: str, source: str, seed: int = 1) -> Filmed:
     runner = Runner(LOCAL, source.encode(), kit, budget=grader.budget)
     findings = run_checks(grader.checks, runner, kit, seed)
     runner.close()
-    films = {check: film for check, data in runner.films.items() if (film := plain(data))}
+    films = {check: film for check, data in runner.films.items() if (film := film_to_json(data))}
     assert films.keys() == runner.films.keys()
     results = [finding.result for finding in findings]
     failed = frozenset(one.id for one in results if not one.passed)
@@ -76,7 +76,7 @@ def mistaken(exercise: str, mistake: str) -> Filmed:
 def test_a_right_program_can_be_watched_and_parts_from_nothing(exercise: str) -> None:
     for check, scene in some(solution(exercise).scenes.items()):
         body = json.dumps(scene, allow_nan=False)
-        assert weight(solution(exercise).films[check]) <= USUAL, check
+        assert json_size(solution(exercise).films[check]) <= USUAL, check
         assert len(body) <= LARGEST_REPLAY, check
         assert scene["parameters"] == [], check
         assert len(scene["alt"]) > 60, check

@@ -38,7 +38,7 @@ def known(grader: CodeGrader) -> Iterator[tuple[str, str]]:
     if grader.prober is not None:
         model = grader.prober.model
         for edit in model.edits:
-            yield from ((edit.id, mutant.text) for mutant in model.together([next(model.right())], [edit]))
+            yield from ((edit.id, mutant.text) for mutant in model.combine([next(model.correct_versions())], [edit]))
     yield from ((mistake.id, mistake.source) for mistake in grader.misconceptions if mistake.whole)
     for specimen in grader.specimens():
         if specimen.outcome in RUNNING:

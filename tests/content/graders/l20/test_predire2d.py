@@ -10,7 +10,7 @@ import pytest
 
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, KitSettings, Program, StudentFault
+from graders.core.contract.program import KitSettings, PlannedCalls, Program, StudentFault
 from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
@@ -133,7 +133,7 @@ def test_the_other_function_keeps_its_points() -> None:
 
 def test_a_file_that_fails_on_another_map_says_so() -> None:
     class Programs:
-        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
             if kit.parameters["libres"] is not None:
                 raise StudentFault(Outcome.RUNTIME_ERROR, "IndexError", frames=("ligne 3",), exception="IndexError")
             return LocalProgram(source, kit)

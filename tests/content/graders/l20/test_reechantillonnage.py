@@ -13,7 +13,7 @@ import pytest
 from scipy import stats
 
 from graders.core.code.bench import Bench
-from graders.core.code.grading import FRESH
+from graders.core.code.grading import FRESH_REENACTOR
 from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
@@ -333,7 +333,7 @@ def test_counterexamples_are_small() -> None:
 def test_a_reenactment_cut_short_sees_what_the_whole_one_sees() -> None:
     kit = GRADER.kit(stream(9, "kit"))
     whole, short = (
-        FRESH.reenact(mistake("poids_ignores"), checks=GRADER.checks, kit=kit, seed=9).seen(enough)
+        FRESH_REENACTOR.reenact(mistake("poids_ignores"), checks=GRADER.checks, kit=kit, seed=9).observe(enough)
         for enough in (lambda seen: False, lambda seen: len(seen) >= 3)
     )
     assert len(short) < len(whole)

@@ -57,7 +57,7 @@ def test_a_stage_that_fails_costs_the_others_nothing() -> None:
 def test_every_mistake_is_named(edit: object) -> None:
     assert GRADER.prober is not None
     model = GRADER.prober.model
-    (mutant,) = model.together([next(model.right())], [edit])
+    (mutant,) = model.combine([next(model.correct_versions())], [edit])
     runner = Runner(LOCAL, mutant.text.encode(), GRADER.kit(stream(1, "kit")))
     ids, *_ = GRADER.prober.recognise(runner, list(edit.functions), edit.functions)
     runner.close()

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from graders.core.code.mutants import Mutants
-from graders.core.code.probes import Fault, Probes, Seen
-from graders.core.code.reached import BETWEEN, reached
-from graders.core.contract.local import called, kit_names
+from graders.core.code.mutants import MutantAnswerCache
+from graders.core.code.probes import ProbeAnswer, ProbeFault, Probes
+from graders.core.code.reachability import PIECE_SEPARATOR, reachable_pieces
+from graders.core.contract.local import call_function, kit_names
 from tests.support.shipped import CODE
 
 
@@ -24,27 +24,30 @@ def test_what_is_mentioned_is_reached_however_deep() -> None:
         "class Other:\n    def go(self):\n        return Base",
         "class Base:\n    pass",
     ]
-    text = BETWEEN.join(pieces)
-    kept = {name: [pieces.index(piece.text) for piece in reached(text, name)] for name in ("asked", "alone", "Other")}
+    text = PIECE_SEPARATOR.join(pieces)
+    kept = {
+        name: [pieces.index(piece.text) for piece in reachable_pieces(text, name)]
+        for name in ("asked", "alone", "Other")
+    }
     assert kept == {"asked": [0, 1, 2, 4], "alone": [0, 1, 3], "Other": [5, 6]}, (
         "one too many: LIMIT mentions `math` too"
     )
-    assert reached(text, "nobody") == ()
+    assert reachable_pieces(text, "nobody") == ()
 
 
 def test_what_is_made_twice_is_kept_twice_in_its_order() -> None:
-    text = BETWEEN.join(["def f(x):\n    return x", "right = f", "def f(x):\n    return -right(x)"])
-    assert len(reached(text, "f")) == 3
+    text = PIECE_SEPARATOR.join(["def f(x):\n    return x", "right = f", "def f(x):\n    return -right(x)"])
+    assert len(reachable_pieces(text, "f")) == 3
 
 
-def _by_the_whole_text(text: str, probes: Probes) -> Seen:
+def _by_the_whole_text(text: str, probes: Probes) -> ProbeAnswer:
     names: dict[str, Any] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
     exec(compile(text, "<whole>", "exec", dont_inherit=True), names)
     args = probes.calls[0]
     try:
-        value = called(names, probes.function, copy.deepcopy(args))
+        value = call_function(names, probes.function, copy.deepcopy(args))
     except Exception as error:
-        return Fault(type(error).__name__)
+        return ProbeFault(type(error).__name__)
     return probes.read(args, value)
 
 
@@ -54,9 +57,9 @@ def test_the_whole_text_answers_as_what_is_reached_of_it(name: str) -> None:
     prober = CODE[name].prober
     if prober is None:
         pytest.skip("it has no prober")
-    mutants = Mutants(prober.model, prober.probes, ())
+    mutants = MutantAnswerCache(prober.model, prober.probes, ())
     for index, probes in enumerate(prober.probes):
-        rows = [*mutants.all(index, 0), *mutants.all(index, 1)]
+        rows = [*mutants.mutants_with(index, 0), *mutants.mutants_with(index, 1)]
         first, last = ({row.told: row for row in some} for some in (reversed(rows), rows))
         for told, row in list(first.items())[::9]:
             answer = mutants._answer(index, row, 0)

@@ -12,7 +12,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from graders.core.code.likeness import MODULES, TERMS, Names, alike, all_alike, parts_of_both, sum_of, terms
+from graders.core.code.ast_matching import (
+    MAX_PERMUTED_TERMS,
+    MODULES,
+    Names,
+    join_terms,
+    match_nodes,
+    match_terms,
+    paired_children,
+    signed_terms,
+)
 from graders.core.code.mutations import Model
 
 #: What trying may cost: nodes of one place, ways to read one place, names that are guessed, ways to find it all, places
@@ -54,7 +63,7 @@ class _Place:
     rest: ast.expr | None = None
 
 
-def repairs(
+def find_repairs(
     model: Model, mistake: str, functions: Sequence[str], source: str, spent: Callable[[], bool]
 ) -> Iterator[Repair]:
     """Those that are found before one's patience is `spent`.
@@ -121,7 +130,7 @@ def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict
     for edit in model.edits:
         if edit.id != mistake:
             continue
-        for right in model.right():
+        for right in model.correct_versions():
             wrong = edit.apply(right.text)
             if wrong is None:
                 continue
@@ -138,7 +147,7 @@ def _differences(right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast
         here = ()
     elif isinstance(right, (ast.expr, *_SIMPLE)) and isinstance(wrong, (ast.expr, *_SIMPLE)):
         here = ((right, wrong), *above)
-    pairs = parts_of_both(right, wrong) if type(right) is type(wrong) else None
+    pairs = paired_children(right, wrong) if type(right) is type(wrong) else None
     if pairs is None:
         yield _Difference(here)
         return
@@ -186,14 +195,14 @@ def _reads(
     right: ast.AST, wrong: ast.AST, node: ast.AST, names: Names, helpers: Mapping[str, ast.FunctionDef]
 ) -> Iterator[_Place]:
     known = frozenset(helpers)
-    for found in alike(wrong, node, names, known):
+    for found in match_nodes(wrong, node, names, known):
         yield _Place(node, right, found)
     if isinstance(wrong, ast.expr) and isinstance(node, ast.expr):
-        mine, theirs = terms(wrong), terms(node)
-        if 1 < len(mine) < len(theirs) <= TERMS + 2:
+        mine, theirs = signed_terms(wrong), signed_terms(node)
+        if 1 < len(mine) < len(theirs) <= MAX_PERMUTED_TERMS + 2:
             for chosen in itertools.permutations(range(len(theirs)), len(mine)):
-                rest = sum_of([theirs[k] for k in range(len(theirs)) if k not in chosen])
-                for found in all_alike(mine, [theirs[k] for k in chosen], names, known):
+                rest = join_terms([theirs[k] for k in range(len(theirs)) if k not in chosen])
+                for found in match_terms(mine, [theirs[k] for k in chosen], names, known):
                     yield _Place(node, right, found, rest)
 
 

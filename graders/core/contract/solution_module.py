@@ -16,7 +16,7 @@ NAME = "mes_fonctions"
 GRADERS = Path(__file__).resolve().parents[2]
 
 
-class Earlier(types.ModuleType):
+class SolutionModule(types.ModuleType):
     """The module, for a program that finds `names`; each solution is run at the first need of one of its functions."""
 
     def __init__(self, module: str, names: Mapping[str, Any], built_in: Mapping[str, Any]) -> None:

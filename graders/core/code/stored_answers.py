@@ -16,21 +16,21 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from graders.core.code.probes import TOLERANCE, Fault, Seen
+from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault
 from graders.core.contract.values import Floats, UnreadableError, read_array, same_value
 
 #: Numbers in an array, a word for what is no number, or several of these.
-Plain: TypeAlias = "Floats | str | tuple[Plain, ...]"
+StoredAnswer: TypeAlias = "Floats | str | tuple[StoredAnswer, ...]"
 
 #: Numbers and words of one answer that are kept: no right one of the course has as many.
-LARGEST = 2000
+MAX_ITEMS = 2000
 #: The same of all answers of a program together: those that come after are too large.
-LARGEST_IN_ALL = 10_000
+MAX_TOTAL_ITEMS = 10_000
 #: Characters of a word; a digest beyond.
-LONGEST_WORD = 200
+MAX_WORD = 200
 TOO_LARGE = "trop grand"
 #: How far apart the projections of two answers that are the same may be, which is less than twice the tolerance.
-NEAR = 1e-6
+PROJECTION_TOLERANCE = 1e-6
 #: What stands in a projection for what is no finite number.
 _ODD = {"nan": 3.0, "inf": 1000.0, "-inf": -1000.0}
 
@@ -39,26 +39,26 @@ class _TooLarge(Exception):
     """More than is kept of one answer."""
 
 
-def plain(shown: Seen) -> Plain:
+def to_stored(shown: ProbeAnswer) -> StoredAnswer:
     """An answer as it is kept; it never raises for what a program returned."""
     try:
-        return _plain(shown, [LARGEST])
+        return _plain(shown, [MAX_ITEMS])
     except _TooLarge:
         return TOO_LARGE
 
 
-def bounded(answers: Sequence[Plain], most: int = LARGEST_IN_ALL) -> tuple[Plain, ...]:
+def truncate_answers(answers: Sequence[StoredAnswer], most: int = MAX_TOTAL_ITEMS) -> tuple[StoredAnswer, ...]:
     """The same answers, as far as all of them together may be kept."""
-    kept: list[Plain] = []
+    kept: list[StoredAnswer] = []
     for answer in answers:
         most -= 1 + sum(array.size for array in _arrays(answer))
         kept.append(answer if most >= 0 else TOO_LARGE)
     return tuple(kept)
 
 
-def _plain(shown: Seen, room: list[int]) -> Plain:
+def _plain(shown: ProbeAnswer, room: list[int]) -> StoredAnswer:
     _take(room, 1)
-    if isinstance(shown, Fault):
+    if isinstance(shown, ProbeFault):
         return _word(f"faute {shown.name}")
     if shown is None or isinstance(shown, str):
         return "rien" if shown is None else _word(f"texte {shown}")
@@ -81,31 +81,31 @@ def _take(room: list[int], items: int) -> None:
 
 
 def _word(text: str) -> str:
-    if len(text) <= LONGEST_WORD:
+    if len(text) <= MAX_WORD:
         return text
-    return f"{text[:LONGEST_WORD]}… {hashlib.sha256(text.encode(errors='replace')).hexdigest()}"
+    return f"{text[:MAX_WORD]}… {hashlib.sha256(text.encode(errors='replace')).hexdigest()}"
 
 
-def same(one: Plain, other: Plain, tolerance: float = TOLERANCE) -> bool:
+def same_answer(one: StoredAnswer, other: StoredAnswer, tolerance: float = TOLERANCE) -> bool:
     """The same answer, numbers up to the tolerance."""
     if isinstance(one, str) or isinstance(other, str):
         return isinstance(one, str) and isinstance(other, str) and one == other
     if isinstance(one, tuple) or isinstance(other, tuple):
-        return isinstance(one, tuple) and isinstance(other, tuple) and same_all(one, other, tolerance)
+        return isinstance(one, tuple) and isinstance(other, tuple) and same_answers(one, other, tolerance)
     return same_value(one, other, tolerance=tolerance)
 
 
-def same_all(one: Sequence[Plain], other: Sequence[Plain], tolerance: float = TOLERANCE) -> bool:
+def same_answers(one: Sequence[StoredAnswer], other: Sequence[StoredAnswer], tolerance: float = TOLERANCE) -> bool:
     """The same answers in the same order."""
-    return len(one) == len(other) and all(same(a, b, tolerance) for a, b in zip(one, other, strict=True))
+    return len(one) == len(other) and all(same_answer(a, b, tolerance) for a, b in zip(one, other, strict=True))
 
 
-def structure(answers: Sequence[Plain]) -> str:
+def structure_hash(answers: Sequence[StoredAnswer]) -> str:
     """What answers that are the same have in common: their words, and the shapes of their arrays. 64 characters."""
     return hashlib.sha256(json.dumps(_jsonable(tuple(answers), values=False)).encode(errors="replace")).hexdigest()
 
 
-def projection(answers: Sequence[Plain]) -> float:
+def projection(answers: Sequence[StoredAnswer]) -> float:
     """One number for all that the answers hold; of answers that are the same, less than `NEAR` apart.
 
     asinh moves by less than √2 times the tolerance between two numbers that are the same, and so does a mean of them.
@@ -120,7 +120,7 @@ def projection(answers: Sequence[Plain]) -> float:
     return float(np.mean(named * np.cos(np.arange(named.size))))
 
 
-def _arrays(value: Plain) -> Iterator[Floats]:
+def _arrays(value: StoredAnswer) -> Iterator[Floats]:
     if isinstance(value, tuple):
         for one in value:
             yield from _arrays(one)
@@ -128,19 +128,19 @@ def _arrays(value: Plain) -> Iterator[Floats]:
         yield value
 
 
-def packed(answers: Sequence[Plain]) -> bytes:
+def serialize_answers(answers: Sequence[StoredAnswer]) -> bytes:
     """The answers as bytes, every number whole."""
     return zlib.compress(json.dumps(_jsonable(tuple(answers), values=True)).encode(errors="replace"), 1)
 
 
-def unpacked(data: bytes) -> tuple[Plain, ...]:
+def deserialize_answers(data: bytes) -> tuple[StoredAnswer, ...]:
     """What `packed` made."""
     read = _read(json.loads(zlib.decompress(data)))
     assert isinstance(read, tuple), "answers are packed as a list"
     return read
 
 
-def _jsonable(value: Plain, *, values: bool) -> Any:
+def _jsonable(value: StoredAnswer, *, values: bool) -> Any:
     if isinstance(value, str):
         return value
     if isinstance(value, tuple):
@@ -149,7 +149,7 @@ def _jsonable(value: Plain, *, values: bool) -> Any:
     return {"shape": list(value.shape), "values": held}
 
 
-def _read(value: Any) -> Plain:
+def _read(value: Any) -> StoredAnswer:
     if isinstance(value, str):
         return value
     if isinstance(value, list):

@@ -9,7 +9,7 @@ Form = Literal["number", "one", "several", "order"]
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenDatum:
     """One datum of the deal. `symbol` is TeX, `text` the number in French, as it is to be used."""
 
     symbol: str
@@ -19,7 +19,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class Piece:
+class PaperPiece:
     """An option, or a step, under the letter that this deal gives it."""
 
     id: str
@@ -39,7 +39,7 @@ class Question:
     form: Form
     points: float
     unit: str = ""
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[PaperPiece, ...] = ()
     section: str = ""
 
 
@@ -47,20 +47,20 @@ class Question:
 class Paper:
     """The questions of one deal."""
 
-    given: tuple[Given, ...]
+    given: tuple[GivenDatum, ...]
     questions: tuple[Question, ...]
 
 
 @dataclass(frozen=True)
-class Told:
+class AnswerTranscript:
     """The answer to a question, to be read again: as it was typed, or the pieces that were chosen."""
 
     question: str
     title: str
     text: str
-    pieces: tuple[Piece, ...] = ()
+    pieces: tuple[PaperPiece, ...] = ()
 
 
-def quoted(text: str) -> str:
+def quote_markdown(text: str) -> str:
     """A text of the sheet as the inside of a Markdown quotation: its first line follows the sign."""
     return text.strip().replace("\n", "\n> ")

@@ -18,7 +18,7 @@ class MalformedVerdictError(Exception):
         self.place, self.reason = place, reason
 
 
-class Members:
+class ObjectReader:
     """The members of one JSON object, each taken once; at the end of the block, one that is left raises.
 
     Every reader raises MalformedVerdictError for a member that is missing or not of its type.
@@ -72,7 +72,7 @@ class Members:
     def numbers(self, name: str) -> dict[str, float]:
         """An object whose members are all numbers."""
         value = self._take(name)
-        with Members(value, self.place(name)) as members:
+        with ObjectReader(value, self.place(name)) as members:
             return {key: members.number(key) for key in value}
 
     def object(self, name: str) -> dict[str, Any]:

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.at_once import gathered
+from graders.core.code.batch_judging import concatenate_blocks
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check, run_checks
-from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, CloseTo, OfRows, ScalarCloseTo
+from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, CloseTo, RowComparator, ScalarCloseTo
 from graders.core.compare.shrinking import Budget, shrink_array
 from graders.core.contract.findings import Finding
 from graders.core.contract.local import LocalProgram
@@ -23,15 +23,15 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
     Block,
-    Foreseen,
     KitSettings,
+    PlannedCalls,
     Program,
     Reply,
     StudentFault,
-    in_turn,
-    one_by_one,
+    call_batches_sequentially,
+    call_sequentially,
 )
-from graders.core.contract.rows import Replies, Rows, by_columns
+from graders.core.contract.rows import ArrayReplies, Rows, as_rows
 from graders.core.contract.streams import stream
 from graders.robotics.poses import SamePose
 from tests.support.shipped import CODE
@@ -48,8 +48,9 @@ class Watched:
         self.calls: list[Call] = []
         self.launches = self.exchanges = 0
         self.deadly = deadly
+        self.leaked: list[set[float]] = []
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self.launches += 1
         return _Watched(LocalProgram(source, kit), self)
 
@@ -66,11 +67,11 @@ class _Watched:
         return self._program.call(function, *args, return_arguments=return_arguments)
 
     def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
-        return one_by_one(self, function, calls, faults)
+        return call_sequentially(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
         self._watched.exchanges += 1
-        return in_turn(self, asked)
+        return call_batches_sequentially(self, asked)
 
     def stdout(self) -> str:
         return ""
@@ -90,23 +91,19 @@ def test_a_right_program_is_asked_the_same_in_the_same_order(exercise: str) -> N
 class Together(_Watched):
     """Notes the answers whose numbers (two at least) lie in what another call of the same exchange is given."""
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
+    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
         given = [(place, set(telling(args))) for place, one in enumerate(asked) for args in one.calls]
-        answers = list(in_turn(self, asked))
+        answers = list(call_batches_sequentially(self, asked))
         for (place, own), (answered, (answer,)) in zip(given, answers, strict=True):
             assert place == answered
             assert isinstance(answer, Reply)
             right = set(telling(answer.value)) - own
-            self._watched.told += [right for _, others in given if len(right) > 1 and right <= others]
+            self._watched.leaked += [right for _, others in given if len(right) > 1 and right <= others]
         return iter(answers)
 
 
 class Tells(Watched):
-    def __init__(self) -> None:
-        super().__init__()
-        self.told: list[set[float]] = []
-
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         return Together(LocalProgram(source, kit), self)
 
 
@@ -130,7 +127,7 @@ def test_nothing_that_is_asked_tells_what_is_right_of_what_is_asked_with_it(exer
     """All that an exchange carries lies in the student's process before the first of its calls is answered."""
     grader, programs = CODE[exercise], Tells()
     assert grader.grade(grader.solution.encode(), programs, seed=3, version="v").verdict.score == 1
-    assert not programs.told
+    assert not programs.leaked
 
 
 def vectors(rng: np.random.Generator) -> Iterator[tuple[np.ndarray[Any, Any]]]:
@@ -210,7 +207,7 @@ def test_a_death_met_while_a_counterexample_is_simplified_costs_no_check_anythin
 class Unreadable(Watched):
     """Of which `double` gives no number, until it is stopped."""
 
-    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self.launches += 1
         return _Unreadable(LocalProgram(source, kit), self)
 
@@ -267,7 +264,7 @@ def test_what_several_checks_failed_on_is_simplified_in_a_few_exchanges() -> Non
     [(SamePose(), (3,)), (SamePose(any_turn=True), (3,)), (SamePose(tolerance=1e-7), (3,)), (CloseTo(), (2, 2)),
      (ScalarCloseTo(), ())],
 )  # fmt: skip
-def test_what_is_seen_at_once_is_seen_one_by_one(compare: OfRows, shape: tuple[int, ...]) -> None:
+def test_what_is_seen_at_once_is_seen_one_by_one(compare: RowComparator, shape: tuple[int, ...]) -> None:
     """Answers off by about the tolerance, by whole turns, by what is no number; all verdicts come up."""
     rng, seen = np.random.default_rng(7), set()
     for _ in range(600):
@@ -277,9 +274,9 @@ def test_what_is_seen_at_once_is_seen_one_by_one(compare: OfRows, shape: tuple[i
             got[:, 2] += rng.choice([0.0, 0.0, math.tau, -math.tau, 40 * math.tau])
         if rng.random() < 0.05:
             got.flat[0] = rng.choice([np.nan, np.inf, -np.inf])
-        gaps = compare.gaps(expected, got)
+        gaps = compare.row_errors(expected, got)
         assert gaps is not None
-        assert compare.surely(expected, got) == all(gaps <= WELL_WITHIN)
+        assert compare.all_rows_agree(expected, got) == all(gaps <= WELL_WITHIN)
         for one, other, gap in zip(expected.tolist(), got.tolist(), gaps, strict=True):
             sure = True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None
             seen.add(sure)
@@ -295,17 +292,17 @@ def test_calls_and_answers_are_the_same_one_by_one_as_by_columns() -> None:
     assert [(one.tolist(), number) for one, number in calls] == list(zip(pairs.tolist(), numbers.tolist(), strict=True))
     assert all(one is other for one, other in zip(calls[1], list(calls)[1], strict=True))
     assert [type(argument) for argument in calls[0]] == [np.ndarray, float]
-    assert isinstance(by_columns([(pairs[0], pairs[1])]), Rows)
+    assert isinstance(as_rows([(pairs[0], pairs[1])]), Rows)
     for unlike in ([(pairs[0], 1.0)], [(pairs[0],), (pairs[0, 0],)], [(pairs[0],), ()], [(1,)], [()], []):
-        assert by_columns(unlike) is unlike
+        assert as_rows(unlike) is unlike
 
 
 @pytest.mark.parametrize(
     ("blocks", "joined"),
     [
-        ([[Reply(1.0)], Replies(np.array([2.0, 3.0]))], True),
-        ([Replies(np.ones((2, 3))), [Reply(np.zeros(3))]], True),
-        ([Replies(np.ones((2, 3))), Replies(np.ones((1, 2)))], False),
+        ([[Reply(1.0)], ArrayReplies(np.array([2.0, 3.0]))], True),
+        ([ArrayReplies(np.ones((2, 3))), [Reply(np.zeros(3))]], True),
+        ([ArrayReplies(np.ones((2, 3))), ArrayReplies(np.ones((1, 2)))], False),
         ([[Reply(1.0), Reply(2)]], False),
         ([[Reply(1.0), Reply(np.ones(3))]], False),
         ([[Reply(np.ones(3, dtype=np.float32))]], False),
@@ -317,6 +314,6 @@ def test_calls_and_answers_are_the_same_one_by_one_as_by_columns() -> None:
 def test_answers_are_gathered_in_one_array_where_that_is_all_that_they_are(
     blocks: list[Sequence[Answer]], joined: bool
 ) -> None:
-    answers = gathered(blocks)
-    assert isinstance(answers, Replies) is joined
+    answers = concatenate_blocks(blocks)
+    assert isinstance(answers, ArrayReplies) is joined
     assert [str(one) for one in answers] == [str(one) for block in blocks for one in block]

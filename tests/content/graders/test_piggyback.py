@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from graders.core.code import beside as beside_
-from graders.core.code.beside import GIVEN_UP, LONGEST, PATIENCE, Beside
+from graders.core.code import piggyback as beside_
 from graders.core.code.grading import CodeGrader
+from graders.core.code.piggyback import HANG_SECONDS, MAX_ANSWER_SECONDS, MAX_EXPECTED_SECONDS, PiggybackCalls
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, Reply, StudentFault
+from graders.core.contract.program import PlannedCalls, Reply, StudentFault
 from graders.core.contract.verdict import Verdict
-from tests.graders.core.test_ahead import Watched
+from tests.graders.core.test_pipelining import Watched
 from tests.support.shipped import CODE
 
 POSES = replace(CODE["l20/poses"], budget=Budget(calls=20, seconds=math.inf))
@@ -76,17 +76,17 @@ def test_a_program_that_dies_of_a_probe_is_asked_them_all_afresh(deadly: int) ->
     assert dies.launches >= 2
 
 
-FIRST, SECOND, LAST = (Foreseen(name, ((1.0,),) * 10) for name in "fgh")
+FIRST, SECOND, LAST = (PlannedCalls(name, ((1.0,),) * 10) for name in "fgh")
 REPLIES = tuple(Reply(0.5) for _ in range(10))
 
 
 def test_what_would_take_long_is_not_asked_beside_anything() -> None:
     """The time that it takes is that of the simplification."""
-    beside = Beside()
-    beside.wait([FIRST, SECOND])
-    assert beside.begin(pace=1.01 * PATIENCE / 20) == ()
-    assert beside.begin(pace=0.99 * PATIENCE / 20) == [FIRST, SECOND]
-    assert beside.begin(pace=0.0) == (), "once"
+    beside = PiggybackCalls()
+    beside.queue([FIRST, SECOND])
+    assert beside.take_queued(pace=1.01 * MAX_EXPECTED_SECONDS / 20) == ()
+    assert beside.take_queued(pace=0.99 * MAX_EXPECTED_SECONDS / 20) == [FIRST, SECOND]
+    assert beside.take_queued(pace=0.0) == (), "once"
 
 
 def taken(
@@ -95,17 +95,19 @@ def taken(
     """What is told of three series, of which the second has ended so after so many seconds."""
     now = 100.0
     monkeypatch.setattr(beside_.time, "perf_counter", lambda: now)
-    beside = Beside()
-    beside.wait([FIRST, SECOND, LAST])
-    beside.begin(0.0)
+    beside = PiggybackCalls()
+    beside.queue([FIRST, SECOND, LAST])
+    beside.take_queued(0.0)
     now += seconds
-    beside.take({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
-    return [None if told is None else tuple(told) for told in map(beside.told, (FIRST, SECOND, LAST))]
+    beside.store_answers({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
+    return [None if told is None else tuple(told) for told in map(beside.answers, (FIRST, SECOND, LAST))]
 
 
 def test_who_hangs_for_long_is_waited_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
     hung = StudentFault(Outcome.TIMEOUT, "Trop long.", fatal=True)
     died = StudentFault(Outcome.RUNTIME_ERROR, "Mort.", fatal=True)
-    assert taken(1.1 * GIVEN_UP, hung, monkeypatch) == [REPLIES, (), ()]
-    assert taken(1.1 * GIVEN_UP, died, monkeypatch) == [None] * 3
-    assert taken(0.9 * LONGEST, hung, monkeypatch) == [None] * 3, "under limits of its own it may have come to an end"
+    assert taken(1.1 * HANG_SECONDS, hung, monkeypatch) == [REPLIES, (), ()]
+    assert taken(1.1 * HANG_SECONDS, died, monkeypatch) == [None] * 3
+    assert taken(0.9 * MAX_ANSWER_SECONDS, hung, monkeypatch) == [None] * 3, (
+        "under limits of its own it may have come to an end"
+    )

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 #: What libraries are called; terms of a sum that are tried in every order.
 MODULES = frozenset({"np", "numpy", "math"})
-TERMS = 4
+MAX_PERMUTED_TERMS = 4
 #: Fields of a node that say nothing of how it reads.
 UNWRITTEN = ("ctx", "type_comment", "kind")
 #: Names of the model, and what stands for them in the program.
@@ -18,7 +18,7 @@ Names: TypeAlias = Mapping[str, ast.expr]
 Term: TypeAlias = tuple[bool, ast.expr]
 
 
-def alike(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
+def match_nodes(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
     """The ways in which a part of the program reads as a part of the model, its names apart."""
     if isinstance(pattern, ast.Name) and isinstance(node, ast.expr) and pattern.id not in MODULES | known:
         before = names.get(pattern.id)
@@ -28,17 +28,17 @@ def alike(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) 
             yield names
         return
     if isinstance(pattern, ast.expr) and isinstance(node, ast.expr):
-        mine, theirs = terms(pattern), terms(node)
-        if len(mine) > 1 and len(mine) == len(theirs) <= TERMS:
+        mine, theirs = signed_terms(pattern), signed_terms(node)
+        if len(mine) > 1 and len(mine) == len(theirs) <= MAX_PERMUTED_TERMS:
             for order in itertools.permutations(theirs):
-                yield from all_alike(mine, order, names, known)
+                yield from match_terms(mine, order, names, known)
             return
         if _is_product(pattern) and _is_product(node):
             assert isinstance(pattern, ast.BinOp)
             assert isinstance(node, ast.BinOp)
             for left, other in ((node.left, node.right), (node.right, node.left)):
-                for found in alike(pattern.left, left, names, known):
-                    yield from alike(pattern.right, other, found, known)
+                for found in match_nodes(pattern.left, left, names, known):
+                    yield from match_nodes(pattern.right, other, found, known)
             return
     if _function(pattern) and _function(pattern) == _function(node):
         yield names
@@ -47,12 +47,12 @@ def alike(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) 
 
 
 def _same_fields(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
-    pairs = parts_of_both(pattern, node)
+    pairs = paired_children(pattern, node)
     if pairs is not None:
         yield from _each_alike(pairs, names, known)
 
 
-def parts_of_both(one: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
+def paired_children(one: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
     """The parts of two nodes of one kind, in pairs; None where they differ in number, or in what is no node."""
     pairs: list[tuple[ast.AST, ast.AST]] = []
     for (field, ours), (_, theirs) in zip(ast.iter_fields(one), ast.iter_fields(other), strict=True):
@@ -74,28 +74,28 @@ def _each_alike(pairs: Sequence[tuple[ast.AST, ast.AST]], names: Names, known: f
         yield names
         return
     (pattern, node), *others = pairs
-    for found in alike(pattern, node, names, known):
+    for found in match_nodes(pattern, node, names, known):
         yield from _each_alike(others, found, known)
 
 
-def all_alike(mine: Sequence[Term], theirs: Sequence[Term], names: Names, known: frozenset[str]) -> Iterator[Names]:
+def match_terms(mine: Sequence[Term], theirs: Sequence[Term], names: Names, known: frozenset[str]) -> Iterator[Names]:
     """Of signed terms, in this order."""
     if all(one[0] == other[0] for one, other in zip(mine, theirs, strict=True)):
         pairs = [(one[1], other[1]) for one, other in zip(mine, theirs, strict=True)]
         yield from _each_alike(pairs, names, known)
 
 
-def terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
+def signed_terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
     """A sum as its signed terms."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
         turned = plus == isinstance(node.op, ast.Add)
-        return [*terms(node.left, plus=plus), *terms(node.right, plus=turned)]
+        return [*signed_terms(node.left, plus=plus), *signed_terms(node.right, plus=turned)]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-        return terms(node.operand, plus=not plus)
+        return signed_terms(node.operand, plus=not plus)
     return [(plus, node)]
 
 
-def sum_of(terms: Sequence[Term]) -> ast.expr:
+def join_terms(terms: Sequence[Term]) -> ast.expr:
     written = "".join(f"{'+' if plus else '-'}({ast.unparse(term)})" for plus, term in terms)
     return ast.parse(written, mode="eval").body
 

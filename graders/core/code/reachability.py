@@ -12,10 +12,10 @@ from types import CodeType
 from typing import NamedTuple
 
 #: Between the functions of a model.
-BETWEEN = "\n\n\n"
+PIECE_SEPARATOR = "\n\n\n"
 
 
-class Piece(NamedTuple):
+class CodePiece(NamedTuple):
     """One function of a model, or some lines beside them, which most of its mutants share.
 
     `touched` are the names that may be its own: those that are met as it is read, be they made or only asked for.
@@ -24,31 +24,33 @@ class Piece(NamedTuple):
 
     text: str
     code: CodeType
-    touched: frozenset[str]
-    mentioned: frozenset[str]
+    names_at_load: frozenset[str]
+    all_names: frozenset[str]
 
 
-def reached(text: str, function: str) -> tuple[Piece, ...]:
+def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
     """The pieces of a program without which a function of it would not be the same, in their order.
 
     They are told by names alone, so that too many may be there, never too few.
     """
-    pieces = [_piece(one) for one in text.split(BETWEEN)]
+    pieces = [_piece(one) for one in text.split(PIECE_SEPARATOR)]
     wanted, kept = {function}, set[int]()
     while True:
         new = {
-            place for place, piece in enumerate(pieces) if place not in kept and not wanted.isdisjoint(piece.touched)
+            place
+            for place, piece in enumerate(pieces)
+            if place not in kept and not wanted.isdisjoint(piece.names_at_load)
         }
         if not new:
             return tuple(pieces[place] for place in sorted(kept))
         kept |= new
-        wanted.update(*(pieces[place].mentioned for place in new))
+        wanted.update(*(pieces[place].all_names for place in new))
 
 
 @lru_cache(maxsize=4096)
-def _piece(text: str) -> Piece:
+def _piece(text: str) -> CodePiece:
     code = compile(text, "<mutant>", "exec", dont_inherit=True)
-    return Piece(text, code, frozenset(code.co_names), frozenset(_mentioned(code)))
+    return CodePiece(text, code, frozenset(code.co_names), frozenset(_mentioned(code)))
 
 
 def _mentioned(code: CodeType) -> Iterator[str]:

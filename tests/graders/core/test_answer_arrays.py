@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.code.packed import Column, Packed
-from graders.core.code.probes import Fault, same_seen
+from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
+from graders.core.code.probes import ProbeFault, same_probe_answer
 
 ANSWERS: list[Any] = [
     *(1.0, 1, True, 1.0 + 1e-8, 1.0 + 1e-6, float("nan"), float("inf"), -float("inf"), 10**400, 1 + 0j, 1j),
-    *(None, "un", "", Fault("ValueError"), Fault("TypeError"), {"x": 1.0}, {"x": 2.0}),
+    *(None, "un", "", ProbeFault("ValueError"), ProbeFault("TypeError"), {"x": 1.0}, {"x": 2.0}),
     *(
         [1.0, 2.0],
         (1.0, 2.0 + 1e-9),
@@ -27,9 +27,9 @@ ANSWERS: list[Any] = [
 
 def test_each_pair_of_answers() -> None:
     for one, other in itertools.product(ANSWERS, ANSWERS):
-        same = same_seen(one, other)
-        assert Packed([one]).agreeing(Packed([other])) == [same], (one, other)
-        assert Column([one]).same_as(other) == ([0] if same else []), (one, other)
+        same = same_probe_answer(one, other)
+        assert AnswerSequence([one]).agreement(AnswerSequence([other])) == [same], (one, other)
+        assert AnswerColumn([one]).indices_of(other) == ([0] if same else []), (one, other)
 
 
 def test_many_answers() -> None:
@@ -39,10 +39,12 @@ def test_many_answers() -> None:
         shapes = [(), (3,), (2, 2)] * 2
         answers = [rng.integers(0, 2, shape) + 0.0 for shape in shapes]
         others = [one + rng.choice([0.0, 1e-9, 1.0], p=[0.4, 0.3, 0.3]) for one in answers]
-        wanted = [same_seen(*pair) for pair in zip(answers, others, strict=True)]
-        assert Packed(answers).agreeing(Packed(others)) == wanted
+        wanted = [same_probe_answer(*pair) for pair in zip(answers, others, strict=True)]
+        assert AnswerSequence(answers).agreement(AnswerSequence(others)) == wanted
         seen.update(wanted)
     assert seen == {True, False}
     column = [ANSWERS[k] for k in rng.integers(0, len(ANSWERS), 80)]
     for other in ANSWERS:
-        assert Column(column).same_as(other) == [k for k, one in enumerate(column) if same_seen(one, other)]
+        assert AnswerColumn(column).indices_of(other) == [
+            k for k, one in enumerate(column) if same_probe_answer(one, other)
+        ]
