@@ -1,1 +1,1 @@
-"""Failed attempts grouped by what their programs answer, and the names that teachers give to these groups."""
+"""Failed attempts grouped by the answers of their programs, and the names that teachers give to these groups."""

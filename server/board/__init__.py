@@ -1,1 +1,1 @@
-"""The live board of a class: who is where, what is misunderstood, what has helped. See README.md in this folder."""
+"""The live board of a class: progress, misconceptions and statistics. See README.md in this folder."""

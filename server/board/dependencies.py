@@ -1,4 +1,4 @@
-"""What routes ask of this room: the boards that are watched."""
+"""Dependencies of routes that stream boards."""
 
 from typing import Annotated
 

@@ -1,6 +1,6 @@
-"""The boards that are watched at present: one reader for each class, whoever watches it.
+"""Boards that are open in browsers: one reading of each class, broadcast to all of its streams.
 
-State lives on the web process's event loop; nothing here holds a thread or a database session while it waits.
+State lives on the web process's event loop; waiting holds neither a thread nor a database session.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ from server.submissions.job_events import JobEvents
 
 log = logging.getLogger(__name__)
 
-MAX_STREAMS_PER_ACCOUNT = 8  # streams of one account
+MAX_STREAMS_PER_ACCOUNT = 8
 MIN_READ_INTERVAL = 1.0  # seconds between two readings of a class
-READ_TIME_DIVISOR = 10  # a class is read for a tenth of the time at most, however large it is
-MAX_READING_AGE = 30.0  # seconds: who is stuck changes by itself
-MAX_STREAM_SECONDS = 600.0  # seconds: then a browser comes back by itself, and shows again who it is
+READ_TIME_DIVISOR = 10  # reading a class takes a tenth of the time at most, however large it is
+MAX_READING_AGE = 30.0  # seconds, as students become stuck by time alone
+MAX_STREAM_SECONDS = 600.0  # then the browser reconnects, and is authenticated again
 HEARTBEAT_INTERVAL = 15.0  # seconds
 TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, ou actualisez la page à la main."
 
 
 @dataclass(frozen=True, eq=False)
 class BoardReading:
-    """A class as it was read; `done` when it is no more. The same as another that shows the same."""
+    """A class as it was read; `done` once it is deleted. Readings are equal where their boards show the same."""
 
     pulse: Sequence[object]
     board: Board | None
     read_at: float
-    took: float
+    duration: float
 
     @property
     def done(self) -> bool:
@@ -63,7 +63,7 @@ class BoardReading:
 
 @dataclass(eq=False)
 class WatchedClass:
-    """A class that is watched: what its watchers are shown, what was read last, and who is to be woken."""
+    """A class with open streams: the reading they show, the last one, and the events that wake them."""
 
     reading: BoardReading | None = None
     last: BoardReading | None = None
@@ -71,43 +71,43 @@ class WatchedClass:
     watchers: set[asyncio.Event] = field(default_factory=set)
     task: asyncio.Task[None] | None = None
 
-    def wake(self) -> None:
+    def notify(self) -> None:
         for watcher in self.watchers:
             watcher.set()
 
 
 class LiveBoards:
-    """Reads each class that is watched, when something was graded, and tells all who watch it."""
+    """Reads each watched class after a grading, and broadcasts the board to its streams."""
 
     def __init__(self, database: Database, course: Course, events: JobEvents) -> None:
         self._database, self._course, self._events = database, course, events
-        self._channels: dict[UUID, WatchedClass] = {}
+        self._watched: dict[UUID, WatchedClass] = {}
         self._streams: Counter[UUID] = Counter()
-        self.stays_open = MAX_STREAM_SECONDS
+        self.max_stream_seconds = MAX_STREAM_SECONDS
 
     def require_free_stream(self, account: UUID) -> None:
-        """Raises TooMany for an account that watches enough already."""
+        """Raise RateLimited for an account that has too many streams."""
         if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
             raise RateLimited(TOO_MANY, retry_after=60)
 
     async def follow(self, class_id: UUID, account: UUID, allowed: Callable[[], bool]) -> AsyncIterator[Board | None]:
-        """The board at first, then each time that it has changed; None now and then, as a sign of life.
+        """Yield the board at first, then each time that it has changed; None now and then, as a heartbeat.
 
-        Ends once `allowed` (asked in a thread each time) is False, the class is gone, or the time is over.
+        The stream ends once `allowed` (called in a thread each time) is False, the class is deleted, or time is up.
         """
-        with self._stream(account), self._watch(class_id) as (channel, woken):
-            ends, sent = time.monotonic() + self.stays_open, ""
-            while not channel.ended and await run_in_threadpool(allowed):
-                reading = channel.reading
-                if reading is not None and reading.board is not None and reading.version != sent:
-                    sent = reading.version
+        with self._stream(account), self._watch(class_id) as (watched, changed):
+            deadline, sent_version = time.monotonic() + self.max_stream_seconds, ""
+            while not watched.ended and await run_in_threadpool(allowed):
+                reading = watched.reading
+                if reading is not None and reading.board is not None and reading.version != sent_version:
+                    sent_version = reading.version
                     yield reading.board
                 elif reading is not None:
                     yield None
-                left = ends - time.monotonic()
+                left = deadline - time.monotonic()
                 if left <= 0 and reading is not None:
                     return
-                await _wait(woken, min(HEARTBEAT_INTERVAL, max(left, MIN_READ_INTERVAL)))
+                await _wait(changed, min(HEARTBEAT_INTERVAL, max(left, MIN_READ_INTERVAL)))
 
     @contextmanager
     def _stream(self, account: UUID) -> Iterator[None]:
@@ -121,53 +121,53 @@ class LiveBoards:
 
     @contextmanager
     def _watch(self, class_id: UUID) -> Iterator[tuple[WatchedClass, asyncio.Event]]:
-        channel = self._channels.get(class_id)
-        if channel is None:
-            channel = self._channels[class_id] = WatchedClass()
-            channel.task = asyncio.create_task(self._keep_reading(class_id, channel))
-        woken = asyncio.Event()
-        channel.watchers.add(woken)
+        watched = self._watched.get(class_id)
+        if watched is None:
+            watched = self._watched[class_id] = WatchedClass()
+            watched.task = asyncio.create_task(self._keep_reading(class_id, watched))
+        changed = asyncio.Event()
+        watched.watchers.add(changed)
         try:
-            yield channel, woken
+            yield watched, changed
         finally:
-            channel.watchers.discard(woken)
-            if not channel.watchers:
-                self._close(class_id, channel)
+            watched.watchers.discard(changed)
+            if not watched.watchers:
+                self._close(class_id, watched)
 
-    def _close(self, class_id: UUID, channel: WatchedClass) -> None:
-        if self._channels.get(class_id) is channel:
-            del self._channels[class_id]
-        if channel.task is not None:
-            channel.task.cancel()
+    def _close(self, class_id: UUID, watched: WatchedClass) -> None:
+        if self._watched.get(class_id) is watched:
+            del self._watched[class_id]
+        if watched.task is not None:
+            watched.task.cancel()
 
-    async def _keep_reading(self, class_id: UUID, channel: WatchedClass) -> None:
-        """Until nobody watches any more, or the server stops. Whatever goes wrong ends the streams: browsers return."""
+    async def _keep_reading(self, class_id: UUID, watched: WatchedClass) -> None:
+        """Read the class until nobody watches it. An error ends the streams: browsers reconnect."""
         try:
-            read = partial(self._read, class_id, channel)
+            read = partial(self._read, class_id, watched)
             async for reading in self._events.follow(f"class:{class_id}", read, watches_all_jobs=True):
-                channel.reading = reading
-                channel.wake()
-                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * reading.took))
+                watched.reading = reading
+                watched.notify()
+                await asyncio.sleep(max(MIN_READ_INTERVAL, READ_TIME_DIVISOR * reading.duration))
         except Exception:
             log.exception("class %s could not be read for those who watch it", class_id)
         finally:
-            channel.ended = True
-            if self._channels.get(class_id) is channel:
-                del self._channels[class_id]
-            channel.wake()
+            watched.ended = True
+            if self._watched.get(class_id) is watched:
+                del self._watched[class_id]
+            watched.notify()
 
-    def _read(self, class_id: UUID, channel: WatchedClass) -> BoardReading:
-        """The same reading again where nothing of the class was graded meanwhile; in a thread."""
-        last, began = channel.last, time.monotonic()
+    def _read(self, class_id: UUID, watched: WatchedClass) -> BoardReading:
+        """Read the class in a thread, or return the last reading where nothing was graded meanwhile."""
+        last, began = watched.last, time.monotonic()
         with self._database.read() as db:
             pulse = repository.load_pulse(db, class_id)
             if last is not None and last.pulse == pulse and began - last.read_at < MAX_READING_AGE:
                 return last
             school_class = classes.find_class(db, class_id)
-            shown = None if school_class is None else load_board(db, self._course, school_class, utc_now())
+            board = None if school_class is None else load_board(db, self._course, school_class, utc_now())
         ended = time.monotonic()
-        channel.last = BoardReading(pulse, shown, ended, ended - began)
-        return channel.last
+        watched.last = BoardReading(pulse, board, ended, ended - began)
+        return watched.last
 
 
 async def _wait(event: asyncio.Event, seconds: float) -> None:

@@ -1,4 +1,4 @@
-"""What the students of a class have sent to the exercises that count, and what follows from it: pure."""
+"""The attempts of a class at the exercises that count, and statistics of them: pure."""
 
 from __future__ import annotations
 

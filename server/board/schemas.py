@@ -13,7 +13,7 @@ from uuid import UUID
 
 
 class ProgressState(StrEnum):
-    """Of a student in an exercise."""
+    """The state of a student in an exercise."""
 
     none = "none"
     trying = "trying"
@@ -147,7 +147,7 @@ class ExerciseStats:
 
 @dataclass(frozen=True)
 class ImprovementStats:
-    """Of `n` students, how many scored more at the next attempt; `share` is None for few students."""
+    """How many of `n` students scored more at the next attempt; `share` is None for few students."""
 
     exercise: str
     label: str

@@ -1,1 +1,1 @@
-"""What was found each time that a submission was graded, where each account stands, and the solutions that are open."""
+"""Gradings of submissions, standings of accounts, and access to solutions."""

@@ -39,7 +39,7 @@ class SolutionAudience:
 
 @dataclass(frozen=True)
 class SolutionAccess:
-    """What opens an exercise's hints and solution to an account apart from its attempts, and what withholds them.
+    """The grounds that open an exercise's hints and solution to an account, apart from its attempts, and their holds.
 
     Nothing is withheld from teachers.
     """

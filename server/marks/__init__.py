@@ -1,1 +1,1 @@
-"""Marks of a class: those in force, those that a teacher sets, what they come to. See README.md in this folder."""
+"""Marks of a class, and the overrides that teachers set. See README.md in this folder."""

@@ -85,7 +85,7 @@ def test_events_tell_the_counts_then_what_changes(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
     boards = get_service(site.app, LiveBoards)
-    boards.stays_open = 0.0
+    boards.max_stream_seconds = 0.0
     (ada,) = seated(site.database, made, 1)
 
     def board() -> Board:

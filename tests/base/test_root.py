@@ -140,7 +140,7 @@ def everything(table: dict[str, Any]) -> list[str]:
 def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, people: tuple[str, ...]) -> None:
     """Every route that the table of rights knows."""
     get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    get_service(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     client = Watched(site.app)
     stage = Stage(Site(site.app, client, site.settings))
     for name in asked(expected()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.board.extracts import MAX_LINES, MORE, anonymise_extract, extract_function, name_words
+from server.board.extracts import CUT_MARK, MAX_LINES, anonymise_extract, extract_function, name_words
 
 CODE = '''"""Devoir d'Évariste Galois."""
 import numpy as np
@@ -58,5 +58,5 @@ def test_whatever_was_sent_is_read_within_bounds(code: str) -> None:
     )
     assert len(told) < 250
     long = anonymise_extract("def f(x):\n" + "    x = x + 1\n" * 500, name_words([]))
-    assert long.endswith(MORE)
+    assert long.endswith(CUT_MARK)
     assert long.count("\n") == MAX_LINES

@@ -96,7 +96,7 @@ def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
             assert [one.counts.started for one in told] == [1, 1]
             assert told[0] is told[1]
         assert watched.readings == 2
-        assert not watched.boards._channels
+        assert not watched.boards._watched
         assert not watched.boards._streams
 
     in_a_loop(scene())
@@ -138,9 +138,9 @@ def test_streams_end_with_their_time_their_class_and_the_server(watched: Watched
             db.delete(db.get(SchoolClass, watched.made.id))
 
     async def scene() -> None:
-        watched.boards.stays_open = 0.0
+        watched.boards.max_stream_seconds = 0.0
         await over(lambda: None)
-        watched.boards.stays_open = 60.0
+        watched.boards.max_stream_seconds = 60.0
         await over(erase)
         watched.made = new_class(watched.database, watched.teacher)
         await over(watched.events.close)

@@ -220,7 +220,7 @@ def test_what_changes_is_told_as_the_page_draws_it(
 def test_the_stream_of_a_page_begins_with_what_it_shows(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    get_service(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     version = board_of(site, course, made).version
     browser, path = martin.browser(site), f"/classes/{made.id}/evenements"
     answer = browser.get(path, params={"version": version})

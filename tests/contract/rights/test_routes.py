@@ -284,7 +284,7 @@ def test_the_table_has_every_route_and_no_other(site: Site) -> None:
 def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
     get_service(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    get_service(site.app, LiveBoards).stays_open = 0.0
+    get_service(site.app, LiveBoards).max_stream_seconds = 0.0
     found, read_only = {}, Stage(site)
     for name in expected():
         stage = read_only if name.startswith("GET ") else Stage(site)
