@@ -140,9 +140,9 @@ def _room(database: Database) -> ClusterFinding:
 def _clock(database: Database) -> ClusterFinding:
     """The database's clock ends leases; those of the machines date what is sent."""
     with database.read() as db:
-        jobs.clock(db)
+        jobs.current_time(db)
         before = utc_now()
-        there = jobs.clock(db)
+        there = jobs.current_time(db)
         apart = abs((there - before - (utc_now() - before) / 2).total_seconds())
     if apart < ODD_CLOCK:
         return ClusterFinding(
@@ -198,7 +198,7 @@ def _stream(connection: NatsConnection) -> Iterator[ClusterFinding]:
 def _work(settings: Settings, connection: NatsConnection) -> Iterator[ClusterFinding]:
     desk = connection.layout.consumers[0]
     with closing(Database(settings.url)) as database, database.read() as db:
-        refused, begun, waiting = jobs.refused(db), jobs.begun(db), jobs.waiting(db)
+        refused, begun, waiting = jobs.count_refused_by_version(db), jobs.count_running(db), jobs.count_waiting(db)
     for needs, count in refused.items():
         waits = plural(count, "travail attend", "travaux attendent")
         told = f"{waits} un correcteur de {needs.replace('@', ', version ')}"

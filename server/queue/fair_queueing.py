@@ -1,61 +1,60 @@
-"""When a job's turn comes, said once, as it is put: claiming is reading an index in order.
+"""Fair queueing of jobs. The turn of a job is computed once, as it is enqueued; claiming reads an index in order.
 
-This is fair queueing by start tags (Goyal, Vin and Cheng, "Start-time fair queuing", 1996), where each job costs one
-turn, without memory of who has been served. Those of a line are two turns apart; who joins comes one after the turn
-that is being served, thus before the second of every line that waits, and nobody who joins later overtakes that for
-ever: turns go up as they are served. So a line, however long, delays another by one turn.
+Start-time fair queueing (Goyal, Vin and Cheng, 1996), where each job costs one turn, without memory of past service.
+Jobs of a flow are two turns apart; a new flow starts one turn after the turn being served, hence before the second job
+of every waiting flow. Nobody starves: turns grow as they are served. A flow of any length delays another by one turn.
 
-A line may be shared (guests of one address): its senders take turns within it in the same way, and a job that comes
-before others of its line takes the first one's turn, which each of them passes on to the next.
+Guests of one address share a flow: its senders alternate within it in the same way. A job that goes before others of
+its flow takes the turn of the first of them, and each of those takes the turn of the next.
 
-`server.base.concurrency` shares waiting time alike within one process; this module is for rows that outlive a process.
+`server.base.turns` shares turns in the same way within one process; these rows outlive the process.
 """
 
 from dataclasses import dataclass
 
-APART = 2
+TURN_STEP = 2
 
 
 @dataclass(frozen=True)
-class Crowd:
-    """What is there as a job comes; None for a turn of which there is none.
+class FlowState:
+    """Turns and backlog as a job is enqueued; None for a turn that does not exist.
 
-    Of its rank: the turn begun last and the first that waits. Of its line: the last that waits; the senders' own turns
-    begun last, waiting first and last. Of its sender: the last own turn that waits. How many wait: of the sender, and
-    from its address.
+    `served`, `first_waiting`: of its rank, the latest turn claimed and the first that waits. `last_of_flow`: of its
+    flow, the last that waits. `own_served`, `own_first_waiting`, `own_last_waiting`: the same among the own turns of the flow's
+    senders. `own_last_of_sender`: the sender's last own turn that waits. The rest counts waiting jobs.
     """
 
-    begun: int | None
-    first: int | None
-    line_last: int | None
-    own_begun: int | None
-    own_first: int | None
-    own_last: int | None
-    sender_last: int | None
-    of_sender: int
-    from_address: int
+    served: int | None
+    first_waiting: int | None
+    last_of_flow: int | None
+    own_served: int | None
+    own_first_waiting: int | None
+    own_last_waiting: int | None
+    own_last_of_sender: int | None
+    waiting_of_sender: int
+    waiting_from_address: int
 
 
 @dataclass(frozen=True)
 class Turn:
-    """`pushes`: others of the line, whose own turn is later, wait already, and have to be passed."""
+    """`flow` orders flows, `own` the senders of a flow. `pushes_back`: jobs of the flow with a later own turn wait."""
 
-    line: int
+    flow: int
     own: int
-    pushes: bool
+    pushes_back: bool
 
 
-def next_turn(crowd: Crowd) -> Turn:
-    """The turn of who comes now."""
-    own = _after(crowd.own_begun, crowd.own_first, crowd.sender_last)
+def next_turn(state: FlowState) -> Turn:
+    """Return the turn of a job enqueued now."""
+    own = _start_tag(state.own_served, state.own_first_waiting, state.own_last_of_sender)
     return Turn(
-        _after(crowd.begun, crowd.first, crowd.line_last),
+        _start_tag(state.served, state.first_waiting, state.last_of_flow),
         own,
-        pushes=crowd.own_last is not None and crowd.own_last > own,
+        pushes_back=state.own_last_waiting is not None and state.own_last_waiting > own,
     )
 
 
-def _after(begun: int | None, first: int | None, mine: int | None) -> int:
-    """After `mine`, or, for who has none, right after what is being served (just before the first that waits)."""
-    now = max(0 if begun is None else begun, 0 if first is None else first - 1)
-    return now + 1 if mine is None else max(now + 1, mine + APART)
+def _start_tag(served: int | None, first_waiting: int | None, previous: int | None) -> int:
+    """Return the turn after `previous`; without one, right after the turn being served."""
+    now = max(0 if served is None else served, 0 if first_waiting is None else first_waiting - 1)
+    return now + 1 if previous is None else max(now + 1, previous + TURN_STEP)

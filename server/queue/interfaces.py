@@ -1,7 +1,7 @@
-"""The port between whoever has work to be done later, whoever does it and whoever waits for it.
+"""Interfaces of the job queue: queue, notifier, worker tasks, sources of work.
 
-A queue's methods work inside the caller's transaction, so that a job is put with what it is about, and ends with its
-result. Signals only save waiting: if one is lost, a slow poll finds the same thing later.
+Queue methods run inside the caller's transaction: a job is enqueued with the rows it concerns and ends with its result.
+Notifications only save waiting: whoever misses one finds the same job by a slow poll.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from server.queue.lease_owner import LeaseOwner
 
-#: What somebody waits for, and what nobody does: a worker does the former first.
+#: Lanes: somebody waits for interactive jobs, so that workers claim them first.
 INTERACTIVE, BACKGROUND = "interactive", "background"
 Work = TypeVar("Work")
 Result = TypeVar("Result")
@@ -22,10 +22,10 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Lease:
-    """A job that one worker has begun, and the token that lets it end the job: the fence.
+    """A job claimed by one worker. Only the holder of `token` (the fence token) may end the job.
 
-    `needs` is what its worker must have, if anything (an exercise in one version). `followed`: as it was begun, others
-    of the kinds asked for waited.
+    `required_version` names the exercise version its worker must have, if any. `more_waiting`: other jobs of the
+    requested kinds waited when this one was claimed.
     """
 
     job_id: UUID
@@ -41,7 +41,7 @@ class Lease:
 
 @dataclass(frozen=True)
 class JobNotification:
-    """That one more job of a kind may be begun. `name` is this call's own: of the job, and of its attempt before."""
+    """One more job of `kind` may be claimed. `message_id`, for deduplication, identifies the job and its attempt."""
 
     kind: str
     message_id: str
@@ -49,9 +49,9 @@ class JobNotification:
 
 @dataclass(frozen=True)
 class WorkerCapabilities:
-    """What a worker can do: jobs that need nothing, or one of `having`; any other that waits since a refusal.
+    """The versions of exercises a worker can grade; it also claims jobs that require none.
 
-    `patience`, in seconds: that long after it was first refused, a job is anybody's.
+    A job refused for `refusal_timeout` seconds may be claimed by any worker.
     """
 
     versions: Collection[str]
@@ -60,8 +60,10 @@ class WorkerCapabilities:
 
 @dataclass(frozen=True)
 class JobStatus:
-    """Where a job is: `position` is 1 for the next to begin, 0 for one that has begun. `refused`: as yet, all workers
-    that could have begun it were of another version."""
+    """`position` is 1 for the next job to be claimed, 0 for a claimed one.
+
+    `refused`: so far, every worker that could have claimed it had another version of its exercise.
+    """
 
     position: int
     refused: bool = False
@@ -69,9 +71,9 @@ class JobStatus:
 
 @dataclass(frozen=True)
 class Sender:
-    """Whose a job is. Lower ranks go first; within a rank turns go round the lines, and in a line round its senders.
+    """Whom a job is done for. Lower ranks go first; fair queueing alternates between flows, then between their senders.
 
-    `name` is one account, whatever it calls itself; `address` is where it sends from.
+    `name` identifies one account; `address` is the network address it sends from.
     """
 
     name: str = ""
@@ -82,24 +84,24 @@ class Sender:
 
 @dataclass(frozen=True)
 class BacklogLimits:
-    """How many jobs may wait: of one sender, and from one address in one rank."""
+    """Maximum number of waiting jobs of one sender, and of one address within one rank."""
 
     per_sender: int
     per_address: int
 
 
 class QueueFullError(Exception):
-    """So much waits already that no more is taken; `whose` heap it is."""
+    """The backlog limit of the sender or of the address is reached."""
 
     def __init__(self, scope: Literal["sender", "address"]) -> None:
-        super().__init__(f"the heap of this {scope} is as high as it may be")
+        super().__init__(f"the backlog limit of this {scope} is reached")
         self.scope = scope
 
 
 NO_SENDER = Sender()
-#: What news add to a job's key where it has begun, and no more: who waits for its end alone need not look yet.
+#: Suffix of a job-started notification, after the job's key; watchers of the job's end ignore it.
 JOB_STARTED_SUFFIX = " begun"
-#: Where a job's payload keeps the request that it comes from, for the logs.
+#: Key of the payload that holds the id of the originating request, for the logs.
 REQUEST_ID_KEY = "request"
 GiveUpHandler = Callable[[Session, Lease], None]
 
@@ -108,23 +110,23 @@ class Task(Protocol[Work, Result]):
     """How one kind of job is done."""
 
     def read(self, db: Session, lease: Lease) -> Work | None:
-        """What the work needs, read as the job is claimed; None where nothing is left to do."""
+        """Load the input as the job is claimed; None where nothing is left to do."""
 
     def run(self, work: Work) -> Result:
-        """The work itself, outside of any transaction."""
+        """Do the work, outside of any transaction."""
 
     def record(self, db: Session, work: Work, result: Result) -> None:
-        """Writes the result in the transaction that ends the job: once, whatever dies."""
+        """Write the result, in the transaction that ends the job: exactly once."""
 
     def give_up(self, db: Session, lease: Lease) -> None:
-        """Writes, in the same way, that the job has failed too often."""
+        """Record that the job failed too often, in the transaction that ends it."""
 
 
 Tasks = Mapping[str, Task[Any, Any]]
 
 
 class Queue(Protocol):
-    """Jobs with a lease. Every method takes the session of the caller's transaction."""
+    """A queue of leased jobs. Every method uses the session of the caller's transaction."""
 
     def enqueue(
         self,
@@ -136,7 +138,7 @@ class Queue(Protocol):
         limits: BacklogLimits | None = None,
         required_version: str | None = None,
     ) -> None:
-        """Has a job done later, in its sender's turn. One job at a time has this kind and key. Raises HeapError."""
+        """Add a job to its sender's flow, at most one at a time of this kind and key. Raises QueueFullError."""
 
     def claim(
         self,
@@ -146,99 +148,99 @@ class Queue(Protocol):
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
     ) -> Lease | None:
-        """Begins the next job of these kinds; None where none waits that this worker is able to do."""
+        """Lease the next waiting job of these kinds that the worker can do, if any."""
 
     def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
-        """Notes that what waits of these kinds is for workers of other versions; False where there is none such."""
+        """Mark waiting jobs that need workers of other versions; return whether there are any."""
 
     def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
-        """Extends a lease; False when it has been lost."""
+        """Extend a lease; False when it has been lost."""
 
     def finish(self, db: Session, lease: Lease) -> bool:
-        """Ends a job, once: False when the lease has been lost, and nothing may be recorded then."""
+        """End a job, once; False when the lease has been lost: nothing may be recorded then."""
 
     def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUpHandler], *, last: bool = False) -> None:
-        """Has a job tried again, or given up: once it has been tried too often, or with the `last` of its tries."""
+        """Return a job for another try, or give it up after too many tries or when `last`."""
 
     def requeue_untried(self, db: Session, lease: Lease) -> None:
-        """Puts a job that its worker was told to leave back in its place, as if it had not been tried."""
+        """Put back in its place a job that its worker was told to leave; this try does not count."""
 
     def recover_lost(self, db: Session, here: LeaseOwner, give_ups: Mapping[str, GiveUpHandler]) -> int:
-        """Takes back every lease that has run out or whose holder is dead; returns how many."""
+        """Take back all leases that expired or whose holder died; return how many."""
 
     def recover_from(self, db: Session, owner: LeaseOwner, give_ups: Mapping[str, GiveUpHandler]) -> int:
-        """Takes back the leases of a worker that has just died; returns how many."""
+        """Take back the leases of a worker that has just died; return how many."""
 
     def position(self, db: Session, kind: str, key: str) -> int | None:
-        """1 for the next job to begin, 0 for one that has begun, None where there is no such job."""
+        """1 for the next job to be claimed, 0 for a claimed one, None for an unknown one."""
 
     def status(self, db: Session, kind: str, key: str) -> JobStatus | None:
-        """None where there is no such job."""
+        """None for an unknown job."""
 
     def find_stalled(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
-        """A job of these kinds that waits while none is being done: `before` if it still does, else the next to begin.
+        """Return a job of these kinds that waits while none is running: `before` if it still waits, else the next one.
 
-        None where one is being done, or none waits.
+        None where one is running, or none waits.
         """
 
 
 class QueueNotifier(Protocol):
-    """What a transaction tells the other processes, once it is committed."""
+    """Notifications to other processes, sent once the transaction is committed."""
 
     def job_queued(self, db: Session, call: JobNotification, /) -> None:
-        """A job waits: an idle worker may wake up."""
+        """A job waits: wake an idle worker."""
 
-    def job_changed(self, db: Session, news: str) -> None:
-        """The job of this key has ended or gone back, or, with `BEGUN` after it, begun: whoever shows it may look."""
+    def job_changed(self, db: Session, notification: str) -> None:
+        """A job ended or went back (its key), or was claimed (its key and JOB_STARTED_SUFFIX)."""
 
 
 class WorkSource(Protocol):
-    """What a worker sleeps on."""
+    """What an idle worker sleeps on."""
 
     @property
     def buffers_wakeups(self) -> bool:
-        """Whether it keeps what it has to tell a worker that is busy, so that `wait` returns at once."""
+        """Whether wake-ups sent to a busy worker are kept, so that its next `wait` returns at once."""
 
     def wait(self, seconds: float) -> bool:
-        """Returns when there may be work, or after `seconds`; False means that the worker must stop."""
+        """Return when there may be work, or after `seconds`; False means that the worker must stop."""
 
 
 class WorkMessage(Protocol):
-    """Leave to do one job. It is kept while the job is done, and ends in one of two ways."""
+    """A received message that entitles a worker to claim one job; held while the job runs, then acknowledged or not."""
 
     @property
     def kinds(self) -> Collection[str]:
-        """Of which kinds."""
+        """The kinds of jobs that it entitles to."""
 
     @property
     def redelivered(self) -> bool:
-        """Whoever held it before has given no sign of life: what they were doing may wait for being taken back."""
+        """Whether its earlier holder went silent: that holder's jobs may need recovery."""
 
     def in_progress(self) -> None:
-        """It is in use still. From any thread."""
+        """Extend the acknowledgement deadline; from any thread."""
 
     def ack(self, *, job_done: bool) -> None:
-        """It was used, or there was no job for it."""
+        """Acknowledge it: a job was done, or there was none."""
 
     def nak(self, *, delayed: bool) -> None:
-        """Somebody else is to have it: at once, or in a while."""
+        """Have it redelivered to another worker: at once, or with a delay."""
 
 
 class WorkSubscription(Protocol):
-    """What a worker of the distributed engine sleeps on: `wait`, which may be interrupted, then `take`."""
+    """Where a worker receives messages: `wait`, which may be interrupted, then `take_message`."""
 
     def wait(self, seconds: float) -> None:
-        """Returns when there is a ticket, or after `seconds`."""
+        """Return when a message has arrived, or after `seconds`."""
 
     def take_message(self) -> WorkMessage | None:
-        """The ticket that has come, if any."""
+        """Return the message that has arrived, if any."""
 
 
 class NullNotifier:
-    """Nobody listens: everyone polls."""
+    """Notifies nobody: everyone polls."""
 
     def job_queued(self, db: Session, call: JobNotification, /) -> None:
         return
 
-    def job_changed(self, db: Session, news: str) -> None:
+    def job_changed(self, db: Session, notification: str) -> None:
         return

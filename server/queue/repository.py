@@ -1,7 +1,7 @@
-"""Queries of the queue: claim, heartbeat, conditional end, recovery.
+"""Queries of the queue: enqueue, claim, heartbeat, conditional end, recovery.
 
-Each change of state is ONE conditional statement, so that it is atomic on both databases. Those on the way to a verdict
-are made once. Leases are timed by one clock: that of PostgreSQL, else the machine's.
+Each change of state is ONE conditional statement, hence atomic on both databases. Statements of the hot path are built
+once. One clock times the leases: that of PostgreSQL, else the machine's.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -27,150 +27,173 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, ask, change, table_of, utc_now
-from server.queue.fair_queueing import APART, Crowd, Turn
+from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
 from server.queue.interfaces import Lease, Sender, WorkerCapabilities
 from server.queue.models import Job
 
-#: The key of PostgreSQL's lock for putting.
-PUTTING = 0x7475726E
-#: How long a process may say nothing within a transaction for which others wait.
-SILENCE = "5s"
+#: Key of PostgreSQL's advisory lock for enqueueing.
+ENQUEUE_LOCK = 0x7475726E
+#: Idle timeout of a transaction for which others wait.
+IDLE_TIMEOUT = "5s"
 
 _jobs = table_of(Job)
-_held = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bindparam("by"))
+_held_by_token = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bindparam("by"))
 _waits, _leased = _jobs.c.lease_token.is_(None), _jobs.c.lease_token.is_not(None)
 _order = (_jobs.c.priority, _jobs.c.turn, _jobs.c.created_at, _jobs.c.id)
 _of_kinds = _jobs.c.kind.in_(bindparam("kinds", expanding=True))
-_first_of_kinds = (
-    select(_jobs.c.id).where(_waits, _of_kinds).order_by(*_order).limit(1).with_for_update(skip_locked=True)
-)
-_had = or_(_jobs.c.needs.is_(None), _jobs.c.needs.in_(bindparam("having", expanding=True)))
-_of_all = _jobs.c.refused_at <= bindparam("before")
-_freed = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
+_next_job_id = select(_jobs.c.id).where(_waits, _of_kinds).order_by(*_order).limit(1).with_for_update(skip_locked=True)
+_version_available = or_(_jobs.c.needs.is_(None), _jobs.c.needs.in_(bindparam("having", expanding=True)))
+_refused_before = _jobs.c.refused_at <= bindparam("before")
+_no_lease = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
 
 _of_rank = _jobs.c.priority == bindparam("rank")
 _of_sender = and_(_waits, _jobs.c.sender == bindparam("sender"))
-_begun = select(func.max(_jobs.c.turn)).where(_leased, _of_rank).scalar_subquery()
-_first = select(_jobs.c.turn).where(_waits, _of_rank).order_by(*_order).limit(1).scalar_subquery()
-_from_address = select(func.count()).where(_waits, _of_rank, _jobs.c.address == bindparam("address")).scalar_subquery()
-CROWD = select(
-    _begun,
-    _first,
+_served_turn = select(func.max(_jobs.c.turn)).where(_leased, _of_rank).scalar_subquery()
+_first_waiting_turn = select(_jobs.c.turn).where(_waits, _of_rank).order_by(*_order).limit(1).scalar_subquery()
+_waiting_from_address = (
+    select(func.count()).where(_waits, _of_rank, _jobs.c.address == bindparam("address")).scalar_subquery()
+)
+FLOW_STATE = select(
+    _served_turn,
+    _first_waiting_turn,
     func.max(_jobs.c.turn).filter(_waits),
     func.max(_jobs.c.own_turn).filter(_leased),
     func.min(_jobs.c.own_turn).filter(_waits),
     func.max(_jobs.c.own_turn).filter(_waits),
     func.max(_jobs.c.own_turn).filter(_of_sender),
     func.count().filter(_of_sender),
-    _from_address,
+    _waiting_from_address,
 ).where(_jobs.c.line == bindparam("line"))
-PUSH = (
+PUSH_BACK_FLOW = (
     update(_jobs)
     .where(_waits, _jobs.c.line == bindparam("in_line"), _jobs.c.own_turn > bindparam("after"))
-    .values(turn=_jobs.c.turn + APART)
+    .values(turn=_jobs.c.turn + TURN_STEP)
     .returning(_jobs.c.turn)
 )
-PUT = insert(_jobs)
-_lease = {
+INSERT = insert(_jobs)
+_new_lease = {
     "tries": _jobs.c.tries + 1,
     "lease_owner": bindparam("owner"),
     "lease_token": bindparam("token"),
     "lease_until": bindparam("until"),
     "started_at": bindparam("now"),
 }
-_next = _jobs.alias("following")
-#: The job itself is left out by name: whether it waits still, at that moment, the databases do not say alike. Its
-#: table is told, since SQLite is given bare names among what an update returns.
-_followed = exists().where(
-    _next.c.lease_token.is_(None),
-    _next.c.kind.in_(bindparam("kinds", expanding=True)),
-    _next.c.id != literal_column("job.id"),
+_other_waiting = _jobs.alias("other_waiting")
+#: Excludes the claimed job by its id: the databases differ on whether it still waits at that moment. The literal
+#: column keeps its table name, which SQLite loses in a RETURNING clause.
+_more_waiting = exists().where(
+    _other_waiting.c.lease_token.is_(None),
+    _other_waiting.c.kind.in_(bindparam("kinds", expanding=True)),
+    _other_waiting.c.id != literal_column("job.id"),
 )
-_leasing = update(_jobs).values(**_lease)
-_leasing = _leasing.returning(
-    *(_jobs.c.id, _jobs.c.kind, _jobs.c.key, _jobs.c.payload, _jobs.c.tries, _jobs.c.needs, _followed.label("followed"))
+_claim = update(_jobs).values(**_new_lease)
+_claim = _claim.returning(
+    *(
+        _jobs.c.id,
+        _jobs.c.kind,
+        _jobs.c.key,
+        _jobs.c.payload,
+        _jobs.c.tries,
+        _jobs.c.needs,
+        _more_waiting.label("more_waiting"),
+    )
 )
-#: PostgreSQL skips rows being claimed; SQLite's writers take turns.
-CLAIM = _leasing.where(_jobs.c.id == _first_of_kinds.scalar_subquery())
-#: Of what this worker has, or nobody has had for too long.
-CLAIM_ABLE = _leasing.where(_jobs.c.id == _first_of_kinds.where(or_(_had, _of_all)).scalar_subquery())
-_not_had = and_(_waits, _of_kinds, ~_had)
-NOT_HAD = select(exists().where(_not_had))
-REFUSE = update(_jobs).where(_not_had, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
-EXTEND = update(_jobs).where(_held).values(lease_until=bindparam("until")).returning(_jobs.c.id)
-_BRIEFLY = func.set_config("idle_in_transaction_session_timeout", SILENCE, True)
-END = delete(_jobs).where(_held).returning(_jobs.c.id)
-#: On PostgreSQL: what is recorded next locks what others may wait for.
-END_BRIEFLY = END.returning(_BRIEFLY)
-FREE = update(_jobs).where(_held).values(tries=_jobs.c.tries - bindparam("untried"), **_freed).returning(_jobs.c.id)
+#: PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
+CLAIM = _claim.where(_jobs.c.id == _next_job_id.scalar_subquery())
+#: Only jobs whose version this worker has, or that were refused longer ago than the timeout.
+CLAIM_CAPABLE = _claim.where(
+    _jobs.c.id == _next_job_id.where(or_(_version_available, _refused_before)).scalar_subquery()
+)
+_version_missing = and_(_waits, _of_kinds, ~_version_available)
+ANY_VERSION_MISSING = select(exists().where(_version_missing))
+REFUSE = update(_jobs).where(_version_missing, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
+EXTEND_LEASE = update(_jobs).where(_held_by_token).values(lease_until=bindparam("until")).returning(_jobs.c.id)
+_set_idle_timeout = func.set_config("idle_in_transaction_session_timeout", IDLE_TIMEOUT, True)
+END = delete(_jobs).where(_held_by_token).returning(_jobs.c.id)
+#: On PostgreSQL: the result that follows locks rows for which others may wait.
+END_WITH_IDLE_TIMEOUT = END.returning(_set_idle_timeout)
+RELEASE_LEASE = (
+    update(_jobs)
+    .where(_held_by_token)
+    .values(tries=_jobs.c.tries - bindparam("untried"), **_no_lease)
+    .returning(_jobs.c.id)
+)
 _other = aliased(Job)
-_places = (tuple_(each.priority, each.turn, each.created_at, each.id) for each in (_other, Job))
-_before = next(_places) < next(_places)
-_ahead = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _before).scalar_subquery()
+_sort_keys = (tuple_(job.priority, job.turn, job.created_at, job.id) for job in (_other, Job))
+_precedes = next(_sort_keys) < next(_sort_keys)
+_jobs_ahead = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _precedes).scalar_subquery()
 NOW = select(func.clock_timestamp(type_=UtcDateTime()))
-NOW_UNSYNCED = select(func.clock_timestamp(type_=UtcDateTime()), func.set_config("synchronous_commit", "off", True))
-CALLED = select(_jobs.c.kind, func.count().label("jobs")).group_by(_jobs.c.kind)
-OLDEST = select(_jobs.c.id).where(_waits, _jobs.c.kind == bindparam("kind")).order_by(_jobs.c.created_at, _jobs.c.id)
-REFUSED = select(_jobs.c.needs, func.count()).where(_waits, _jobs.c.refused_at.is_not(None)).group_by(_jobs.c.needs)
-#: That `before` comes first, or the next to begin.
-UNTAKEN = (
+NOW_WITHOUT_SYNC = select(func.clock_timestamp(type_=UtcDateTime()), func.set_config("synchronous_commit", "off", True))
+COUNT_BY_KIND = select(_jobs.c.kind, func.count().label("jobs")).group_by(_jobs.c.kind)
+OLDEST_WAITING = (
+    select(_jobs.c.id).where(_waits, _jobs.c.kind == bindparam("kind")).order_by(_jobs.c.created_at, _jobs.c.id)
+)
+COUNT_REFUSED = (
+    select(_jobs.c.needs, func.count()).where(_waits, _jobs.c.refused_at.is_not(None)).group_by(_jobs.c.needs)
+)
+#: Prefers `before`, else the next job to claim.
+FIND_STALLED = (
     select(_jobs.c.id)
     .where(_waits, _jobs.c.kind.in_(bindparam("kinds", expanding=True)))
     .where(~exists().where(aliased(Job).lease_token.is_not(None)))
     .order_by(case((_jobs.c.id == bindparam("before"), 0), else_=1), *_order)
     .limit(1)
 )
-PLACE = select(Job.lease_token, _ahead, Job.refused_at).where(
+POSITION = select(Job.lease_token, _jobs_ahead, Job.refused_at).where(
     Job.kind == bindparam("kind"), Job.key == bindparam("key")
 )
 
 
-def one_at_a_time(db: Session) -> None:
-    """Until the commit, nobody else puts a job (on SQLite nobody else writes at all): turns are given one by one.
+def lock_enqueueing(db: Session) -> None:
+    """Until the commit, nobody else enqueues (on SQLite, nobody else writes): turns are assigned one at a time.
 
-    Who is frozen meanwhile, or cut off, is undone.
+    PostgreSQL rolls back a holder that stays idle for IDLE_TIMEOUT.
     """
     if db.get_bind().dialect.name == "postgresql":
-        db.execute(select(_BRIEFLY, func.pg_advisory_xact_lock(PUTTING)))
+        db.execute(select(_set_idle_timeout, func.pg_advisory_xact_lock(ENQUEUE_LOCK)))
 
 
-def clock(db: Session) -> datetime:
-    """The time that all who share the database agree on."""
+def current_time(db: Session) -> datetime:
+    """Return the time of the clock that all users of the database share."""
     if db.get_bind().dialect.name == "postgresql":
         return db.execute(NOW).scalar_one()
     return utc_now()
 
 
-def begin_leasing(db: Session) -> datetime:
-    """The time, for a claim. PostgreSQL does not wait for the disk at its commit, which would take longer than all else
-    before the work begins: a crash at that moment leaves the job waiting, and whoever claims it has another token."""
+def claim_time(db: Session) -> datetime:
+    """Return the time for a claim, whose commit on PostgreSQL will not wait for the disk.
+
+    That wait would be the longest part of a claim. After a crash at that moment the job waits again, and its next claim
+    has another token.
+    """
     if db.get_bind().dialect.name != "postgresql":
         return utc_now()
-    now: datetime = db.execute(NOW_UNSYNCED).scalar_one()
+    now: datetime = db.execute(NOW_WITHOUT_SYNC).scalar_one()
     return now
 
 
-def crowd(db: Session, sender: Sender) -> Crowd:
-    whose = {"rank": sender.rank, "line": sender.flow, "sender": sender.name, "address": sender.address}
-    return Crowd(*ask(db, CROWD, whose).one())
+def load_flow_state(db: Session, sender: Sender) -> FlowState:
+    """Load the turns and the backlog against which a new job of this sender is scheduled."""
+    parameters = {"rank": sender.rank, "line": sender.flow, "sender": sender.name, "address": sender.address}
+    return FlowState(*ask(db, FLOW_STATE, parameters).one())
 
 
-def push(db: Session, sender: Sender, own_turn: int) -> int:
-    """Has what waits in this line after that own turn come one turn of the line later; returns the turn left free."""
-    moved: Sequence[int] = db.execute(PUSH, {"in_line": sender.flow, "after": own_turn}).scalars().all()
-    return min(moved) - APART
+def push_back_flow(db: Session, sender: Sender, own_turn: int) -> int:
+    """Move waiting jobs of the flow with a later own turn one turn of the flow back; return the freed turn."""
+    moved: Sequence[int] = db.execute(PUSH_BACK_FLOW, {"in_line": sender.flow, "after": own_turn}).scalars().all()
+    return min(moved) - TURN_STEP
 
 
-def put(
+def insert_job(
     db: Session, kind: str, key: str, payload: Mapping[str, Any], sender: Sender, turn: Turn, needs: str | None
 ) -> UUID:
-    """The new job's name."""
-    name = uuid4()
-    what = {"id": name, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
-    whose = {"sender": sender.name, "address": sender.address, "line": sender.flow}
-    when = {"turn": turn.line, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
-    change(db, PUT, {**what, **whose, **when})
-    return name
+    """Insert a waiting job; return its id."""
+    job_id = uuid4()
+    job = {"id": job_id, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
+    origin = {"sender": sender.name, "address": sender.address, "line": sender.flow}
+    schedule = {"turn": turn.flow, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
+    change(db, INSERT, {**job, **origin, **schedule})
+    return job_id
 
 
 def claim(
@@ -183,84 +206,92 @@ def claim(
     until: datetime,
     able: WorkerCapabilities | None,
 ) -> Lease | None:
-    """Leases the next waiting job."""
-    lease = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
+    """Lease the next waiting job."""
+    parameters = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
     if able is None:
-        row = ask(db, CLAIM, lease).one_or_none()
+        row = ask(db, CLAIM, parameters).one_or_none()
     else:
-        row = ask(db, CLAIM_ABLE, {**lease, **_ability(able, now)}).one_or_none()
+        row = ask(db, CLAIM_CAPABLE, {**parameters, **_capability_parameters(able, now)}).one_or_none()
     if row is None:
         return None
-    return Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, more_waiting=row.followed)
+    return Lease(
+        row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, more_waiting=row.more_waiting
+    )
 
 
-def refuse(db: Session, kinds: Collection[str], able: WorkerCapabilities) -> bool:
-    """Notes the first refusal of what waits for another worker; False where nothing does."""
-    now = clock(db)
-    asked = {"kinds": list(kinds), "having": list(able.versions)}
-    if not db.execute(NOT_HAD, asked).scalar_one():
+def mark_refused(db: Session, kinds: Collection[str], able: WorkerCapabilities) -> bool:
+    """Record the first refusal of jobs that need another version; False where there are none."""
+    now = current_time(db)
+    parameters = {"kinds": list(kinds), "having": list(able.versions)}
+    if not db.execute(ANY_VERSION_MISSING, parameters).scalar_one():
         return False
-    db.execute(REFUSE, {**asked, "now": now})
+    db.execute(REFUSE, {**parameters, "now": now})
     return True
 
 
-def _ability(able: WorkerCapabilities, now: datetime) -> dict[str, Any]:
+def _capability_parameters(able: WorkerCapabilities, now: datetime) -> dict[str, Any]:
     return {"having": list(able.versions), "before": now - timedelta(seconds=able.refusal_timeout)}
 
 
-def extend(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
-    return db.execute(EXTEND, {"held": job_id, "by": token, "until": until}).first() is not None
+def extend_lease(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
+    """Extend the lease; False when it was lost."""
+    return db.execute(EXTEND_LEASE, {"held": job_id, "by": token, "until": until}).first() is not None
 
 
-def end(db: Session, job_id: UUID, token: UUID) -> bool:
-    """Removes the job if the lease is still held; True when it was."""
-    statement = END_BRIEFLY if db.get_bind().dialect.name == "postgresql" else END
+def delete_leased(db: Session, job_id: UUID, token: UUID) -> bool:
+    """Delete the job if its lease is still held; return whether it was."""
+    statement = END_WITH_IDLE_TIMEOUT if db.get_bind().dialect.name == "postgresql" else END
     return ask(db, statement, {"held": job_id, "by": token}).first() is not None
 
 
-def free(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:
-    """Puts an unfinished job back where it waited; `tried`: this try counts."""
-    return db.execute(FREE, {"held": job_id, "by": token, "untried": 0 if tried else 1}).first() is not None
+def release_lease(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:
+    """Put an unfinished job back in its place; `tried`: this try counts."""
+    return db.execute(RELEASE_LEASE, {"held": job_id, "by": token, "untried": 0 if tried else 1}).first() is not None
 
 
-def leased(db: Session, kinds: Collection[str]) -> Sequence[Job]:
+def lock_leased_jobs(db: Session, kinds: Collection[str]) -> Sequence[Job]:
+    """Load and lock the leased jobs of these kinds, but for those locked by others."""
     query = select(Job).where(Job.lease_token.is_not(None), Job.kind.in_(list(kinds))).with_for_update(skip_locked=True)
     return db.execute(query).scalars().all()
 
 
-def leased_to(db: Session, kinds: Collection[str], owner: str) -> Sequence[Job]:
+def leased_jobs_of(db: Session, kinds: Collection[str], owner: str) -> Sequence[Job]:
+    """Load the jobs of these kinds leased to one owner."""
     query = select(Job).where(Job.lease_token.is_not(None), Job.kind.in_(list(kinds)), Job.lease_owner == owner)
     return db.execute(query).scalars().all()
 
 
-def place(db: Session, kind: str, key: str) -> Row[UUID | None, int, datetime | None] | None:
-    """The token of the job's lease, how many waiting jobs come before it in the order of claiming, its refusal."""
-    return db.execute(PLACE, {"kind": kind, "key": key}).one_or_none()
+def load_position(db: Session, kind: str, key: str) -> Row[UUID | None, int, datetime | None] | None:
+    """Load the job's lease token, the number of waiting jobs before it in claim order, and when it was refused."""
+    return db.execute(POSITION, {"kind": kind, "key": key}).one_or_none()
 
 
-def untaken(db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
-    asked = {"kinds": list(kinds), "before": before}
-    return db.execute(UNTAKEN, asked).scalar_one_or_none()
+def find_stalled(db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
+    """Return a waiting job while none runs: `before` if it still waits, else the next one."""
+    parameters = {"kinds": list(kinds), "before": before}
+    return db.execute(FIND_STALLED, parameters).scalar_one_or_none()
 
 
-def called(db: Session) -> Mapping[str, int]:
-    """By kind, how many jobs wait or are being done."""
-    return {row.kind: row.jobs for row in db.execute(CALLED)}
+def count_by_kind(db: Session) -> Mapping[str, int]:
+    """Count waiting and running jobs by kind."""
+    return {row.kind: row.jobs for row in db.execute(COUNT_BY_KIND)}
 
 
-def oldest(db: Session, kind: str, count: int) -> Sequence[UUID]:
-    """Of those that wait, these came first."""
-    return db.execute(OLDEST.limit(count), {"kind": kind}).scalars().all()
+def oldest_waiting_ids(db: Session, kind: str, count: int) -> Sequence[UUID]:
+    """Return the ids of the oldest waiting jobs of a kind."""
+    return db.execute(OLDEST_WAITING.limit(count), {"kind": kind}).scalars().all()
 
 
-def begun(db: Session) -> int:
+def count_running(db: Session) -> int:
+    """Count the leased jobs."""
     return db.execute(select(func.count()).select_from(_jobs).where(_leased)).scalar_one()
 
 
-def waiting(db: Session) -> int:
+def count_waiting(db: Session) -> int:
+    """Count the waiting jobs."""
     return db.execute(select(func.count()).select_from(_jobs).where(_waits)).scalar_one()
 
 
-def refused(db: Session) -> Mapping[str, int]:
-    """By what they need, how many jobs wait that a worker has refused."""
-    return {needs: count for needs, count in db.execute(REFUSED) if needs is not None}
+def count_refused_by_version(db: Session) -> Mapping[str, int]:
+    """Count refused waiting jobs by the version they require."""
+    return {needs: count for needs, count in db.execute(COUNT_REFUSED) if needs is not None}

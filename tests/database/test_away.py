@@ -64,7 +64,7 @@ def test_a_transaction_frozen_with_the_lock_of_all_is_undone(
     """A process that puts a job and then freezes: the others wait briefly, and its transaction fails."""
     shared = settings.model_copy(update={"database_url": postgres_url})
     bound = queue.func.set_config("idle_in_transaction_session_timeout", "100ms", True)
-    monkeypatch.setattr(queue, "_BRIEFLY", bound)
+    monkeypatch.setattr(queue, "_set_idle_timeout", bound)
     with contextmanager(opened)(shared) as database:
         frozen, thawed, undone = threading.Event(), threading.Event(), list[bool]()
 

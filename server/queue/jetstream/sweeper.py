@@ -39,7 +39,7 @@ class LostMessageSweeper:
 
     def resend_missing(self, db: Session) -> int:
         """How many were called for."""
-        wanted = repository.called(db)  # before the stream is asked: what comes between has its ticket
+        wanted = repository.count_by_kind(db)  # before the stream is asked: what comes between has its ticket
         try:
             held = self._connection.run_blocking(self._held, LOOK_SECONDS)
         except NatsUnavailableError as down:
@@ -67,7 +67,7 @@ class LostMessageSweeper:
 
     def _call(self, db: Session, kind: str, count: int) -> int:
         slot = int(self._clock() / SLOT_SECONDS)
-        names = repository.oldest(db, kind, min(count, MOST_CALLS))
+        names = repository.oldest_waiting_ids(db, kind, min(count, MOST_CALLS))
         for name in names:
             self._connection.publish_job_available(JobNotification(kind, f"{name}:again:{slot}"))
         if names:
