@@ -1,4 +1,4 @@
-"""Which engine carries the work: this machine's own wake-ups, or NATS between machines."""
+"""Choice of the queue's engine: wake-ups within this machine, or NATS between machines."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def create_nats_engine(
     settings: Settings, lanes: Mapping[str, str], on_changed: Callable[[str], None] | None = None
 ) -> NatsEngine | None:
-    """The engine between machines; None where this one does all, which loads nothing of it."""
+    """Return the engine between machines; None on a single machine, which then loads no NATS code."""
     if not settings.nats_url:
         return None
     from server.queue.jetstream.engine import NatsEngine

@@ -20,8 +20,8 @@ class FlowState:
     """Turns and backlog as a job is enqueued; None for a turn that does not exist.
 
     `served`, `first_waiting`: of its rank, the latest turn claimed and the first that waits. `last_of_flow`: of its
-    flow, the last that waits. `own_served`, `own_first_waiting`, `own_last_waiting`: the same among the own turns of the flow's
-    senders. `own_last_of_sender`: the sender's last own turn that waits. The rest counts waiting jobs.
+    flow, the last that waits. `own_*`: the same among the own turns of the flow's senders, then the last own turn of
+    the sender that waits. The rest counts waiting jobs.
     """
 
     served: int | None

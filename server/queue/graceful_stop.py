@@ -1,7 +1,7 @@
-"""How a worker that is told to end does so: at once where nothing is half done, else as soon as it is whole.
+"""Graceful stop of a worker: at once where nothing is half done, else after the current transaction.
 
-A transaction is never cut: a job whose claim is committed, and which its worker does not know of yet, would wait for
-the end of its lease.
+A transaction is never interrupted: a job whose claim is committed but unknown to its worker would wait for its lease to
+expire.
 """
 
 import threading
@@ -10,42 +10,42 @@ from contextlib import contextmanager
 
 
 class StopRequested(BaseException):
-    """Raised in a worker that is asked to end (SIGTERM); what it was doing goes back to the queue."""
+    """Raised in a worker that is asked to stop (SIGTERM); its job goes back to the queue."""
 
 
 class GracefulStop:
-    """Told by a signal's handler, in the main thread; asked by it too. Others may wait for `told`."""
+    """Requested and checked by a signal handler of the main thread; other threads may wait for `requested`."""
 
     def __init__(self) -> None:
         self.requested = threading.Event()
-        self._held = False
+        self._deferred = False
 
     def request(self) -> None:
-        """Raises Stop, unless it is held: then `check` or `open` will."""
+        """Raise StopRequested, or let `raise_if_requested` or `interruptible` do so where it is deferred."""
         self.requested.set()
-        if not self._held:
+        if not self._deferred:
             raise StopRequested
 
     def raise_if_requested(self) -> None:
-        """Raises Stop once it was told."""
+        """Raise StopRequested if a stop was requested."""
         if self.requested.is_set():
             raise StopRequested
 
     @contextmanager
     def deferred(self) -> Iterator[None]:
-        """Nothing is cut in here, but for what stands in `open`."""
-        self._held = True
+        """Defer a stop within this block, but for `interruptible` parts."""
+        self._deferred = True
         try:
             yield
         finally:
-            self._held = False
+            self._deferred = False
 
     @contextmanager
     def interruptible(self) -> Iterator[None]:
-        """What may be cut at any point, within `held`."""
-        held, self._held = self._held, False
+        """Mark a part of a `deferred` block that a stop may interrupt at any point."""
+        was_deferred, self._deferred = self._deferred, False
         try:
             self.raise_if_requested()
             yield
         finally:
-            self._held = held
+            self._deferred = was_deferred

@@ -1,6 +1,6 @@
-"""The name of a lease's holder, from which its death can be told on the same machine.
+"""Name of a lease's holder, from which its death can be told on the same machine.
 
-`host|boot|pid namespace|pid|start time`: a process number alone is reused; together these are unique.
+`host|boot id|pid namespace|pid|start time`: a process number alone is reused; together these are unique.
 """
 
 import os
@@ -26,46 +26,46 @@ class LeaseOwner:
 
 
 def parse_owner(text: str) -> LeaseOwner:
-    host, boot, namespace, pid, started = text.split("|")
-    return LeaseOwner(host, boot, namespace, int(pid), started)
+    host, boot_id, pid_namespace, pid, start_time = text.split("|")
+    return LeaseOwner(host, boot_id, pid_namespace, int(pid), start_time)
 
 
 def process_owner(pid: int) -> LeaseOwner:
-    """The owner that process `pid` of this machine is."""
+    """Return the owner that process `pid` of this machine is."""
     return LeaseOwner(
         host=socket.gethostname().replace("|", " "),
-        boot_id=_read("/proc/sys/kernel/random/boot_id"),
-        pid_namespace=_namespace(),
+        boot_id=_read_text("/proc/sys/kernel/random/boot_id"),
+        pid_namespace=_pid_namespace(),
         pid=pid,
-        start_time=_start_time(pid),
+        start_time=_process_start_time(pid),
     )
 
 
 def is_dead(text: str, here: LeaseOwner) -> bool:
-    """True when the holder is certainly gone: same host, and rebooted since, or no such process any more."""
+    """Whether the holder is certainly gone: same host, and rebooted since or without such a process."""
     owner = parse_owner(text)
     if owner.host != here.host:
         return False
     if owner.boot_id != here.boot_id:
         return True
-    return owner.machine == here.machine and _start_time(owner.pid) != owner.start_time
+    return owner.machine == here.machine and _process_start_time(owner.pid) != owner.start_time
 
 
-def _read(path: str) -> str:
+def _read_text(path: str) -> str:
     try:
         return Path(path).read_text().strip()
     except OSError:
         return "?"
 
 
-def _namespace() -> str:
+def _pid_namespace() -> str:
     try:
         return os.readlink("/proc/self/ns/pid")
     except OSError:
         return "?"
 
 
-def _start_time(pid: int) -> str:
+def _process_start_time(pid: int) -> str:
     """Clock ticks since boot at which the process began; empty when it is gone or only a zombie."""
     try:
         stat = Path(f"/proc/{pid}/stat").read_text()

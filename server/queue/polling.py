@@ -1,4 +1,4 @@
-"""A worker's source of work where nothing wakes it: it looks again and again."""
+"""A work source that polls the database at an interval, where nothing wakes the worker."""
 
 import time
 
@@ -6,9 +6,9 @@ import time
 class PollingSource:
     buffers_wakeups = False
 
-    def __init__(self, every: float = 0.1) -> None:
-        self._every = every
+    def __init__(self, interval: float = 0.1) -> None:
+        self._interval = interval
 
     def wait(self, seconds: float) -> bool:
-        time.sleep(min(self._every, seconds))
+        time.sleep(min(self._interval, seconds))
         return True

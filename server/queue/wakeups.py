@@ -1,9 +1,9 @@
-"""The web process's end of the wake-up: idle workers are woken through their channel, watchers through a callback.
+"""The web process's end of the wake-up channel: wakes idle workers, and forwards job changes to a callback.
 
-`wake` and `tell` may be called from any thread; workers are heard on the event loop.
+`wake_worker` and `publish_change` may be called from any thread; worker messages arrive on the event loop.
 
 Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `awake` (it
-looks, though nobody woke it), `queued` (it gave something back), `changed <key>[ begun]`, `renewed <why>` (a template
+looks without having been woken), `queued` (it returned a job), `changed <key>[ begun]`, `renewed <reason>` (a template
 of its sandbox was replaced).
 """
 
@@ -25,66 +25,65 @@ WORK, IDLE, AWAKE, QUEUED, CHANGED, RENEWED = "work", "idle", "awake", "queued",
 
 
 class WorkerConnection(Protocol):
-    """What leads to a worker. From any thread, and without waiting."""
+    """Sends bytes to a worker; from any thread, without blocking."""
 
     def write(self, data: bytes) -> None: ...
 
 
 class WakeupDispatcher:
-    """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep.
+    """Tracks idle workers. A wake-up that finds none idle is kept for the next worker that goes to sleep.
 
-    As many are kept as there are workers: each who goes to sleep while jobs wait is woken, and none for nothing more
-    than once for each of them. The thread that has put a job wakes a worker itself: the loop, which may be busy with
-    something else, is not in between.
+    At most one is kept for each worker: each worker that goes to sleep while jobs wait is woken, and the surplus is
+    bounded. The thread that has enqueued a job wakes a worker itself, without passing through the event loop.
     """
 
     def __init__(self, on_changed: Callable[[str], None]) -> None:
         self._on_changed = on_changed
-        self._waking = threading.Lock()
+        self._lock = threading.Lock()
         self._idle: dict[WorkerConnection, None] = {}
-        self._known: set[WorkerConnection] = set()
-        self._owed = 0
+        self._workers: set[WorkerConnection] = set()
+        self._kept_wakeups = 0
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def bind(self, loop: asyncio.AbstractEventLoop | None) -> None:
-        """Starts (or stops, with None) delivering on this loop."""
+        """Deliver changes on this event loop, or stop with None."""
         self._loop = loop
 
-    def job_queued(self, db: Session, _call: JobNotification) -> None:
+    def job_queued(self, db: Session, _notification: JobNotification) -> None:
         run_after_commit(db, self.wake_worker)
 
-    def job_changed(self, db: Session, news: str) -> None:
-        run_after_commit(db, lambda: self.publish_change(news))
+    def job_changed(self, db: Session, notification: str) -> None:
+        run_after_commit(db, lambda: self.publish_change(notification))
 
     def wake_worker(self) -> None:
-        with self._waking:
+        with self._lock:
             self._wake()
 
-    def publish_change(self, news: str) -> None:
-        self._call(self._on_changed, news)
+    def publish_change(self, notification: str) -> None:
+        self._call_on_loop(self._on_changed, notification)
 
-    def _call(self, action: Callable[..., None], *args: object) -> None:
+    def _call_on_loop(self, action: Callable[..., None], *args: object) -> None:
         if self._loop is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(action, *args)
 
     def _wake(self) -> None:
         if self._idle:
-            line, _ = self._idle.popitem()
-            line.write(f"{WORK}\n".encode())
+            worker, _ = self._idle.popitem()
+            worker.write(f"{WORK}\n".encode())
         else:
-            self._owed = min(self._owed + 1, max(1, len(self._known)))
+            self._kept_wakeups = min(self._kept_wakeups + 1, max(1, len(self._workers)))
 
-    def handle_message(self, line: WorkerConnection, message: str) -> None:
-        """A worker has said something (on the loop)."""
+    def handle_message(self, worker: WorkerConnection, message: str) -> None:
+        """Handle a message from a worker, on the event loop."""
         word, _, argument = message.partition(" ")
         if word == IDLE:
-            with self._waking:
-                self._known.add(line)
-                self._idle[line] = None
-                self._pay()
+            with self._lock:
+                self._workers.add(worker)
+                self._idle[worker] = None
+                self._deliver_kept_wakeup()
         elif word == AWAKE:
-            with self._waking:
-                self._rouse(line)
+            with self._lock:
+                self._mark_busy(worker)
         elif word == QUEUED:
             self.wake_worker()
         elif word == CHANGED:
@@ -94,20 +93,22 @@ class WakeupDispatcher:
         else:
             log.error("a worker said something unknown: %r", message)
 
-    def _rouse(self, line: WorkerConnection) -> None:
-        """It may find a job, and is no longer one that can be woken. A wake-up that has crossed its word is read by it
-        after that job only: it is for another too."""
-        if line in self._idle:
-            del self._idle[line]
+    def _mark_busy(self, worker: WorkerConnection) -> None:
+        """The worker may find a job and can no longer be woken.
+
+        A wake-up that crossed its `awake` is read only after that job: another worker gets one too.
+        """
+        if worker in self._idle:
+            del self._idle[worker]
         else:
             self._wake()
 
-    def _pay(self) -> None:
-        if self._owed:
-            self._owed -= 1
+    def _deliver_kept_wakeup(self) -> None:
+        if self._kept_wakeups:
+            self._kept_wakeups -= 1
             self._wake()
 
-    def remove_worker(self, line: WorkerConnection) -> None:
-        with self._waking:
-            self._known.discard(line)
-            self._idle.pop(line, None)
+    def remove_worker(self, worker: WorkerConnection) -> None:
+        with self._lock:
+            self._workers.discard(worker)
+            self._idle.pop(worker, None)

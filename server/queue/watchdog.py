@@ -1,4 +1,4 @@
-"""Notices that nobody takes the jobs that wait: neither those who wait nor an administrator would know otherwise."""
+"""A watchdog that reports a stalled queue: neither users nor administrators would notice otherwise."""
 
 import logging
 import time
@@ -11,35 +11,35 @@ from server.queue.interfaces import Queue
 
 log = logging.getLogger(__name__)
 
-STALL_SECONDS = 15.0  # seconds: workers need some to begin
+STALL_SECONDS = 15.0  # workers need some to start
 
 
 class StallWatchdog:
-    """To be asked to look again and again; `unattended` since the same job has waited for `PATIENCE`, with none done.
+    """Checked at intervals; `stalled` once the same job has waited for STALL_SECONDS while none was running.
 
-    A long queue is no reason: its jobs are begun one after the other.
+    A long queue alone is no stall: its jobs are claimed one after the other.
     """
 
     def __init__(self, queue: Queue, kinds: Collection[str], clock: Callable[[], float] = time.monotonic) -> None:
         self._queue, self._kinds, self._clock = queue, kinds, clock
-        self._awaited: UUID | None = None
+        self._waiting_job: UUID | None = None
         self._since = clock()
         self.stalled = False
 
     def check(self, db: Session) -> None:
-        found = self._queue.find_stalled(db, self._kinds, self._awaited)
-        if found is None or found != self._awaited:
-            self._awaited, self._since = found, self._clock()
+        job_id = self._queue.find_stalled(db, self._kinds, self._waiting_job)
+        if job_id is None or job_id != self._waiting_job:
+            self._waiting_job, self._since = job_id, self._clock()
         waited = self._clock() - self._since
-        self._tell(found is not None and waited >= STALL_SECONDS, waited)
+        self._update(job_id is not None and waited >= STALL_SECONDS, waited)
 
-    def _tell(self, unattended: bool, waited: float) -> None:
-        if unattended and not self.stalled:
+    def _update(self, stalled: bool, waited: float) -> None:
+        if stalled and not self.stalled:
             log.error(
                 "no worker takes what waits: job %s, for %.0f s or more; does any run (BALISE_WORKERS here, or "
                 "`balise worker` elsewhere)?",
-                *(self._awaited, waited),
+                *(self._waiting_job, waited),
             )
-        elif self.stalled and not unattended:
+        elif self.stalled and not stalled:
             log.warning("what waited is taken again")
-        self.stalled = unattended
+        self.stalled = stalled

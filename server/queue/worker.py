@@ -1,6 +1,6 @@
-"""A worker: claim, run, record, again; sleep when nothing waits.
+"""A worker: claim a job, run it, record the result, repeat; sleep when nothing waits.
 
-What tells it that there is work is a source that wakes it (`run`), or tickets, each leave to do one job (`run_on`).
+It learns of work from a source that wakes it (`run`), or from messages that entitle it to one job (`run_on_messages`).
 """
 
 import logging
@@ -34,14 +34,14 @@ log = logging.getLogger(__name__)
 
 STUCK_EXIT = 70
 DATABASE_PAUSE = 1.0  # seconds
-#: Seconds between two tries at a database that another writer holds: doubled each time, up to the longest.
+#: Backoff in seconds at a locked database: the first pause, doubled up to the longest.
 LOCKED_PAUSE, LONGEST_PAUSE = 0.5, 10.0
 
-T = TypeVar("T")
+Returned = TypeVar("Returned")
 
 
-def _pauses() -> Iterator[float]:
-    """How long to leave a locked database alone, the first time and each time after."""
+def _backoff() -> Iterator[float]:
+    """Yield the pauses between tries at a locked database."""
     pause = LOCKED_PAUSE
     while True:
         yield pause
@@ -49,10 +49,10 @@ def _pauses() -> Iterator[float]:
 
 
 class LeaseHeartbeat:
-    """Extends the lease of what is being done, from a thread of its own.
+    """Extends the lease of the running job, from a thread of its own.
 
-    Work longer than `grading_seconds` is a fault of ours that nothing else would end: the job is given up, for it would
-    take as long again, and the process ends itself.
+    Work longer than `grading_seconds` is our fault and would never end: the job is given up, since another try would
+    take as long, and the process exits.
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class LeaseHeartbeat:
     ) -> None:
         self._database, self._queue, self._settings, self._give_ups = database, queue, settings, give_ups
         self._current: tuple[Lease, float, Callable[[], None]] | None = None
-        self._stopping = threading.Event()
+        self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
 
     def __enter__(self) -> "LeaseHeartbeat":
@@ -68,23 +68,23 @@ class LeaseHeartbeat:
         return self
 
     def __exit__(self, *_exc: object) -> None:
-        self._stopping.set()
+        self._stop.set()
         self._thread.join()
 
     def watch(self, lease: Lease, keep_alive: Callable[[], None]) -> None:
-        """`keep` is called too, each time that the lease is extended."""
+        """Extend this lease until `unwatch`; call `keep_alive` after each extension."""
         self._current = (lease, time.monotonic() + self._settings.grading_seconds, keep_alive)
 
     def unwatch(self) -> None:
         self._current = None
 
     def _run(self) -> None:
-        while not self._stopping.wait(self._settings.lease_seconds / 3):
+        while not self._stop.wait(self._settings.lease_seconds / 3):
             current = self._current
             if current is not None:
                 self._beat(*current)
 
-    def _beat(self, lease: Lease, deadline: float, keep: Callable[[], None] = lambda: None) -> None:
+    def _beat(self, lease: Lease, deadline: float, keep_alive: Callable[[], None] = lambda: None) -> None:
         if time.monotonic() > deadline:
             log.critical("job %s %s does not end, this worker gives up", lease.kind, lease.key)
             try:
@@ -96,15 +96,15 @@ class LeaseHeartbeat:
                 os._exit(STUCK_EXIT)
         try:
             with self._database.write() as db:
-                held = self._queue.heartbeat(db, lease, self._settings.lease_seconds)
-            if held:
-                keep()
+                lease_held = self._queue.heartbeat(db, lease, self._settings.lease_seconds)
+            if lease_held:
+                keep_alive()
         except SQLAlchemyError:
             log.exception("job %s %s: heartbeat failed, trying again later", lease.kind, lease.key)
 
 
 class Worker:
-    """One job at a time, of the kinds that `tasks` knows; with `able`, only of those that it has what it takes for."""
+    """Runs one job at a time, of the kinds in `tasks`; with `capabilities`, only jobs it has the version for."""
 
     def __init__(
         self,
@@ -118,31 +118,31 @@ class Worker:
         graceful_stop: GracefulStop | None = None,
     ) -> None:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
-        self._able, self._stopping = capabilities, graceful_stop or GracefulStop()
+        self._capabilities, self._stop = capabilities, graceful_stop or GracefulStop()
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
         self._owner = owner or process_owner(os.getpid())
         self._heartbeat = LeaseHeartbeat(database, queue, settings, self._give_ups)
 
     def run_one(self) -> bool:
-        """Does one job; False when none waits."""
-        return self._step(self._tasks.keys(), lambda: None) is not None
+        """Run one job; False when none waits."""
+        return self._claim_and_run(self._tasks.keys(), lambda: None) is not None
 
-    def _step(self, kinds: Collection[str], keep: Callable[[], None]) -> Lease | None:
-        """The job that was done. `keep` is called as it begins, and again as long as it is being done."""
-        since = time.time_ns()
-        begun = self._write(lambda db: self._begin(db, kinds))
-        if begun is None:
+    def _claim_and_run(self, kinds: Collection[str], keep_alive: Callable[[], None]) -> Lease | None:
+        """Return the job that was run. `keep_alive` is called as it starts, then with each heartbeat."""
+        claim_started = time.time_ns()
+        claimed = self._write(lambda db: self._claim(db, kinds))
+        if claimed is None:
             return None
-        keep()
-        lease, work = begun
+        keep_alive()
+        lease, work = claimed
         if work is not None:
-            told = logs.request_context(str(lease.payload.get(REQUEST_ID_KEY, "")))
-            with told, traces.job_span(lease.payload, lease.kind, lease.tries, since):
-                self._do(lease, work, keep)
+            log_context = logs.request_context(str(lease.payload.get(REQUEST_ID_KEY, "")))
+            with log_context, traces.job_span(lease.payload, lease.kind, lease.tries, claim_started):
+                self._run_and_record(lease, work, keep_alive)
         return lease
 
-    def _begin(self, db: Session, kinds: Collection[str]) -> tuple[Lease, Any] | None:
-        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._able)
+    def _claim(self, db: Session, kinds: Collection[str]) -> tuple[Lease, Any] | None:
+        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._capabilities)
         if lease is None:
             return None
         work = self._read(db, lease)
@@ -151,9 +151,9 @@ class Worker:
         return lease, work
 
     def _read(self, db: Session, lease: Lease) -> Any:
-        """A job that cannot be read is a failed try: else its claim would be undone, and made again for ever.
+        """Load the job's input. A failure counts as a try: rolled back, the claim would be repeated for ever.
 
-        But for a database that does not answer: what it says of the transaction holds for every job.
+        An unavailable database is no such failure: it would fail every job.
         """
         try:
             return self._tasks[lease.kind].read(db, lease)
@@ -164,13 +164,13 @@ class Worker:
             self._queue.fail(db, lease, self._give_ups)
             return None
 
-    def _do(self, lease: Lease, work: Any, keep: Callable[[], None]) -> None:
-        self._heartbeat.watch(lease, keep)
+    def _run_and_record(self, lease: Lease, work: Any, keep_alive: Callable[[], None]) -> None:
+        self._heartbeat.watch(lease, keep_alive)
         try:
-            with traces.span("run"), self._stopping.interruptible():
+            with traces.span("run"), self._stop.interruptible():
                 result = self._tasks[lease.kind].run(work)
             with traces.span("record"):
-                self._write(lambda db: self._record(db, lease, work, result), patiently=True)
+                self._write(lambda db: self._record(db, lease, work, result), wait_for_database=True)
             seconds = (utc_now() - lease.started_at).total_seconds()
             logs.log_event("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
         except StopRequested:
@@ -179,7 +179,7 @@ class Worker:
             raise
         except Exception:
             log.exception("job %s %s has failed, try %d", lease.kind, lease.key, lease.tries)
-            self._write(lambda db: self._queue.fail(db, lease, self._give_ups), patiently=True)
+            self._write(lambda db: self._queue.fail(db, lease, self._give_ups), wait_for_database=True)
         finally:
             self._heartbeat.unwatch()
 
@@ -189,78 +189,80 @@ class Worker:
         else:
             log.warning("job %s %s: the lease was lost, this result is dropped", lease.kind, lease.key)
 
-    def _write(self, step: Callable[[Session], T], *, patiently: bool = False) -> T:
-        """`step` in a transaction; done again where another writer of SQLite has outlasted the driver's wait.
+    def _write(self, action: Callable[[Session], Returned], *, wait_for_database: bool = False) -> Returned:
+        """Run `action` in a transaction; retry where another writer of SQLite has outlasted the driver's timeout.
 
-        With `patiently`, also until PostgreSQL answers: what ends a job may wait for it, and the fence tells whether it
-        was done before the answer was lost.
+        With `wait_for_database`, also retry until PostgreSQL answers: the end of a job may wait for it, and the fence
+        token tells whether it was committed before the answer was lost.
         """
-        for pause in _pauses():
+        for pause in _backoff():
             try:
                 with self._database.write() as db:
-                    return step(db)
+                    return action(db)
             except DBAPIError as error:
                 locked = isinstance(error, OperationalError) and is_lock_timeout(error)
-                if not locked and not (patiently and is_unavailable(error)):
+                if not locked and not (wait_for_database and is_unavailable(error)):
                     raise
-                what, rest = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
-                log.warning("the database %s, trying again in %g s", what, rest)
-            with self._stopping.interruptible():
-                time.sleep(rest)
+                what, pause_seconds = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
+                log.warning("the database %s, trying again in %g s", what, pause_seconds)
+            with self._stop.interruptible():
+                time.sleep(pause_seconds)
         raise AssertionError("pauses have no end")
 
     def run(self, work: WorkSource) -> None:
-        """Until `work` says that it is over, or Stop is raised."""
-        with self._heartbeat, self._stopping.deferred():
-            going = True
-            while going:
-                self._work_off(work)
-                with self._stopping.interruptible():
-                    going = work.wait(self._settings.poll_seconds)
+        """Work until `work` ends or a stop is requested."""
+        with self._heartbeat, self._stop.deferred():
+            keep_going = True
+            while keep_going:
+                self._run_until_empty(work)
+                with self._stop.interruptible():
+                    keep_going = work.wait(self._settings.poll_seconds)
 
-    def _work_off(self, work: WorkSource) -> None:
-        """Until nothing waits. What came after a claim that nothing followed has been told to `work`, which owes it:
-        the database need not be asked, as it would be after each job of somebody who sends alone."""
-        while (lease := self._step(self._tasks.keys(), lambda: None)) is not None:
-            self._stopping.raise_if_requested()
+    def _run_until_empty(self, work: WorkSource) -> None:
+        """Run jobs until none waits. After a claim with nothing behind it, a buffering source tells of later jobs.
+
+        So the database is not asked again after each job of somebody who sends alone.
+        """
+        while (lease := self._claim_and_run(self._tasks.keys(), lambda: None)) is not None:
+            self._stop.raise_if_requested()
             if work.buffers_wakeups and not lease.more_waiting:
                 return
 
-    def run_on_messages(self, tickets: WorkSubscription) -> None:
-        """Until Stop is raised. A database that does not answer is asked again later."""
-        with self._heartbeat, self._stopping.deferred():
+    def run_on_messages(self, subscription: WorkSubscription) -> None:
+        """Work until a stop is requested. An unavailable database is asked again later."""
+        with self._heartbeat, self._stop.deferred():
             while True:
-                with self._stopping.interruptible():
-                    tickets.wait(self._settings.poll_seconds)
-                ticket = tickets.take_message()
-                if ticket is not None:
-                    self._use_or_wait(ticket)
+                with self._stop.interruptible():
+                    subscription.wait(self._settings.poll_seconds)
+                message = subscription.take_message()
+                if message is not None:
+                    self._handle_message_or_pause(message)
 
-    def _use_or_wait(self, ticket: WorkMessage) -> None:
+    def _handle_message_or_pause(self, message: WorkMessage) -> None:
         try:
-            self._use(ticket)
+            self._handle_message(message)
         except DBAPIError as error:
             if not is_unavailable(error) and not isinstance(error, OperationalError):
                 raise
             log.error("the database does not answer, trying again in %g s: %s", DATABASE_PAUSE, error.orig)
-            with self._stopping.interruptible():
+            with self._stop.interruptible():
                 time.sleep(DATABASE_PAUSE)
 
-    def _use(self, ticket: WorkMessage) -> None:
-        """A ticket is over with its job, whatever comes of it: a job that waits again has a new one."""
-        over = False
+    def _handle_message(self, message: WorkMessage) -> None:
+        """Run a job for this message, which ends with it whatever its outcome: a requeued job has a new message."""
+        acknowledged = False
         try:
-            if ticket.redelivered:
+            if message.redelivered:
                 self._write(lambda db: self._queue.recover_lost(db, self._owner, self._give_ups))
-            used = self._step(ticket.kinds, ticket.in_progress) is not None
-            over = used or not self._refuses(ticket.kinds)
-            if over:
-                ticket.ack(job_done=used)
+            job_done = self._claim_and_run(message.kinds, message.in_progress) is not None
+            acknowledged = job_done or not self._refuse(message.kinds)
+            if acknowledged:
+                message.ack(job_done=job_done)
         finally:
-            if not over:
-                ticket.nak(delayed=not self._stopping.requested.is_set())
+            if not acknowledged:
+                message.nak(delayed=not self._stop.requested.is_set())
 
-    def _refuses(self, kinds: Collection[str]) -> bool:
-        """Whether what waits is for other workers."""
-        able = self._able
-        return able is not None and self._write(lambda db: self._queue.mark_refused(db, kinds, able))
+    def _refuse(self, kinds: Collection[str]) -> bool:
+        """Refuse jobs for workers of other versions; return whether there are any."""
+        capabilities = self._capabilities
+        return capabilities is not None and self._write(lambda db: self._queue.mark_refused(db, kinds, capabilities))

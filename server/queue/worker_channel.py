@@ -1,4 +1,4 @@
-"""The worker's end of the wake-up: a socket shared with the web process (see `server.queue.wakeups`)."""
+"""A worker's end of the wake-up channel: a socket shared with the web process (see `server.queue.wakeups`)."""
 
 import select
 import socket
@@ -12,42 +12,42 @@ from server.queue.wakeups import AWAKE, CHANGED, IDLE, QUEUED, RENEWED
 
 
 class WorkerChannel:
-    """Work source and signals of a worker that the web process has started."""
+    """Work source and notifier of a worker that the web process has started."""
 
-    buffers_wakeups = True  # its switchboard does
+    buffers_wakeups = True  # the dispatcher does
 
-    def __init__(self, wire: socket.socket) -> None:
-        self._wire = wire
-        self._sending = threading.Lock()
+    def __init__(self, web_process: socket.socket) -> None:
+        self._socket = web_process
+        self._send_lock = threading.Lock()
 
     def wait(self, seconds: float) -> bool:
-        """Sleeps until woken, or `seconds`; False once the web process is gone."""
-        self._say(IDLE)
-        ready, _, _ = select.select([self._wire], [], [], seconds)
+        """Sleep until woken, or for `seconds`; False once the web process is gone."""
+        self._send(IDLE)
+        ready, _, _ = select.select([self._socket], [], [], seconds)
         if ready:
             return self._receive()
-        self._say(AWAKE)
+        self._send(AWAKE)
         return True
 
     def _receive(self) -> bool:
         try:
-            return bool(self._wire.recv(4096))
+            return bool(self._socket.recv(4096))
         except ConnectionError:
             return False
 
-    def _say(self, message: str) -> None:
+    def _send(self, message: str) -> None:
         try:
-            with self._sending:
-                self._wire.sendall(f"{message}\n".encode())
+            with self._send_lock:
+                self._socket.sendall(f"{message}\n".encode())
         except ConnectionError:
-            return  # the web process is gone: `wait` finds it out, the result is safe in the database
+            return  # the web process is gone: `wait` notices; results are in the database
 
-    def job_queued(self, db: Session, _call: JobNotification) -> None:
-        run_after_commit(db, lambda: self._say(QUEUED))
+    def job_queued(self, db: Session, _notification: JobNotification) -> None:
+        run_after_commit(db, lambda: self._send(QUEUED))
 
-    def job_changed(self, db: Session, news: str) -> None:
-        run_after_commit(db, lambda: self._say(f"{CHANGED} {news}"))
+    def job_changed(self, db: Session, notification: str) -> None:
+        run_after_commit(db, lambda: self._send(f"{CHANGED} {notification}"))
 
     def template_renewed(self, reason: str) -> None:
-        """A template of the sandbox was replaced."""
-        self._say(f"{RENEWED} {reason}")
+        """Report that a template of the sandbox was replaced."""
+        self._send(f"{RENEWED} {reason}")

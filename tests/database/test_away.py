@@ -98,7 +98,7 @@ def test_every_transaction_has_its_bound(postgres_url: str, settings: Settings) 
             with database.read() as db:
                 assert db.execute(text("SHOW idle_in_transaction_session_timeout")).scalar_one() == "1min"
             with database.write() as db:
-                queue.one_at_a_time(db)
+                queue.lock_enqueueing(db)
                 assert db.execute(text("SHOW idle_in_transaction_session_timeout")).scalar_one() == "5s"
             with database.write() as db:
                 QUIET.enqueue(db, "bake", "a")

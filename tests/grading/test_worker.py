@@ -37,7 +37,7 @@ from server.queue.interfaces import Lease, Sender
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
 from server.queue.polling import PollingSource
-from server.queue.worker import LeaseHeartbeat, Worker, _pauses
+from server.queue.worker import LeaseHeartbeat, Worker, _backoff
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
@@ -392,7 +392,7 @@ def test_a_job_that_does_not_end_is_given_up_at_once_with_its_worker(
 
 
 def test_a_locked_database_is_left_alone_for_longer_each_time() -> None:
-    assert [*itertools.islice(_pauses(), 8)] == [0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0, 10.0]
+    assert [*itertools.islice(_backoff(), 8)] == [0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0, 10.0]
 
 
 def test_what_exhausts_the_judge_is_the_student_s_outcome(course_sandbox: Sandbox, course: Course) -> None:

@@ -1,1 +1,1 @@
-"""The engine between machines: NATS JetStream carries tickets to the workers, and news to the web processes."""
+"""The engine between machines: NATS JetStream brings messages to workers, and job changes to web processes."""

@@ -1,4 +1,4 @@
-"""The distributed engine, put together for one process."""
+"""The NATS engine of one process."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from server.queue.jetstream.sweeper import LostMessageSweeper
 
 
 class NatsEngine:
-    """`here`, of a web process, is told of what changes, wherever it does. Raises access.UnfitError."""
+    """In a web process, `on_changed` receives job changes of all processes. Raises NatsConfigurationError."""
 
     def __init__(
         self, settings: Settings, lanes: Mapping[str, str], on_changed: Callable[[str], None] | None = None
@@ -26,5 +26,5 @@ class NatsEngine:
         return PullSubscription(self.connection)
 
     def status(self) -> str:
-        """`ok`, or what is amiss."""
+        """Return `ok`, or `unreachable`."""
         return "ok" if self.connection.is_up and not self.sweeper.error else "unreachable"

@@ -1,4 +1,4 @@
-"""What a committed transaction tells the other machines."""
+"""Notifications of a committed transaction to other machines."""
 
 from collections.abc import Callable
 
@@ -10,16 +10,16 @@ from server.queue.jetstream.connection import NatsConnection
 
 
 class NatsNotifier:
-    """`here` is told of changes too, in this process: the server does not send back what it was sent."""
+    """`on_changed` receives changes made by this process too: the server does not echo them."""
 
-    def __init__(self, connection: NatsConnection, here: Callable[[str], None] | None = None) -> None:
-        self._connection, self._here = connection, here
+    def __init__(self, connection: NatsConnection, on_changed: Callable[[str], None] | None = None) -> None:
+        self._connection, self._on_changed = connection, on_changed
 
-    def job_queued(self, db: Session, call: JobNotification, /) -> None:
-        run_after_commit(db, lambda: self._connection.publish_job_available(call))
+    def job_queued(self, db: Session, notification: JobNotification, /) -> None:
+        run_after_commit(db, lambda: self._connection.publish_job_available(notification))
 
-    def job_changed(self, db: Session, news: str) -> None:
-        run_after_commit(db, lambda: self._connection.publish_change(news))
-        if self._here is not None:
-            here = self._here
-            run_after_commit(db, lambda: here(news))
+    def job_changed(self, db: Session, notification: str) -> None:
+        run_after_commit(db, lambda: self._connection.publish_change(notification))
+        if self._on_changed is not None:
+            on_changed = self._on_changed
+            run_after_commit(db, lambda: on_changed(notification))

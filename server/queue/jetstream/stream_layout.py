@@ -1,4 +1,4 @@
-"""What stands on the NATS server: one stream of tickets, a consumer for each kind of job, two subjects for news."""
+"""Objects on the NATS server: one stream of work messages, a consumer for each kind of job, a subject for changes."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,24 +12,23 @@ from server.queue.interfaces import INTERACTIVE
 
 STREAM = "work"
 SUBJECTS = "balise.work.>"
-#: The key of a job that has begun, ended or gone back.
+#: Subject of job changes: the key of a job that was claimed, ended or went back.
 CHANGED = "balise.changed"
-#: Tickets that nobody has taken in this time are dropped: the sweeper calls again for what waits.
-MOST_AGE = 3600.0
-MOST_TICKETS = 1_000_000
-#: A ticket is a name, in its headers: whoever enters NATS fills no disk with more.
-LONGEST_TICKET = 1024
-#: How long the stream knows a ticket's name: the same one is not taken twice.
-SAME_NAME_SECONDS = 120.0
-#: A ticket passed on so often is dropped: it bounces between workers that all refuse what waits. The tries of a job are
-#: counted by its row.
-MOST_DELIVERIES = 200
-MOST_PULLS, MOST_HELD = 8192, 20_000
+#: Messages not consumed within this time are dropped; the sweeper resends those of waiting jobs.
+MAX_AGE_SECONDS = 3600.0
+MAX_MESSAGES = 1_000_000
+#: A message has headers only; an intruder cannot fill the disk with larger ones.
+MAX_MESSAGE_BYTES = 1024
+#: Deduplication window of message ids.
+DEDUPLICATION_SECONDS = 120.0
+#: A message delivered more often is dropped: all workers refuse its job. The job's row counts its own tries.
+MAX_DELIVERIES = 200
+MAX_WAITING_PULLS, MAX_ACK_PENDING = 8192, 20_000
 
 
 @dataclass(frozen=True)
 class JobConsumer:
-    """Where the tickets of one kind of job wait."""
+    """The durable consumer of one kind of job."""
 
     kind: str
     lane: str
@@ -45,14 +44,14 @@ class JobConsumer:
 
 @dataclass(frozen=True)
 class StreamLayout:
-    """`desks`: what somebody waits for comes first."""
+    """`consumers` are in the order in which workers ask them: interactive kinds first."""
 
     consumers: Sequence[JobConsumer]
     lease_seconds: float
     replicas: int
 
     def consumer_of_kind(self, kind: str) -> JobConsumer:
-        return next(desk for desk in self.consumers if desk.kind == kind)
+        return next(consumer for consumer in self.consumers if consumer.kind == kind)
 
     def stream_config(self) -> StreamConfig:
         return StreamConfig(
@@ -61,72 +60,74 @@ class StreamLayout:
             retention=RetentionPolicy.WORK_QUEUE,
             storage=StorageType.FILE,
             num_replicas=self.replicas,
-            max_age=MOST_AGE,
-            max_msgs=MOST_TICKETS,
-            max_msg_size=LONGEST_TICKET,
-            duplicate_window=SAME_NAME_SECONDS,
+            max_age=MAX_AGE_SECONDS,
+            max_msgs=MAX_MESSAGES,
+            max_msg_size=MAX_MESSAGE_BYTES,
+            duplicate_window=DEDUPLICATION_SECONDS,
         )
 
-    def consumer_config(self, desk: JobConsumer) -> ConsumerConfig:
-        """A ticket is passed on when its lease ends: by then its holder's job may be taken back."""
+    def consumer_config(self, consumer: JobConsumer) -> ConsumerConfig:
+        """Return its configuration: a message is redelivered as its lease ends, when its job may be recovered."""
         return ConsumerConfig(
-            durable_name=desk.consumer_name,
-            filter_subject=desk.subject,
+            durable_name=consumer.consumer_name,
+            filter_subject=consumer.subject,
             ack_policy=AckPolicy.EXPLICIT,
             ack_wait=self.lease_seconds,
-            max_deliver=MOST_DELIVERIES,
-            max_waiting=MOST_PULLS,
-            max_ack_pending=MOST_HELD,
+            max_deliver=MAX_DELIVERIES,
+            max_waiting=MAX_WAITING_PULLS,
+            max_ack_pending=MAX_ACK_PENDING,
         )
 
     async def ensure(self, context: JetStreamContext) -> None:
-        """Makes what is missing, and changes what is otherwise. Raises nats.js.errors.APIError."""
+        """Create what is missing, and update what differs. Raises nats.js.errors.APIError."""
         try:
-            found = (await context.stream_info(STREAM)).config
-            if self._stream_differs(found):
+            actual = (await context.stream_info(STREAM)).config
+            if self._stream_differs(actual):
                 await context.update_stream(self.stream_config())
         except NotFoundError:
             await context.add_stream(self.stream_config())
-        for desk in self.consumers:
-            await context.add_consumer(STREAM, self.consumer_config(desk))
+        for consumer in self.consumers:
+            await context.add_consumer(STREAM, self.consumer_config(consumer))
 
     async def find_differences(self, context: JetStreamContext) -> list[str]:
-        """What is not as it should be, in French; `ensure` puts it right."""
+        """Return the differences from the expected state, in French; `ensure` removes them."""
         try:
-            found = (await context.stream_info(STREAM)).config
+            actual = (await context.stream_info(STREAM)).config
         except NotFoundError:
             return [f"le flux « {STREAM} » n’existe pas encore"]
-        told = [f"le flux « {STREAM} » : {text}" for text in self._stream_differs(found)]
-        for desk in self.consumers:
+        differences = [f"le flux « {STREAM} » : {text}" for text in self._stream_differs(actual)]
+        for consumer in self.consumers:
             try:
-                config = (await context.consumer_info(STREAM, desk.consumer_name)).config
+                config = (await context.consumer_info(STREAM, consumer.consumer_name)).config
             except NotFoundError:
-                told.append(f"le consommateur « {desk.consumer_name} » n’existe pas encore")
+                differences.append(f"le consommateur « {consumer.consumer_name} » n’existe pas encore")
                 continue
-            told += [
-                f"le consommateur « {desk.consumer_name} » : {text}"
-                for text in _differs(config, self.consumer_config(desk))
+            differences += [
+                f"le consommateur « {consumer.consumer_name} » : {text}"
+                for text in _differing_fields(config, self.consumer_config(consumer))
             ]
-        return told
+        return differences
 
-    def _stream_differs(self, found: StreamConfig) -> list[str]:
-        return list(_differs(found, self.stream_config()))
-
-
-def _differs(found: object, wanted: object) -> Iterator[str]:
-    for name in FIELDS:
-        here, there = getattr(wanted, name, None), getattr(found, name, None)
-        if here is not None and here != there:
-            yield f"{name} vaut {there} au lieu de {here}"
+    def _stream_differs(self, actual: StreamConfig) -> list[str]:
+        return list(_differing_fields(actual, self.stream_config()))
 
 
-FIELDS = (
+def _differing_fields(actual: object, expected: object) -> Iterator[str]:
+    for name in COMPARED_FIELDS:
+        expected_value, value = getattr(expected, name, None), getattr(actual, name, None)
+        if expected_value is not None and expected_value != value:
+            yield f"{name} vaut {value} au lieu de {expected_value}"
+
+
+COMPARED_FIELDS = (
     *("subjects", "retention", "storage", "num_replicas", "max_age", "max_msgs", "max_msg_size", "duplicate_window"),
     *("filter_subject", "ack_policy", "ack_wait", "max_deliver", "max_waiting", "max_ack_pending"),
 )
 
 
 def build_layout(settings: Settings, lanes: Mapping[str, str]) -> StreamLayout:
-    """`lanes`: of each kind of job, whether somebody waits for it."""
-    desks = sorted((JobConsumer(kind, lane) for kind, lane in lanes.items()), key=lambda desk: desk.lane != INTERACTIVE)
-    return StreamLayout(desks, settings.lease_seconds, settings.nats_replicas)
+    """Return the layout; `lanes` maps each kind of job to `interactive` or `background`."""
+    consumers = sorted(
+        (JobConsumer(kind, lane) for kind, lane in lanes.items()), key=lambda consumer: consumer.lane != INTERACTIVE
+    )
+    return StreamLayout(consumers, settings.lease_seconds, settings.nats_replicas)

@@ -1,9 +1,8 @@
-"""A worker's tickets: pulled one at a time from the consumers, those first of what somebody waits for.
+"""A worker's pull subscription: messages are pulled one at a time, interactive consumers first.
 
-A worker asks each consumer in order whether it has a ticket now; where none has, it waits at all of them at once. What
-comes when it has a ticket already goes back at once. Without NATS, or where JetStream does not answer, it looks into
-the database again and again instead: slower, but nothing stands still. Where it does answer, and brings nothing, the
-worker still looks now and then: what a cluster says of its tickets after a fault may be wrong.
+A worker asks each consumer in order for a message without waiting; where none has one, it waits at all of them. Surplus
+messages are handed back at once. Without NATS, or where JetStream does not answer, it polls the database instead. Where
+JetStream answers and brings nothing, the worker still polls now and then: after a fault, a cluster may report wrongly.
 """
 
 from __future__ import annotations
@@ -18,22 +17,22 @@ from server.queue.interfaces import WorkMessage
 from server.queue.jetstream.connection import FAILURES, NatsConnection, NatsUnavailableError
 from server.queue.jetstream.stream_layout import STREAM, JobConsumer
 
-#: A pull that waits is asked again so often: the server forgets it with the node that held it.
+#: Expiry of a waiting pull, which is then renewed: the server forgets it with the node that held it.
 PULL_SECONDS = 2.0
 ANSWER_SECONDS = 1.0
 RETRY_SECONDS = 0.5
-#: Of waits that brought nothing, one in so many is followed by a look into the database.
-WAITS_WITHOUT_A_LOOK = 20
-NANO = 1_000_000_000
-#: A ticket that its holder has no job for goes on to another in so many seconds, doubled each time.
+#: After so many empty waits, the worker polls the database.
+EMPTY_WAITS_BEFORE_POLL = 20
+NANOSECONDS = 1_000_000_000
+#: Redelivery delay in seconds of a message without a suitable job: the first, doubled up to the longest.
 FIRST_DELAY, LONGEST_DELAY = 0.05, 5.0
 ACK, NAK, PROGRESS = b"+ACK", b"-NAK", b"+WPI"
-EMPTY = frozenset({"404", "408"})
+EMPTY_STATUSES = frozenset({"404", "408"})
 
 
 @dataclass(frozen=True)
 class PulledMessage:
-    """A ticket of the stream."""
+    """A message of the stream."""
 
     kinds: Collection[str]
     deliveries: int
@@ -45,22 +44,22 @@ class PulledMessage:
         return self.deliveries > 1
 
     def in_progress(self) -> None:
-        self._answer(PROGRESS)
+        self._reply(PROGRESS)
 
     def ack(self, *, job_done: bool) -> None:
-        self._answer(ACK)
+        self._reply(ACK)
 
     def nak(self, *, delayed: bool) -> None:
         delay = min(FIRST_DELAY * 2 ** min(self.deliveries, 10), LONGEST_DELAY)
-        self._answer(NAK + b" " + json.dumps({"delay": int(delay * NANO)}).encode() if delayed else NAK)
+        self._reply(NAK + b" " + json.dumps({"delay": int(delay * NANOSECONDS)}).encode() if delayed else NAK)
 
-    def _answer(self, word: bytes) -> None:
-        """Where it does not arrive the ticket is passed on in the end, and finds no job: no harm."""
-        self.connection.reply(self.reply, word)
+    def _reply(self, payload: bytes) -> None:
+        """Send a reply; if it is lost, the message is redelivered and finds no job."""
+        self.connection.reply(self.reply, payload)
 
 
 class DatabasePoll:
-    """Leave to look for any job, where no ticket comes."""
+    """Stands in for a message where none comes: the worker looks for any job."""
 
     redelivered = False
 
@@ -82,104 +81,109 @@ class PullSubscription:
 
     def __init__(self, connection: NatsConnection) -> None:
         self._connection = connection
-        self._desks = connection.layout.consumers
-        self._kinds = [desk.kind for desk in self._desks]
+        self._consumers = connection.layout.consumers
+        self._kinds = [consumer.kind for consumer in self._consumers]
         self._lock, self._arrived = threading.Lock(), threading.Event()
-        self._wanted = False
-        self._ticket: PulledMessage | None = None
-        self._last: DatabasePoll | None = None
-        self._answered, self._vain = False, 0
-        self._pulling: asyncio.Task[None] | None = None
-        self._waiting: dict[JobConsumer, asyncio.Task[Exception | None]] = {}
+        self._wants_message = False
+        self._message: PulledMessage | None = None
+        self._last_poll: DatabasePoll | None = None
+        self._jetstream_answers, self._empty_waits = False, 0
+        self._pull_task: asyncio.Task[None] | None = None
+        self._waiting_pulls: dict[JobConsumer, asyncio.Task[Exception | None]] = {}
 
     def wait(self, seconds: float) -> None:
-        if self._last is not None and self._last.job_done and not self._answered:
-            return  # there was work without a ticket: there may be more
+        if self._last_poll is not None and self._last_poll.job_done and not self._jetstream_answers:
+            return  # the last poll found a job: there may be more
         with self._lock:
-            self._wanted = True
+            self._wants_message = True
         self._connection.call_on_loop(self._pull)
         self._arrived.wait(seconds)
 
     def take_message(self) -> WorkMessage | None:
         with self._lock:
-            ticket, self._ticket = self._ticket, None
+            message, self._message = self._message, None
             self._arrived.clear()
-            if ticket is not None:
-                self._wanted, self._last, self._vain = False, None, 0
-                return ticket
-            self._vain += 1
-            if self._answered and self._connection.is_up and self._vain < WAITS_WITHOUT_A_LOOK:
-                self._last = None
+            if message is not None:
+                self._wants_message, self._last_poll, self._empty_waits = False, None, 0
+                return message
+            self._empty_waits += 1
+            if self._jetstream_answers and self._connection.is_up and self._empty_waits < EMPTY_WAITS_BEFORE_POLL:
+                self._last_poll = None
                 return None
-            self._wanted, self._last, self._vain = False, DatabasePoll(self._kinds), 0
-            return self._last
+            self._wants_message, self._last_poll, self._empty_waits = False, DatabasePoll(self._kinds), 0
+            return self._last_poll
 
     def close(self) -> None:
-        """What came and was not taken goes to another at once."""
+        """Hand an untaken message back at once."""
         with self._lock:
-            self._wanted = False
-            ticket, self._ticket = self._ticket, None
-        if ticket is not None:
-            ticket.nak(delayed=False)
+            self._wants_message = False
+            message, self._message = self._message, None
+        if message is not None:
+            message.nak(delayed=False)
 
     def _pull(self) -> None:
-        if self._pulling is None or self._pulling.done():
-            self._pulling = asyncio.get_running_loop().create_task(self._keep_pulling())
+        if self._pull_task is None or self._pull_task.done():
+            self._pull_task = asyncio.get_running_loop().create_task(self._keep_pulling())
 
     async def _keep_pulling(self) -> None:
-        """As long as a ticket is wanted."""
-        while self._wanted and self._ticket is None:
+        """Pull as long as a message is wanted."""
+        while self._wants_message and self._message is None:
             try:
                 await self._pull_once()
             except (*FAILURES, NatsUnavailableError):
-                self._answered = False
+                self._jetstream_answers = False
                 await asyncio.sleep(RETRY_SECONDS)
 
     async def _pull_once(self) -> None:
-        """Asks each consumer in order; then waits at all of them, until one answers.
+        """Ask each consumer in order; then wait at all of them, until one answers.
 
-        A pull that waits goes on when another has brought a ticket: it is not made twice.
+        A waiting pull stays when another has brought a message: it is not repeated.
         """
-        for desk in self._desks:
-            if not self._waits_at(desk) and await self._ask(desk, {"no_wait": True}, ANSWER_SECONDS):
+        for consumer in self._consumers:
+            if not self._is_waiting_at(consumer) and await self._request_message(
+                consumer, {"no_wait": True}, ANSWER_SECONDS
+            ):
                 return
-        self._answered = True
-        for desk in self._desks:
-            if not self._waits_at(desk):
-                self._waiting[desk] = asyncio.get_running_loop().create_task(self._wait_at(desk))
-        done, _ = await asyncio.wait(self._waiting.values(), return_when=asyncio.FIRST_COMPLETED)
+        self._jetstream_answers = True
+        for consumer in self._consumers:
+            if not self._is_waiting_at(consumer):
+                self._waiting_pulls[consumer] = asyncio.get_running_loop().create_task(self._wait_at_consumer(consumer))
+        done, _ = await asyncio.wait(self._waiting_pulls.values(), return_when=asyncio.FIRST_COMPLETED)
         for pull in done:
             if failure := pull.result():
                 raise failure
 
-    async def _wait_at(self, desk: JobConsumer) -> Exception | None:
-        """Whatever it brings is offered; why it could not, where nobody listens to it any more."""
+    async def _wait_at_consumer(self, consumer: JobConsumer) -> Exception | None:
+        """Offer what a waiting pull brings; return its failure, if any."""
         try:
-            await self._ask(desk, {"expires": int(PULL_SECONDS * NANO)}, PULL_SECONDS + ANSWER_SECONDS)
+            await self._request_message(
+                consumer, {"expires": int(PULL_SECONDS * NANOSECONDS)}, PULL_SECONDS + ANSWER_SECONDS
+            )
         except (*FAILURES, NatsUnavailableError) as error:
             return error
         return None
 
-    def _waits_at(self, desk: JobConsumer) -> bool:
-        return desk in self._waiting and not self._waiting[desk].done()
+    def _is_waiting_at(self, consumer: JobConsumer) -> bool:
+        return consumer in self._waiting_pulls and not self._waiting_pulls[consumer].done()
 
-    async def _ask(self, desk: JobConsumer, how: Mapping[str, object], seconds: float) -> bool:
-        """One pull; whether it has brought a ticket."""
+    async def _request_message(self, consumer: JobConsumer, options: Mapping[str, object], seconds: float) -> bool:
+        """Send one pull request; return whether it brought a message."""
         client = self._connection.client
-        subject, asked = f"$JS.API.CONSUMER.MSG.NEXT.{STREAM}.{desk.consumer_name}", json.dumps({"batch": 1, **how})
-        message = await client.request(subject, asked.encode(), timeout=seconds, old_style=True)
-        status = (message.headers or {}).get("Status")
+        subject = f"$JS.API.CONSUMER.MSG.NEXT.{STREAM}.{consumer.consumer_name}"
+        request = json.dumps({"batch": 1, **options})
+        response = await client.request(subject, request.encode(), timeout=seconds, old_style=True)
+        status = (response.headers or {}).get("Status")
         if status is not None:
-            if status not in EMPTY:
-                raise NatsUnavailableError(f"{status} {(message.headers or {}).get('Description', '')}")
+            if status not in EMPTY_STATUSES:
+                raise NatsUnavailableError(f"{status} {(response.headers or {}).get('Description', '')}")
             return False
-        self._offer(PulledMessage([desk.kind], message.metadata.num_delivered, message.reply, self._connection))
+        self._offer(PulledMessage([consumer.kind], response.metadata.num_delivered, response.reply, self._connection))
         return True
 
-    def _offer(self, ticket: PulledMessage) -> None:
+    def _offer(self, message: PulledMessage) -> None:
         with self._lock:
-            if self._wanted and self._ticket is None:
-                self._ticket = ticket
+            if self._wants_message and self._message is None:
+                self._message = message
                 self._arrived.set()
                 return
-        ticket.nak(delayed=False)
+        message.nak(delayed=False)

@@ -1,9 +1,8 @@
-"""Calls again for what the database says is waiting, where the stream does not: a ticket was lost, the stream emptied,
-a backup restored.
+"""Resends messages of jobs that the stream has lost: a crash before publication, an emptied stream, a restored backup.
 
-Each job that waits or is being done has a ticket: the stream holds as many, waiting or in a worker's hands, or more.
-What is missing at two looks in a row is called for again. A ticket too many finds no job, and costs one question to
-the database; several sweepers name a call alike, and the stream takes it once.
+Each waiting or running job has a message: the stream holds as many or more, pending or being processed. Those missing
+at two checks in a row are sent again. A surplus message finds no job, and costs one query; several sweepers use the
+same message ids, which the stream deduplicates.
 """
 
 from __future__ import annotations
@@ -22,15 +21,15 @@ from server.queue.jetstream.stream_layout import STREAM
 
 log = logging.getLogger(__name__)
 
-#: At one look, of each kind.
-MOST_CALLS = 2000
-LOOK_SECONDS = 5.0
-#: Calls of the same job within so many seconds are one.
+#: Maximum number of messages resent at one check, by kind.
+MAX_RESENT = 2000
+QUERY_SECONDS = 5.0
+#: Messages for the same job within so many seconds have the same id.
 SLOT_SECONDS = 2.0
 
 
 class LostMessageSweeper:
-    """To be asked to look again and again."""
+    """Checked at intervals."""
 
     def __init__(self, connection: NatsConnection, clock: Callable[[], float] = time.time) -> None:
         self._connection, self._clock = connection, clock
@@ -38,43 +37,43 @@ class LostMessageSweeper:
         self.error = ""
 
     def resend_missing(self, db: Session) -> int:
-        """How many were called for."""
-        wanted = repository.count_by_kind(db)  # before the stream is asked: what comes between has its ticket
+        """Resend what is missing; return how many messages."""
+        jobs = repository.count_by_kind(db)  # before the stream is asked: jobs enqueued meanwhile have their message
         try:
-            held = self._connection.run_blocking(self._held, LOOK_SECONDS)
+            messages = self._connection.run_blocking(self._count_messages, QUERY_SECONDS)
         except NatsUnavailableError as down:
             self._missing = {}
-            self._say(str(down))
+            self._report(str(down))
             return 0
-        self._say("")
-        missing = {kind: wanted.get(kind, 0) - count for kind, count in held.items()}
-        twice = {kind: min(count, self._missing.get(kind, 0)) for kind, count in missing.items()}
+        self._report("")
+        missing = {kind: jobs.get(kind, 0) - count for kind, count in messages.items()}
+        missing_twice = {kind: min(count, self._missing.get(kind, 0)) for kind, count in missing.items()}
         self._missing = missing
-        return sum(self._call(db, kind, count) for kind, count in twice.items() if count > 0)
+        return sum(self._resend(db, kind, count) for kind, count in missing_twice.items() if count > 0)
 
-    async def _held(self) -> Mapping[str, int]:
-        """By kind, the tickets that wait or are in somebody's hands; a stream that is gone is made again."""
+    async def _count_messages(self) -> Mapping[str, int]:
+        """Count pending and unacknowledged messages by kind; create a missing stream."""
         context, layout = self._connection.jetstream, self._connection.layout
-        found = {}
-        for desk in layout.consumers:
+        messages = {}
+        for consumer in layout.consumers:
             try:
-                one = await context.consumer_info(STREAM, desk.consumer_name)
+                info = await context.consumer_info(STREAM, consumer.consumer_name)
             except NotFoundError:
                 await layout.ensure(context)
-                one = await context.consumer_info(STREAM, desk.consumer_name)
-            found[desk.kind] = (one.num_pending or 0) + (one.num_ack_pending or 0)
-        return found
+                info = await context.consumer_info(STREAM, consumer.consumer_name)
+            messages[consumer.kind] = (info.num_pending or 0) + (info.num_ack_pending or 0)
+        return messages
 
-    def _call(self, db: Session, kind: str, count: int) -> int:
+    def _resend(self, db: Session, kind: str, count: int) -> int:
         slot = int(self._clock() / SLOT_SECONDS)
-        names = repository.oldest_waiting_ids(db, kind, min(count, MOST_CALLS))
-        for name in names:
-            self._connection.publish_job_available(JobNotification(kind, f"{name}:again:{slot}"))
-        if names:
-            log.warning("%d %s jobs waited without a ticket, they are called for again", len(names), kind)
-        return len(names)
+        job_ids = repository.oldest_waiting_ids(db, kind, min(count, MAX_RESENT))
+        for job_id in job_ids:
+            self._connection.publish_job_available(JobNotification(kind, f"{job_id}:again:{slot}"))
+        if job_ids:
+            log.warning("%d %s jobs waited without a message, which is sent again", len(job_ids), kind)
+        return len(job_ids)
 
-    def _say(self, amiss: str) -> None:
-        if amiss and not self.error:
-            log.error("JetStream does not answer: %s", amiss)
-        self.error = amiss
+    def _report(self, error: str) -> None:
+        if error and not self.error:
+            log.error("JetStream does not answer: %s", error)
+        self.error = error

@@ -132,7 +132,7 @@ def test_a_connection_is_left_for_good_in_the_middle_of_a_good_bye(
         with suppress(asyncio.CancelledError):
             await asyncio.sleep(PATIENCE)
 
-    monkeypatch.setattr(connection, "_left", left)
+    monkeypatch.setattr(connection, "_close_quietly", left)
     nobody = settings.model_copy(update={"nats_url": "nats://127.0.0.1:1"})
     with NatsConnection(nobody, build_layout(nobody, JOB_LANES)) as closed:
         assert leaving.wait(PATIENCE)

@@ -241,11 +241,11 @@ def test_several_sweepers_call_once(service: Service) -> None:
     sweepers = [LostMessageSweeper(one.engine.connection, lambda: 1000.0) for one in machines]
     with service.web.database.read() as db:
         assert [one.resend_missing(db) for one in sweepers] == [0, 0, 0], "what is on its way is not missing"
-        called = [one._call(db, GRADE, 3) for one in sweepers]  # as when they look at the same moment
+        called = [one._resend(db, GRADE, 3) for one in sweepers]  # as when they look at the same moment
     assert called == [3, 3, 3]
     for machine in machines[1:]:
         machine.close()  # what is being posted ends first
-    until(lambda: service.tickets() >= 3 and not service.web.engine.connection._posting, "the calls are there")
+    until(lambda: service.tickets() >= 3 and not service.web.engine.connection._sending, "the calls are there")
     assert service.tickets() == 3, "each job has one, whoever called"
 
 
@@ -344,7 +344,7 @@ def test_a_worker_to_whom_nothing_is_brought_looks_by_itself_now_and_then(servic
     """Whatever a stream says of its tickets after a fault, nothing waits for ever. Nobody sweeps here."""
     machine = service.machine(poll_seconds=0.01)
     hand = Hand(machine).start()
-    until(lambda: hand.tickets._answered, "it waits for tickets")
+    until(lambda: hand.tickets._jetstream_answers, "it waits for tickets")
     store = Submissions(service.settings, TableQueue(NullNotifier()))
     with service.web.database.write() as db:
         sent = job_key(store.submit(db, service.account, EXERCISE, "pass", address=ADDRESS).id)
