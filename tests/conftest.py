@@ -86,40 +86,30 @@ def pytest_collection() -> Iterator[None]:
         gc.enable()
 
 
-#: Who grades, or runs in the course's sandbox: their process keeps what known mistakes answer, some ten seconds of the
-#: processor for all exercises, and its templates, which take two to start. Who draws all formulas of the course goes
-#: with them, as the pages of its texts are among them: drawn twice, they take three more.
-GRADING = (
-    "tests/graders/",
-    "tests/content/graders/",
-    "tests/content/curriculum/",
-    "tests/web/test_verdicts.py",
-    "tests/grading/test_hostile.py",
-    "tests/course/test_course_loading.py",
-)
-
-
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Mark each test by the part of the suite in which its folder lies."""
-    part = item.nodeid.split("/")[1] if item.nodeid.count("/") > 1 else ""
+    part = _part_of(item)
     if part in PARTS:
         item.add_marker(part)
 
 
+def _part_of(item: pytest.Item) -> str:
+    return item.nodeid.split("/")[1]
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out slow tests, unless they are asked for, and put in order.
+    """Leave out slow tests, unless they are asked for, and put the others in order.
 
-    Each process of xdist begins with a part of the list, in one piece: what grades is in few of them.
-
-    Of the others, what is long comes first: begun last, it would keep one processor busy while the other has nothing to
-    do.
+    Each worker begins with one piece of the list: the content, whose graders and templates take seconds to warm up, is
+    in as few of them as can be, and so are the servers of the contracts. Long tests come first of their part: begun
+    last, one would keep a processor busy while the others have nothing to do.
     """
     if "slow" not in config.option.markexpr:
-        slow = [item for item in items if item.get_closest_marker("slow")]
-        config.hook.pytest_deselected(items=slow)
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("slow")])
         items[:] = [item for item in items if not item.get_closest_marker("slow")]
-    items.sort(key=lambda item: (not item.nodeid.startswith(GRADING), item.get_closest_marker("long") is None))
+    order = {part: rank for rank, part in enumerate(PARTS)}
+    items.sort(key=lambda item: (order.get(_part_of(item), len(PARTS)), item.get_closest_marker("long") is None))
 
 
 @pytest.hookimpl(tryfirst=True)

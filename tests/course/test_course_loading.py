@@ -136,11 +136,3 @@ def test_names_that_would_clash_with_other_addresses_are_refused(course_folder: 
 def test_without_rendering_a_statement_is_read_when_it_is_asked_for(course_folder: CourseFolder) -> None:
     (course_folder.exercise("a") / "enonce.md").write_text("$\\frac{$")
     assert not course_folder.load(render=False).problems
-
-
-def test_the_course_that_is_shipped_is_well_formed() -> None:
-    from server.course import load
-
-    course = load()
-    assert [str(problem) for problem in course.problems] == []
-    assert "l20/poses" in course.exercises

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
-from graders.core.code.grading import CodeGrader
-from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.course import FunctionSpec
 from server.web import verdicts
 from server.web.rendering import jinja_environment
-from tests.support.shipped import CODE
 from tests.support.small_site import CHECK
 
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
@@ -49,22 +44,3 @@ def test_what_can_be_replayed_is_offered_under_its_counterexample(which: tuple[s
     view = verdicts.verdict_view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
     html = jinja_environment().from_string(SHOW).render(verdict=view)
     assert html.count(f'data-steps="/soumissions/1/pas" data-check="{check.id}"') == buttons
-
-
-@pytest.mark.parametrize(
-    "grader", [pytest.param(one, id=name, marks=[pytest.mark.slow] * one.long) for name, one in CODE.items()]
-)
-def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: CodeGrader) -> None:
-    mistake = grader.misconceptions[0]
-    grading = grader.grade(mistake.source.encode(), LOCAL, seed=1, version="0")
-    stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
-    verdict = verdicts.verdict_view(Verdict.from_json(stored), "/figures")
-    html = jinja_environment().from_string(SHOW).render(verdict=verdict)
-    assert verdict.diagnosis is not None
-    assert len(verdict.diagnosis.paragraphs) >= 2
-    assert any(check.counterexample for check in verdict.checks)
-    assert {check.figure.light for check in verdict.checks if check.figure} == {
-        f"/figures/{name}.svg?theme=light" for name in grading.figures
-    }
-    for heading in ("Donné", "Attendu", "Obtenu", "Erreur reconnue"):
-        assert heading in html

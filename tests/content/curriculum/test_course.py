@@ -16,7 +16,7 @@ from graders.core.contract.outcomes import Outcome
 from server.base.files import ROOT
 from server.cli import check
 from server.cli.check import Case, cases, examine
-from server.course import Course, Exercise
+from server.course import Course, Exercise, load
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from tests.support.shipped import CODE, exercises_of_kind
@@ -50,6 +50,11 @@ def test_the_course_has_its_exercises_and_no_problem(course: Course) -> None:
     assert {f"l20/{slug}" for slug in first} <= course.exercises.keys()
     assert course.problems == ()
     assert course.exercises.keys() == {*exercises_of_kind("code"), *exercises_of_kind("answers")}
+
+
+@pytest.mark.long
+def test_every_text_holds_together_and_every_formula_is_drawn() -> None:
+    assert [str(problem) for problem in load().problems] == []
 
 
 @pytest.mark.long
