@@ -1,1 +1,1 @@
-"""Regrades: what was sent is graded anew, shown before it counts, then applied or undone at once."""
+"""Regrades: attempts are graded again, previewed before they count, then applied or undone at once."""

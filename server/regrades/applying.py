@@ -1,4 +1,4 @@
-"""Having a regrade count, or no more: all of it in the caller's transaction, or nothing."""
+"""Apply a regrade, or undo it: all of it in the caller's transaction, or nothing."""
 
 from __future__ import annotations
 
@@ -31,85 +31,93 @@ OVERTAKEN = (
 OVERTAKEN_UNDO = (
     "Une autre recorrection, appliquée depuis, a changé une partie de ces essais : annulez-la d’abord, puis celle-ci."
 )
-MOVED_HOUSE = "Un élève vient de changer de compte : recommencez."
+ACCOUNT_CHANGED = "Un élève vient de changer de compte : recommencez."
 
 
 def apply_regrade(db: Session, course: Course, regrade_id: UUID, by: UUID) -> None:
-    """Has the new gradings count, as the policy says; nothing where it is done already. Raises Conflict."""
+    """Make the new gradings count by the policy; nothing where it is done already. Raises Conflict."""
     regrade = lock_regrade(db, regrade_id)
     if regrade.is_applied:
         return
-    _require_over(db, regrade)
-    copies = _held(db, regrade)
-    _require_one_version(copies)
-    if any(copy.current_id != copy.before_id for copy in copies):
+    _require_finished(db, regrade)
+    attempts = _lock_attempts(db, regrade)
+    _require_one_version(attempts)
+    if any(attempt.current_id != attempt.before_id for attempt in attempts):
         raise Conflict(OVERTAKEN)
-    moving = [copy for copy in copies if counts_when_applied(RegradePolicy(regrade.policy), copy)]
-    _repoint(db, regrade, moving, [copy.after_id for copy in moving])
-    repository.set_applied(db, [copy.item_id for copy in moving], moved=True)
+    policy = RegradePolicy(regrade.policy)
+    chosen = [attempt for attempt in attempts if counts_when_applied(policy, attempt)]
+    _choose_gradings(db, regrade, chosen, [attempt.after_id for attempt in chosen])
+    repository.set_applied(db, [attempt.item_id for attempt in chosen], is_applied=True)
     regrade.applied_at, regrade.undone_at = utc_now(), None
-    _note(db, course, regrade, by, AuditAction.regrade_applied, mark_changes(db, regrade, copies))
+    _record(db, course, regrade, by, AuditAction.regrade_applied, mark_changes(db, regrade, attempts))
 
 
 def undo_regrade(db: Session, course: Course, regrade_id: UUID, by: UUID) -> None:
-    """Has what counted before count again; nothing where it is done already. Raises Conflict."""
+    """Make the old gradings count again; nothing where it is done already. Raises Conflict."""
     regrade = lock_regrade(db, regrade_id)
     if not regrade.is_applied:
         return
-    copies = _held(db, regrade)
-    moved = [copy for copy in copies if copy.is_applied]
-    if any(copy.current_id != copy.after_id for copy in moved):
+    attempts = _lock_attempts(db, regrade)
+    applied = [attempt for attempt in attempts if attempt.is_applied]
+    if any(attempt.current_id != attempt.after_id for attempt in applied):
         raise Conflict(OVERTAKEN_UNDO)
-    _repoint(db, regrade, moved, [copy.before_id for copy in moved])
-    repository.set_applied(db, [copy.item_id for copy in moved], moved=False)
+    _choose_gradings(db, regrade, applied, [attempt.before_id for attempt in applied])
+    repository.set_applied(db, [attempt.item_id for attempt in applied], is_applied=False)
     regrade.undone_at = utc_now()
-    back = [replace(one, before=one.after, after=one.before) for one in mark_changes(db, regrade, copies)]
-    _note(db, course, regrade, by, AuditAction.regrade_undone, back)
+    reverted = [
+        replace(change, before=change.after, after=change.before) for change in mark_changes(db, regrade, attempts)
+    ]
+    _record(db, course, regrade, by, AuditAction.regrade_undone, reverted)
 
 
-def _note(
-    db: Session, course: Course, regrade: Regrade, by: UUID, what: AuditAction, found: Collection[MarkChange]
+def _record(
+    db: Session, course: Course, regrade: Regrade, by: UUID, action: AuditAction, changes: Collection[MarkChange]
 ) -> None:
-    """One event for each student whose mark changes; one for the class where none does."""
+    """Record an event for each student whose mark changes; one for the class where none does."""
     exercise = course.exercises.get(regrade.exercise)
     about = exercise.title if exercise else regrade.exercise
-    changed = [one for one in found if one.before != one.after]
-    for one in changed:
-        was, now = {"points": one.before}, {"points": one.after}
-        audit.record_event(db, regrade.class_id, by, what, student=one.student, about=about, before=was, after=now)
+    changed = [change for change in changes if change.before != change.after]
+    for change in changed:
+        before, after = {"points": change.before}, {"points": change.after}
+        audit.record_event(
+            db, regrade.class_id, by, action, student=change.student, about=about, before=before, after=after
+        )
     if not changed:
-        audit.record_event(db, regrade.class_id, by, what, about=about)
+        audit.record_event(db, regrade.class_id, by, action, about=about)
 
 
-def _require_over(db: Session, regrade: Regrade) -> None:
-    """Raises Conflict."""
-    found = load_progress(db, regrade)
-    if found.state is RegradeState.stopped:
+def _require_finished(db: Session, regrade: Regrade) -> None:
+    """Raise Conflict for a regrade that is running or stopped."""
+    progress = load_progress(db, regrade)
+    if progress.state is RegradeState.stopped:
         raise Conflict(STOPPED)
-    if found.state is RegradeState.running:
-        raise Conflict(RUNNING.format(left=found.total - found.graded))
+    if progress.state is RegradeState.running:
+        raise Conflict(RUNNING.format(left=progress.total - progress.graded))
 
 
-def _require_one_version(copies: Sequence[RegradedAttempt]) -> None:
-    """Raises Conflict."""
-    if len({copy.version for copy in copies if copy.after is not None}) > 1:
+def _require_one_version(attempts: Sequence[RegradedAttempt]) -> None:
+    """Raise Conflict where several versions of the exercise graded the attempts."""
+    if len({attempt.version for attempt in attempts if attempt.after is not None}) > 1:
         raise Conflict(MIXED)
 
 
-def _held(db: Session, regrade: Regrade) -> Sequence[RegradedAttempt]:
-    """The attempts, of which nobody else changes what counts until the commit: accounts first, as everywhere.
+def _lock_attempts(db: Session, regrade: Regrade) -> Sequence[RegradedAttempt]:
+    """Lock the accounts, then the attempts, until the commit; return the attempts.
 
-    Raises Conflict where a guest's work has gone to an account at this very moment.
+    Raises Conflict where a guest's work has moved to an account in between.
     """
     accounts = repository.load_author_ids(db, regrade.id)
     standings.lock_accounts(db, accounts)
-    copies = repository.load_attempts(db, regrade.id, lock=True)
-    if not {copy.account_id for copy in copies} <= accounts:
-        raise Conflict(MOVED_HOUSE)
-    return copies
+    attempts = repository.load_attempts(db, regrade.id, lock=True)
+    if not {attempt.account_id for attempt in attempts} <= accounts:
+        raise Conflict(ACCOUNT_CHANGED)
+    return attempts
 
 
-def _repoint(db: Session, regrade: Regrade, copies: Sequence[RegradedAttempt], chosen: Sequence[UUID | None]) -> None:
-    pairs = zip(copies, chosen, strict=True)
-    pointers = {copy.submission_id: grading for copy, grading in pairs if grading is not None}
-    gradebook.set_counting_gradings(db, regrade.exercise, {copy.account_id for copy in copies}, pointers)
+def _choose_gradings(
+    db: Session, regrade: Regrade, attempts: Sequence[RegradedAttempt], gradings: Sequence[UUID | None]
+) -> None:
+    """Make these gradings of the attempts count."""
+    pairs = zip(attempts, gradings, strict=True)
+    chosen = {attempt.submission_id: grading for attempt, grading in pairs if grading is not None}
+    gradebook.set_counting_gradings(db, regrade.exercise, {attempt.account_id for attempt in attempts}, chosen)

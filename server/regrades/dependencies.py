@@ -1,4 +1,4 @@
-"""What routes ask of this room."""
+"""Dependencies of routes."""
 
 from typing import Annotated
 

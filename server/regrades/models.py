@@ -1,4 +1,4 @@
-"""A regrade of an exercise, and the attempts that it grades anew."""
+"""A regrade of an exercise, and the attempts that it regrades."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -12,14 +12,14 @@ from server.database.base import Base, UtcDateTime, utc_now
 
 
 class RegradePolicy(StrEnum):
-    """Which of an attempt's two gradings is to count: the better one, or the new one."""
+    """Which of an attempt's two gradings counts: the better one, or the new one."""
 
     keep_best = "keep_best"
     renew = "replace"
 
 
 class RegradeScope(StrEnum):
-    """Whose attempts: those of the whole class, those that may count in an assignment, those of one student."""
+    """The attempts to regrade: of the whole class, those that may count in an assignment, or of one student."""
 
     school_class = "class"
     assignment = "assignment"
@@ -27,10 +27,10 @@ class RegradeScope(StrEnum):
 
 
 class Regrade(Base):
-    """Nothing of it counts until it is applied. `stopped_at`: its teacher gave it up before its end.
+    """A regrade, whose gradings count only while it is applied. `stopped_at`: its teacher cancelled it.
 
-    It is applied when `applied_at` is there and `undone_at` is not. Of an assignment or a student that is no more, the
-    scope alone is left.
+    It is applied while `applied_at` is set and `undone_at` is not. Once its assignment or student is deleted, `scope`
+    alone remains.
     """
 
     __tablename__ = "regrade"
@@ -54,10 +54,10 @@ class Regrade(Base):
 
 
 class RegradeItem(Base):
-    """An attempt to be graded anew. `before_id` is the grading that counted, `after_id` the new one once it is there.
+    """An attempt to regrade. `before_id` is the grading that counted, `after_id` the new one once it exists.
 
-    `position` is its place among those of the regrade; `counting`: it was its author's best or last attempt. `why` is
-    what differs between the two verdicts (`server.regrades.differences.Reason`). `moved`: the new grading counts.
+    `position` orders the items of a regrade; `counted`: the best or last attempt of its author. `differences` of the
+    two verdicts are `VerdictDifference` as JSON. `is_applied`: the new grading counts.
     """
 
     __tablename__ = "regrade_item"
@@ -75,11 +75,11 @@ class RegradeItem(Base):
     __table_args__ = (Index("ix_regrade_item_regrade_id", "regrade_id"),)
 
 
-_WAITS = RegradeItem.after_id.is_(None)
+_IS_WAITING = RegradeItem.after_id.is_(None)
 Index(
     "ix_regrade_item_waiting",
     RegradeItem.regrade_id,
     RegradeItem.position,
-    sqlite_where=_WAITS,
-    postgresql_where=_WAITS,
+    sqlite_where=_IS_WAITING,
+    postgresql_where=_IS_WAITING,
 )

@@ -1,4 +1,4 @@
-"""What a regrade would do to whom: pure."""
+"""The effect of a regrade on students' marks. Pure functions."""
 
 from __future__ import annotations
 
@@ -11,83 +11,86 @@ from server.regrades.differences import FAILED, VerdictDifference
 from server.regrades.models import RegradePolicy
 from server.regrades.schemas import MarkChange, MarkOutcome, RegradedAttempt
 
-DUST = 1e-6
-#: From a student's attempts to what counts of them: which, and its points out of 20.
+TOLERANCE = 1e-6
+#: The attempt that counts, and its points out of 20; None without any.
 CountedMark = tuple[UUID, float] | None
+#: Chooses the mark that counts among a student's attempts.
 Marker = Callable[[UUID, Sequence[ScoredAttempt]], CountedMark]
 
 
 def best_mark(_student: UUID, attempts: Sequence[ScoredAttempt]) -> CountedMark:
-    """Of equals the earliest."""
-    top = max(sorted(attempts, key=lambda one: (one.sent_at, str(one.id))), key=lambda one: one.score, default=None)
-    return None if top is None else (top.id, 20.0 * top.score)
+    """Return the best attempt; among equal scores the earliest."""
+    in_order = sorted(attempts, key=lambda attempt: (attempt.sent_at, str(attempt.id)))
+    best = max(in_order, key=lambda attempt: attempt.score, default=None)
+    return None if best is None else (best.id, 20.0 * best.score)
 
 
-def counts_when_applied(policy: RegradePolicy, copy: RegradedAttempt) -> bool:
-    """Whether the new grading is to count: never an error of ours, and always in the place of one."""
-    if copy.after is None:
+def counts_when_applied(policy: RegradePolicy, attempt: RegradedAttempt) -> bool:
+    """Whether the new grading is to count: never an internal error, and always in place of one."""
+    if attempt.after is None:
         return False
-    return policy is RegradePolicy.renew or copy.before is None or copy.after >= copy.before - DUST
+    return policy is RegradePolicy.renew or attempt.before is None or attempt.after >= attempt.before - TOLERANCE
 
 
-def compute_changes(policy: RegradePolicy, copies: Iterable[RegradedAttempt], marker: Marker) -> list[MarkChange]:
-    """One for each student. An attempt that waits stands as it is."""
-    of_students: dict[UUID, list[RegradedAttempt]] = defaultdict(list)
-    for copy in copies:
-        of_students[copy.account_id].append(copy)
-    return [_change(policy, student, mine, marker) for student, mine in of_students.items()]
+def compute_changes(policy: RegradePolicy, attempts: Iterable[RegradedAttempt], marker: Marker) -> list[MarkChange]:
+    """Return the change of each student's mark. Attempts that are not regraded yet keep their score."""
+    by_student: dict[UUID, list[RegradedAttempt]] = defaultdict(list)
+    for attempt in attempts:
+        by_student[attempt.account_id].append(attempt)
+    return [_change(policy, student, own_attempts, marker) for student, own_attempts in by_student.items()]
 
 
-def _change(policy: RegradePolicy, student: UUID, copies: Sequence[RegradedAttempt], marker: Marker) -> MarkChange:
-    def marked(score: Callable[[RegradedAttempt], float | None]) -> CountedMark:
-        found = ((copy, score(copy)) for copy in copies)
-        return marker(
-            student, [ScoredAttempt(one.submission_id, one.sent_at, value) for one, value in found if value is not None]
-        )
+def _change(policy: RegradePolicy, student: UUID, attempts: Sequence[RegradedAttempt], marker: Marker) -> MarkChange:
+    def mark(score_of: Callable[[RegradedAttempt], float | None]) -> CountedMark:
+        scores = ((attempt, score_of(attempt)) for attempt in attempts)
+        scored = [
+            ScoredAttempt(attempt.submission_id, attempt.sent_at, score)
+            for attempt, score in scores
+            if score is not None
+        ]
+        return marker(student, scored)
 
-    before = marked(lambda one: one.before)
-    after = marked(lambda one: one.after if counts_when_applied(policy, one) else one.before)
-    anew = marked(lambda one: one.before if one.after is None else one.after)
-    fate = _fate(before, after, anew)
-    deciding = [one[0] for one in (after if fate is not MarkOutcome.kept else anew, before) if one is not None]
-    about, why = _why({copy.submission_id: copy for copy in copies}, deciding)
+    before = mark(lambda attempt: attempt.before)
+    after = mark(lambda attempt: attempt.after if counts_when_applied(policy, attempt) else attempt.before)
+    new_only = mark(lambda attempt: attempt.before if attempt.after is None else attempt.after)
+    outcome = _outcome(before, after, new_only)
+    marks = (after if outcome is not MarkOutcome.kept else new_only, before)
+    deciding = [mark[0] for mark in marks if mark is not None]
+    submission_id, differences = _explain({attempt.submission_id: attempt for attempt in attempts}, deciding)
     return MarkChange(
         student=student,
         before=_points(before),
         after=_points(after),
-        new_only=_points(anew),
-        outcome=fate,
-        submission_id=about,
-        differences=why,
-        attempts=len(copies),
-        failed=sum(copy.failed for copy in copies),
-        waiting=sum(copy.after_id is None for copy in copies),
+        new_only=_points(new_only),
+        outcome=outcome,
+        submission_id=submission_id,
+        differences=differences,
+        attempts=len(attempts),
+        failed=sum(attempt.failed for attempt in attempts),
+        waiting=sum(attempt.after_id is None for attempt in attempts),
     )
 
 
-def _points(marked: CountedMark) -> float | None:
-    return None if marked is None else round(marked[1], 4)
+def _points(mark: CountedMark) -> float | None:
+    return None if mark is None else round(mark[1], 4)
 
 
-def _fate(before: CountedMark, after: CountedMark, anew: CountedMark) -> MarkOutcome:
-    was, becomes, alone = (-1.0 if one is None else one[1] for one in (before, after, anew))
-    if becomes > was + DUST:
+def _outcome(before: CountedMark, after: CountedMark, new_only: CountedMark) -> MarkOutcome:
+    old, new, unprotected = (-1.0 if mark is None else mark[1] for mark in (before, after, new_only))
+    if new > old + TOLERANCE:
         return MarkOutcome.gains
-    if becomes < was - DUST:
+    if new < old - TOLERANCE:
         return MarkOutcome.loses
-    return MarkOutcome.kept if alone < was - DUST else MarkOutcome.same
+    return MarkOutcome.kept if unprotected < old - TOLERANCE else MarkOutcome.same
 
 
-def _why(
-    copies: Mapping[UUID, RegradedAttempt], deciding: Sequence[UUID]
+def _explain(
+    attempts: Mapping[UUID, RegradedAttempt], deciding: Sequence[UUID]
 ) -> tuple[UUID | None, tuple[VerdictDifference, ...]]:
-    """Of the first attempt, of those that make the mark, of which another score or something else is told."""
-    told = [
-        copies[name]
-        for name in dict.fromkeys(deciding)
-        if copies[name].differences and copies[name].differences != (FAILED,)
-    ]
-    told.sort(key=lambda copy: copy.before == copy.after)
-    failed = [copy for copy in copies.values() if copy.failed]
-    first = next(iter([*told, *failed]), None)
+    """Return the attempt that explains a change, with its differences: a deciding one, best with another score."""
+    candidates = [attempts[submission_id] for submission_id in dict.fromkeys(deciding)]
+    explained = [attempt for attempt in candidates if attempt.differences and attempt.differences != (FAILED,)]
+    explained.sort(key=lambda attempt: attempt.before == attempt.after)
+    failed = [attempt for attempt in attempts.values() if attempt.failed]
+    first = next(iter([*explained, *failed]), None)
     return (None, ()) if first is None else (first.submission_id, first.differences)

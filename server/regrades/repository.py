@@ -1,4 +1,4 @@
-"""Queries on regrades. Lists never open a verdict: what differs between two is kept with each item."""
+"""Queries on regrades. No list loads verdicts: their differences are stored with each item."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
@@ -19,84 +19,86 @@ from server.regrades.schemas import AppliedRegrade, OutdatedExercise, RegradedAt
 from server.submissions.models import Submission
 
 _items = table_of(RegradeItem)
-#: The fields of a copy that are columns as they are.
-COPIED = tuple(field.name for field in fields(RegradedAttempt))[:-2]
+#: The fields of `RegradedAttempt` that are plain columns.
+PLAIN_FIELDS = tuple(field.name for field in fields(RegradedAttempt))[:-2]
 _before, _after = aliased(Grading), aliased(Grading)
 
 
 def find_regrade(db: Session, class_id: UUID, regrade_id: UUID) -> Regrade | None:
-    """Of this class alone."""
+    """Return a regrade of this class, or None."""
     query = select(Regrade).where(Regrade.id == regrade_id, Regrade.class_id == class_id)
     return db.execute(query).scalar_one_or_none()
 
 
 def lock_regrade(db: Session, regrade_id: UUID) -> Regrade | None:
-    """As it stands now; nobody else changes it until the commit."""
+    """Lock and reload a regrade until the commit."""
     query = select(Regrade).where(Regrade.id == regrade_id).with_for_update()
     return db.execute(query.execution_options(populate_existing=True)).scalar_one_or_none()
 
 
-def load_class_regrades(db: Session, class_id: UUID, most: int) -> Sequence[Regrade]:
-    """Newest first."""
+def load_class_regrades(db: Session, class_id: UUID, limit: int) -> Sequence[Regrade]:
+    """Load the last regrades of a class, newest first."""
     query = select(Regrade).where(Regrade.class_id == class_id)
-    return db.execute(query.order_by(Regrade.created_at.desc(), Regrade.id).limit(most)).scalars().all()
+    return db.execute(query.order_by(Regrade.created_at.desc(), Regrade.id).limit(limit)).scalars().all()
 
 
 def load_running_regrades(db: Session, class_id: UUID) -> Sequence[Regrade]:
-    """Those of the class that are not over."""
-    waits = select(RegradeItem.id).where(RegradeItem.regrade_id == Regrade.id, RegradeItem.after_id.is_(None)).exists()
+    """Load the regrades of a class that are not over."""
+    is_waiting = (
+        select(RegradeItem.id).where(RegradeItem.regrade_id == Regrade.id, RegradeItem.after_id.is_(None)).exists()
+    )
     return (
-        db.execute(select(Regrade).where(Regrade.class_id == class_id, Regrade.stopped_at.is_(None), waits))
+        db.execute(select(Regrade).where(Regrade.class_id == class_id, Regrade.stopped_at.is_(None), is_waiting))
         .scalars()
         .all()
     )
 
 
 def count_graded(db: Session, regrades: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
-    """Of each, how many attempts are graded anew, and how many there are."""
+    """Count the regraded attempts and all attempts of each regrade."""
     query = (
         select(RegradeItem.regrade_id, func.count(RegradeItem.after_id), func.count())
         .where(RegradeItem.regrade_id.in_(regrades))
         .group_by(RegradeItem.regrade_id)
     )
-    found = {name: (graded, total) for name, graded, total in db.execute(query)}
-    return {name: found.get(name, (0, 0)) for name in regrades}
+    counts = {regrade_id: (graded, total) for regrade_id, graded, total in db.execute(query)}
+    return {regrade_id: counts.get(regrade_id, (0, 0)) for regrade_id in regrades}
 
 
 def load_graded_attempts(
-    db: Session, accounts: Collection[UUID], exercise: str, most: int
+    db: Session, accounts: Collection[UUID], exercise: str, limit: int
 ) -> Sequence[Row[UUID, UUID, datetime, UUID, float | None]]:
-    """Submission, author, time, the grading that counts and its score, in the order of sending."""
+    """Load submission, author, time, current grading and its score, in the order of submission."""
     query = (
         select(Submission.id, Submission.account_id, Submission.created_at, Grading.id, Grading.score)
         .join(Grading, Grading.id == Submission.grading_id)
         .where(Submission.account_id.in_(accounts), Submission.exercise == exercise)
         .order_by(Submission.created_at, Submission.id)
     )
-    return db.execute(query.limit(most)).all()
+    return db.execute(query.limit(limit)).all()
 
 
 def add_items(db: Session, regrade_id: UUID, rows: Sequence[tuple[UUID, UUID, bool]]) -> None:
-    """Submission, the grading that counts, and whether it makes its author's mark; in the order of their turns."""
+    """Insert items from submission, current grading and whether it makes its author's mark, in this order."""
     items: list[dict[str, object]] = [
         {
             "id": uuid4(),
             "regrade_id": regrade_id,
             "position": position,
-            "counted": counting,
+            "counted": counted,
             "submission_id": submission,
             "before_id": grading,
             "after_id": None,
             "differences": [],
             "is_applied": False,
         }
-        for position, (submission, grading, counting) in enumerate(rows)
+        for position, (submission, grading, counted) in enumerate(rows)
     ]
     db.execute(insert(_items), items)
 
 
 def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission, UUID] | None:
-    """The first that waits, of a regrade that goes on; what was sent; the class."""
+    """Return the next item of a running regrade to grade, its submission and the class."""
     query = (
         select(RegradeItem, Submission, Regrade.class_id)
         .join(Submission, Submission.id == RegradeItem.submission_id)
@@ -107,19 +109,19 @@ def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission
     return db.execute(query.limit(1)).one_or_none()
 
 
-def set_graded(db: Session, item_id: UUID, grading_id: UUID, why: Sequence[VerdictDifference]) -> None:
-    changed = {"after_id": grading_id, "differences": [one.to_json() for one in why]}
-    db.execute(update(_items).where(_items.c.id == item_id).values(**changed))
+def set_graded(db: Session, item_id: UUID, grading_id: UUID, differences: Sequence[VerdictDifference]) -> None:
+    values = {"after_id": grading_id, "differences": [difference.to_json() for difference in differences]}
+    db.execute(update(_items).where(_items.c.id == item_id).values(**values))
 
 
 def load_item_ids(db: Session, item_id: UUID) -> Row[UUID, UUID, UUID | None] | None:
-    """Its submission, the grading from before and the new one; None once its author has gone."""
+    """Return an item's submission, old grading and new one; None once its author is erased."""
     query = select(RegradeItem.submission_id, RegradeItem.before_id, RegradeItem.after_id)
     return db.execute(query.where(RegradeItem.id == item_id)).one_or_none()
 
 
 def load_attempts(db: Session, regrade_id: UUID, *, lock: bool = False) -> Sequence[RegradedAttempt]:
-    """In the order of sending; with `lock`, nobody else has another grading count until the commit."""
+    """Load the attempts of a regrade in the order of submission; `lock` locks their submissions until the commit."""
     query = (
         select(
             RegradeItem.id,
@@ -143,15 +145,15 @@ def load_attempts(db: Session, regrade_id: UUID, *, lock: bool = False) -> Seque
         .order_by(Submission.created_at, Submission.id)
     )
     query = query.with_for_update(of=Submission) if lock else query
-    return [_copy(row) for row in db.execute(query)]
+    return [_regraded_attempt(row) for row in db.execute(query)]
 
 
-def _copy(row: Sequence[Any]) -> RegradedAttempt:
-    *values, why, moved = row
+def _regraded_attempt(row: Sequence[Any]) -> RegradedAttempt:
+    *values, differences, is_applied = row
     return RegradedAttempt(
-        **dict(zip(COPIED, values, strict=True)),
-        differences=tuple(map(VerdictDifference.from_json, why)),
-        is_applied=moved,
+        **dict(zip(PLAIN_FIELDS, values, strict=True)),
+        differences=tuple(map(VerdictDifference.from_json, differences)),
+        is_applied=is_applied,
     )
 
 
@@ -160,10 +162,10 @@ def load_author_ids(db: Session, regrade_id: UUID) -> frozenset[UUID]:
     return frozenset(db.execute(query.where(RegradeItem.regrade_id == regrade_id)).scalars())
 
 
-def set_applied(db: Session, items: Collection[UUID], *, moved: bool) -> None:
+def set_applied(db: Session, items: Collection[UUID], *, is_applied: bool) -> None:
     if items:
-        statement = update(_items).where(_items.c.id == bindparam("item")).values(is_applied=moved)
-        db.execute(statement, [{"item": name} for name in items])
+        statement = update(_items).where(_items.c.id == bindparam("item")).values(is_applied=is_applied)
+        db.execute(statement, [{"item": item_id} for item_id in items])
 
 
 def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, when: datetime) -> Mapping[UUID, int]:
@@ -176,7 +178,7 @@ def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, whe
 
 
 @prepared
-def _told(grading_id: UUID) -> Select[datetime | None, float | None, float | None, Any]:
+def _applied_regrade(grading_id: UUID) -> Select[datetime | None, float | None, float | None, Any]:
     return (
         select(Regrade.applied_at, _before.score, _after.score, RegradeItem.differences)
         .select_from(RegradeItem)
@@ -188,25 +190,25 @@ def _told(grading_id: UUID) -> Select[datetime | None, float | None, float | Non
 
 
 def find_applied_regrade(db: Session, grading_id: UUID) -> AppliedRegrade | None:
-    """Of the regrade that is applied, and has this grading count."""
-    row = ask(db, *_told(grading_id)).one_or_none()
+    """Return the applied regrade by which this grading counts."""
+    row = ask(db, *_applied_regrade(grading_id)).one_or_none()
     if row is None or row[0] is None:
         return None
     return AppliedRegrade(row[0], row[1], row[2], tuple(map(VerdictDifference.from_json, row[3])))
 
 
 def load_outdated_exercises(db: Session, class_id: UUID, versions: Mapping[str, str]) -> Sequence[OutdatedExercise]:
-    """By exercise, the attempts of the class's students that are graded, never by its present version.
+    """Count, by exercise, the class's graded attempts that its current version never graded.
 
-    A grading that ended by an error of ours is none.
+    A grading that ended by an internal error is ignored.
     """
     if not versions:
         return []
-    present = aliased(Grading)
-    graded_by_it = select(present.id).where(
-        present.submission_id == Submission.id,
-        present.outcome != Outcome.INTERNAL_ERROR,
-        tuple_(Submission.exercise, present.exercise_version).in_(sorted(versions.items())),
+    current = aliased(Grading)
+    graded_by_version = select(current.id).where(
+        current.submission_id == Submission.id,
+        current.outcome != Outcome.INTERNAL_ERROR,
+        tuple_(Submission.exercise, current.exercise_version).in_(sorted(versions.items())),
     )
     query = (
         select(Submission.exercise, func.count(), func.count(Submission.account_id.distinct()))
@@ -217,9 +219,9 @@ def load_outdated_exercises(db: Session, class_id: UUID, versions: Mapping[str, 
             Membership.status == Status.active,
             Submission.exercise.in_(list(versions)),
             Submission.grading_id.is_not(None),
-            ~graded_by_it.exists(),
+            ~graded_by_version.exists(),
         )
         .group_by(Submission.exercise)
     )
-    found = {row[0]: OutdatedExercise(*row) for row in db.execute(query)}
-    return [found[name] for name in versions if name in found]
+    outdated = {row[0]: OutdatedExercise(*row) for row in db.execute(query)}
+    return [outdated[name] for name in versions if name in outdated]

@@ -1,4 +1,4 @@
-"""What goes into the room, and what comes out of it."""
+"""Inputs and results of regrades."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from server.regrades.models import Regrade, RegradePolicy
 
 @dataclass(frozen=True)
 class RegradeInput:
-    """What a teacher asks to have graded anew: of the whole class, or of an assignment, or of a student."""
+    """The attempts to regrade: of the whole class, of an assignment, or of a student."""
 
     exercise: str
     policy: RegradePolicy
@@ -22,7 +22,7 @@ class RegradeInput:
 
 
 class RegradeState(StrEnum):
-    """How far a regrade is."""
+    """The state of a regrade."""
 
     running = "running"
     ready = "ready"
@@ -33,7 +33,7 @@ class RegradeState(StrEnum):
 
 @dataclass(frozen=True)
 class RegradeProgress:
-    """How many attempts are graded anew, of how many. `done` in the sense of who watches: nothing more will come."""
+    """The number of attempts regraded so far, and in all. `done`: no more gradings will come."""
 
     state: RegradeState
     graded: int
@@ -46,7 +46,7 @@ class RegradeProgress:
 
 @dataclass(frozen=True)
 class RegradedAttempt:
-    """An attempt of a regrade. A score, in [0, 1], is None for an error of ours; `after_id` too while it waits."""
+    """An attempt of a regrade. Scores, in [0, 1], are None for internal errors; `after_id` is None while it waits."""
 
     item_id: UUID
     submission_id: UUID
@@ -68,7 +68,7 @@ class RegradedAttempt:
 
 
 class MarkOutcome(StrEnum):
-    """What a regrade does to a student's mark. `kept`: the new version gives less, and the policy keeps the better."""
+    """The effect on a student's mark. `kept`: the new version gives less, and the policy keeps the better grading."""
 
     gains = "gains"
     loses = "loses"
@@ -78,10 +78,10 @@ class MarkOutcome(StrEnum):
 
 @dataclass(frozen=True)
 class MarkChange:
-    """A student's points out of 20, before and once the regrade is applied; None where nothing counts.
+    """A student's points out of 20, before and after the regrade is applied; None where nothing counts.
 
-    `anew` is what the new gradings alone would make. `submission_id` is the attempt that `why` is about, None without
-    any. `failed` and `waiting` count attempts, `since` those that were sent after the regrade was begun.
+    `new_only`: the points from the new gradings alone. `submission_id` is the attempt that `differences` explain, None
+    without any. `failed` and `waiting` count attempts, `sent_since` those sent after the regrade began.
     """
 
     student: UUID
@@ -99,7 +99,7 @@ class MarkChange:
 
 @dataclass(frozen=True)
 class RegradePreview:
-    """A regrade as it stands, with what it does to each student whom it concerns."""
+    """A regrade with its progress and its effect on each student."""
 
     regrade: Regrade
     progress: RegradeProgress
@@ -108,7 +108,7 @@ class RegradePreview:
 
 @dataclass(frozen=True)
 class AppliedRegrade:
-    """What the author of an attempt is told of the regrade that has its new grading count; scores as in `Copy`."""
+    """The applied regrade of an attempt, as its author sees it; scores as in `RegradedAttempt`."""
 
     applied_at: datetime
     before: float | None
@@ -118,7 +118,7 @@ class AppliedRegrade:
 
 @dataclass(frozen=True)
 class OutdatedExercise:
-    """How many attempts at an exercise no grading of its present version has, and of how many students."""
+    """An exercise with attempts never graded by its current version: their number, and that of their students."""
 
     exercise: str
     attempts: int

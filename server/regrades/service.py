@@ -1,12 +1,11 @@
-"""Grading anew what was sent, and what it would do. Every function works inside the caller's transaction.
+"""Regrade attempts with the current version of an exercise. Every function works inside the caller's transaction.
 
-Attempts of a regrade are graded one after the other, each as a job of its own: the next is put with the result of the
-one before. So a regrade takes one worker at most, its class's turns come round with those of other classes, and no
-student waits for more than the one job that is being done.
+Attempts of a regrade are graded one after the other, each as a job of its own: the result of one enqueues the next. So
+a regrade takes one worker at most, classes take turns, and no student waits for more than the job that is running.
 
-An attempt is graded with the seed that it had: what the new version draws in the same way is the same, so that marks
-differ by the version alone; numbers that were dealt to an account are its own. A version that draws otherwise gives
-everybody other inputs, and the verdicts tell.
+An attempt is regraded with its own seed: the same random draws give the same inputs, so that marks differ by the
+version alone, and each account keeps its variant. A version that draws otherwise gives other
+inputs, and the verdicts say so.
 """
 
 from __future__ import annotations
@@ -50,9 +49,9 @@ from server.regrades.schemas import (
 )
 from server.submissions.service import version_requirement
 
-#: The kind of the job that grades the next attempt of a regrade; its key is the regrade's id.
+#: The kind of the job that grades the next attempt of a regrade; the job's key is the regrade's id.
 REGRADE_JOB = "regrade"
-#: After all that anybody waits for: see `server.submissions.queue_senders`.
+#: Below every submission that somebody waits for: see `server.submissions.queue_senders`.
 REGRADE_RANK = 9
 MAX_ATTEMPTS = 5000
 HISTORY = 50
@@ -70,147 +69,153 @@ ALREADY = "Une recorrection de cet exercice est déjà en cours dans cette class
 
 @dataclass(frozen=True)
 class RegradeService:
-    """What begins regrades, and says which are called for."""
+    """Starts regrades, and lists the exercises that call for one."""
 
     course: Course
     queue: Queue
 
-    def start(self, db: Session, school_class: SchoolClass, by: UUID, wanted: RegradeInput) -> Regrade:
-        """Raises NotFound, Invalid or Conflict."""
+    def start(self, db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
+        """Create a regrade and enqueue its first attempt. Raises NotFound, Invalid or Conflict."""
         require_open(school_class)
-        if wanted.exercise not in self.exercises(school_class):
+        if fields.exercise not in self.exercises(school_class):
             raise NotFound(NO_EXERCISE)
         classes.lock_class(db, school_class.id)
-        if any(one.exercise == wanted.exercise for one in repository.load_running_regrades(db, school_class.id)):
+        if any(
+            running.exercise == fields.exercise for running in repository.load_running_regrades(db, school_class.id)
+        ):
             raise Conflict(ALREADY)
-        made = _made(db, school_class, by, wanted)
-        rows = _attempts(db, made)
-        db.add(made)
+        regrade = _new_regrade(db, school_class, by, fields)
+        items = _items_to_regrade(db, regrade)
+        db.add(regrade)
         db.flush()
-        repository.add_items(db, made.id, rows)
-        needs = version_requirement(made.exercise, self.course.version_of(made.exercise))
-        enqueue_next(db, self.queue, made.id, made.class_id, needs)
-        return made
+        repository.add_items(db, regrade.id, items)
+        version = version_requirement(regrade.exercise, self.course.version_of(regrade.exercise))
+        enqueue_next(db, self.queue, regrade.id, regrade.class_id, version)
+        return regrade
 
     def exercises(self, school_class: SchoolClass) -> Mapping[str, str]:
-        """The exercises of the class's module, with their titles."""
+        """Return the titles of the exercises of the class's module, by id."""
         module = self.course.modules.get(school_class.module)
-        return {} if module is None else {one.id: one.title for one in module.exercises}
+        return {} if module is None else {exercise.id: exercise.title for exercise in module.exercises}
 
     def outdated(self, db: Session, school_class: SchoolClass) -> Sequence[OutdatedExercise]:
-        """Exercises that have changed since some attempts were graded, in the course's order."""
+        """Return the exercises that have changed since attempts were graded, in the course's order."""
         versions = {name: self.course.version_of(name) for name in self.exercises(school_class)}
         return repository.load_outdated_exercises(db, school_class.id, versions)
 
 
-def enqueue_next(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, needs: str | None) -> None:
-    """Has the next attempt graded, in the class's turn, by a worker that `needs` fits (see `needs_of`)."""
-    whose = f"class {class_id}"
-    queue.enqueue(
-        db, REGRADE_JOB, str(regrade_id), sender=Sender(whose, flow=whose, rank=REGRADE_RANK), required_version=needs
-    )
+def enqueue_next(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, version: str | None) -> None:
+    """Enqueue the next attempt in the class's flow, for a worker of this version (see `version_requirement`)."""
+    flow = f"class {class_id}"
+    sender = Sender(flow, flow=flow, rank=REGRADE_RANK)
+    queue.enqueue(db, REGRADE_JOB, str(regrade_id), sender=sender, required_version=version)
 
 
-def _made(db: Session, school_class: SchoolClass, by: UUID, wanted: RegradeInput) -> Regrade:
-    """Not stored yet. Raises NotFound or Invalid."""
-    made = Regrade(
+def _new_regrade(db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
+    """Return a regrade that is not stored yet. Raises NotFound or Invalid."""
+    regrade = Regrade(
         class_id=school_class.id,
-        exercise=wanted.exercise,
-        policy=wanted.policy,
+        exercise=fields.exercise,
+        policy=fields.policy,
         scope=RegradeScope.school_class,
         created_by=by,
         created_at=utc_now(),
     )
-    if wanted.assignment is not None and wanted.student is not None:
+    if fields.assignment is not None and fields.student is not None:
         raise Invalid(ONE_SCOPE)
-    if wanted.assignment is not None:
-        if assignments.find_assignment(db, school_class.id, wanted.assignment) is None:
+    if fields.assignment is not None:
+        if assignments.find_assignment(db, school_class.id, fields.assignment) is None:
             raise NotFound(NO_ASSIGNMENT)
-        parts = assignments.load_exercises(db, [wanted.assignment]).get(wanted.assignment, [])
-        if wanted.exercise not in {part.exercise for part in parts}:
+        exercises = assignments.load_exercises(db, [fields.assignment]).get(fields.assignment, [])
+        if fields.exercise not in {exercise for exercise, _ in exercises}:
             raise Invalid(NOT_IN_ASSIGNMENT)
-        made.scope, made.assignment_id = RegradeScope.assignment, wanted.assignment
-    elif wanted.student is not None:
-        if wanted.student not in {one.id for one in _students(db, school_class.id)}:
+        regrade.scope, regrade.assignment_id = RegradeScope.assignment, fields.assignment
+    elif fields.student is not None:
+        if fields.student not in {student.id for student in _active_students(db, school_class.id)}:
             raise NotFound(NO_STUDENT)
-        made.scope, made.student_id = RegradeScope.student, wanted.student
-    return made
+        regrade.scope, regrade.student_id = RegradeScope.student, fields.student
+    return regrade
 
 
-def _students(db: Session, class_id: UUID) -> Sequence[Member]:
-    everyone = classes.load_members(db, class_id)
-    return [one for one in everyone if one.role is ClassRole.student and one.status is Status.active]
+def _active_students(db: Session, class_id: UUID) -> Sequence[Member]:
+    members = classes.load_members(db, class_id)
+    return [member for member in members if member.role is ClassRole.student and member.status is Status.active]
 
 
-def _attempts(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUID, bool]]:
-    """What is to be graded anew, those first that make the marks and the standings. Raises Invalid."""
-    students = [one.id for one in _students(db, regrade.class_id) if regrade.student_id in (None, one.id)]
-    found = repository.load_graded_attempts(db, students, regrade.exercise, MAX_ATTEMPTS + 1)
-    if len(found) > MAX_ATTEMPTS:
-        raise Invalid(TOO_MANY.format(most=MAX_ATTEMPTS))
-    of_students: dict[UUID, list[ScoredAttempt]] = {name: [] for name in students}
-    for submission, student, sent_at, _, score in found:
-        of_students[student].append(ScoredAttempt(submission, sent_at, score or 0.0))
-    marker = _marker(db, regrade)
-    kept = {one.id for sent in of_students.values() for one in sent}
-    if regrade.scope == RegradeScope.assignment:
-        # What is outside of the dates makes no mark of this assignment, whatever it is worth.
-        kept = {one.id for student, sent in of_students.items() for one in sent if marker(student, [one]) is not None}
-    counted = {sent[-1].id for sent in of_students.values() if sent}
-    counted |= {marked[0] for student, sent in of_students.items() if (marked := marker(student, sent)) is not None}
-    rows = [
-        (submission, grading, submission in counted) for submission, _, _, grading, _ in found if submission in kept
+def _items_to_regrade(db: Session, regrade: Regrade) -> Sequence[tuple[UUID, UUID, bool]]:
+    """Return submission, grading and whether it makes a mark or a standing; those that do first. Raises Invalid."""
+    student_ids = [
+        student.id for student in _active_students(db, regrade.class_id) if regrade.student_id in (None, student.id)
     ]
-    if not rows:
+    rows = repository.load_graded_attempts(db, student_ids, regrade.exercise, MAX_ATTEMPTS + 1)
+    if len(rows) > MAX_ATTEMPTS:
+        raise Invalid(TOO_MANY.format(most=MAX_ATTEMPTS))
+    by_student: dict[UUID, list[ScoredAttempt]] = {student: [] for student in student_ids}
+    for submission, student, sent_at, _, score in rows:
+        by_student[student].append(ScoredAttempt(submission, sent_at, score or 0.0))
+    marker = _marker(db, regrade)
+    in_scope = {
+        attempt.id
+        for student, attempts in by_student.items()
+        for attempt in attempts
+        # An attempt outside the dates makes no mark of the assignment, whatever its score.
+        if regrade.scope != RegradeScope.assignment or marker(student, [attempt]) is not None
+    }
+    counted = {attempts[-1].id for attempts in by_student.values() if attempts}
+    counted |= {mark[0] for student, attempts in by_student.items() if (mark := marker(student, attempts)) is not None}
+    items = [
+        (submission, grading, submission in counted) for submission, _, _, grading, _ in rows if submission in in_scope
+    ]
+    if not items:
         raise Invalid(NOTHING)
-    return sorted(rows, key=lambda row: not row[2])
+    return sorted(items, key=lambda item: not item[2])
 
 
 def _marker(db: Session, regrade: Regrade) -> Marker:
-    """What makes a mark: in an assignment its rules, else one's best attempt."""
+    """Return the function that marks a student's attempts: an assignment's rules, else the best attempt."""
     if regrade.assignment_id is None:
         return best_mark
     assignment = assignments.find_assignment(db, regrade.class_id, regrade.assignment_id)
-    return best_mark if assignment is None else _by_rules(db, assignment)
+    return best_mark if assignment is None else _assignment_marker(db, assignment)
 
 
-def _by_rules(db: Session, assignment: Assignment) -> Marker:
-    """As in the gradebook: of a test, what was sent while its student sat it."""
-    differences = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
-    labels = {one.id: one.groups for one in classes.load_members(db, assignment.class_id)}
+def _assignment_marker(db: Session, assignment: Assignment) -> Marker:
+    """Return a marker by the rules of the gradebook: attempts at a test count within the sitting."""
+    exemptions = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
+    labels = {member.id: member.groups for member in classes.load_members(db, assignment.class_id)}
     sittings = sitting_repository.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else None
 
     def mark(student: UUID, attempts: Sequence[ScoredAttempt]) -> CountedMark:
-        mine = rules.rules_in_force(assignment, differences, student, labels.get(student, ()))
+        own_rules = rules.rules_in_force(assignment, exemptions, student, labels.get(student, ()))
         if sittings is not None:
-            sat = sittings.get((assignment.id, student))
-            attempts = counting.attempts_in_sitting(attempts, sat.began_at, sat.handed_in_at) if sat else ()
-        found = counting.mark_attempts(mine, AttemptSelection(assignment.counts), attempts).counted
-        return None if found is None else (found.attempt, found.points)
+            sitting = sittings.get((assignment.id, student))
+            attempts = counting.attempts_in_sitting(attempts, sitting.began_at, sitting.handed_in_at) if sitting else ()
+        counted = counting.mark_attempts(own_rules, AttemptSelection(assignment.counts), attempts).counted
+        return None if counted is None else (counted.attempt, counted.points)
 
     return mark
 
 
 def find_regrade(db: Session, class_id: UUID, regrade_id: UUID | str) -> Regrade:
-    """Raises NotFound for one that is not of this class."""
-    found = repository.find_regrade(db, class_id, parse_uuid(regrade_id, UNKNOWN))
-    if found is None:
+    """Return a regrade of this class. Raises NotFound."""
+    regrade = repository.find_regrade(db, class_id, parse_uuid(regrade_id, UNKNOWN))
+    if regrade is None:
         raise NotFound(UNKNOWN)
-    return found
+    return regrade
 
 
 def load_history(db: Session, class_id: UUID) -> Sequence[tuple[Regrade, RegradeProgress]]:
-    """The class's last regrades, newest first."""
-    found = repository.load_class_regrades(db, class_id, HISTORY)
-    counts = repository.count_graded(db, [one.id for one in found])
-    return [(one, _advance(one, *counts[one.id])) for one in found]
+    """Load the class's last regrades with their progress, newest first."""
+    regrades = repository.load_class_regrades(db, class_id, HISTORY)
+    counts = repository.count_graded(db, [regrade.id for regrade in regrades])
+    return [(regrade, _progress(regrade, *counts[regrade.id])) for regrade in regrades]
 
 
 def load_progress(db: Session, regrade: Regrade) -> RegradeProgress:
-    return _advance(regrade, *repository.count_graded(db, [regrade.id])[regrade.id])
+    return _progress(regrade, *repository.count_graded(db, [regrade.id])[regrade.id])
 
 
-def _advance(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
+def _progress(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
     if regrade.stopped_at is not None:
         state = RegradeState.stopped
     elif graded < total:
@@ -223,53 +228,53 @@ def _advance(regrade: Regrade, graded: int, total: int) -> RegradeProgress:
 
 
 def preview_regrade(db: Session, regrade: Regrade) -> RegradePreview:
-    """What it does to whom, in the order of a list of names."""
-    found = {one.student: one for one in mark_changes(db, regrade, repository.load_attempts(db, regrade.id))}
-    since = repository.count_sent_since(db, list(found), regrade.exercise, regrade.created_at)
-    order = [one.id for one in classes.load_members(db, regrade.class_id) if one.id in found]
-    names = [*order, *(name for name in found if name not in set(order))]
-    told = tuple(replace(found[name], sent_since=since.get(name, 0)) for name in names)
-    return RegradePreview(regrade, load_progress(db, regrade), told)
+    """Return a regrade's effect on each student, sorted by name."""
+    changes = {change.student: change for change in mark_changes(db, regrade, repository.load_attempts(db, regrade.id))}
+    sent_since = repository.count_sent_since(db, list(changes), regrade.exercise, regrade.created_at)
+    members = [member.id for member in classes.load_members(db, regrade.class_id) if member.id in changes]
+    students = dict.fromkeys([*members, *changes])
+    ordered = tuple(replace(changes[student], sent_since=sent_since.get(student, 0)) for student in students)
+    return RegradePreview(regrade, load_progress(db, regrade), ordered)
 
 
-def mark_changes(db: Session, regrade: Regrade, copies: Sequence[RegradedAttempt]) -> Sequence[MarkChange]:
-    """One for each student."""
-    return compute_changes(RegradePolicy(regrade.policy), copies, _marker(db, regrade))
+def mark_changes(db: Session, regrade: Regrade, attempts: Sequence[RegradedAttempt]) -> Sequence[MarkChange]:
+    """Return the change of each student's mark."""
+    return compute_changes(RegradePolicy(regrade.policy), attempts, _marker(db, regrade))
 
 
 def record_grading(
-    db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: GradingResult, needs: str | None = None
+    db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: GradingResult, version: str | None = None
 ) -> None:
-    """Keeps a new grading, which does not count yet, and has the next attempt graded, by a worker of the same version.
+    """Store a new grading, which does not count yet, and enqueue the next attempt for a worker of the same version.
 
-    Nothing is kept of an attempt that has gone with its author.
+    Nothing is stored for an attempt that was erased with its author.
     """
     item = repository.load_item_ids(db, item_id)
     if item is not None and item[2] is None and gradings.lock_submission(db, item[0]) is not None:
         grading = gradebook.add_uncounted_grading(db, item[0], graded)
-        why: tuple[VerdictDifference, ...] = (FAILED,)
+        differences: tuple[VerdictDifference, ...] = (FAILED,)
         if graded.verdict.outcome.counts:
-            why = compare_verdicts(Verdict.from_json(gradings.load_verdict(db, item[1])), graded.verdict)
-        repository.set_graded(db, item_id, grading, why)
-    following = repository.load_next_item(db, regrade_id)
-    if following is not None:
-        enqueue_next(db, queue, following[0].regrade_id, following[2], needs)
+            differences = compare_verdicts(Verdict.from_json(gradings.load_verdict(db, item[1])), graded.verdict)
+        repository.set_graded(db, item_id, grading, differences)
+    next_item = repository.load_next_item(db, regrade_id)
+    if next_item is not None:
+        enqueue_next(db, queue, next_item[0].regrade_id, next_item[2], version)
 
 
 def stop_regrade(db: Session, regrade_id: UUID) -> None:
-    """No more attempts are graded; nothing where it is over. What was found is never applied."""
+    """Stop a regrade that is running, so that it is never applied; nothing where it is over."""
     regrade = lock_regrade(db, regrade_id)
     if load_progress(db, regrade).state is RegradeState.running:
         regrade.stopped_at = utc_now()
 
 
 def find_applied_regrade(db: Session, grading_id: UUID) -> AppliedRegrade | None:
-    """What the author of an attempt is told, while a regrade has this grading of it count."""
+    """Return the applied regrade by which this grading counts, as its author sees it."""
     return repository.find_applied_regrade(db, grading_id)
 
 
 def lock_regrade(db: Session, regrade_id: UUID) -> Regrade:
-    """Raises NotFound."""
+    """Lock a regrade until the commit, and return it. Raises NotFound."""
     regrade = repository.lock_regrade(db, regrade_id)
     if regrade is None:
         raise NotFound(UNKNOWN)

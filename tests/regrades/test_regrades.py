@@ -222,7 +222,7 @@ def test_an_assignment_has_its_own_dates_and_marks(quick: Lesson) -> None:
         db.add(made)
         db.flush()
         with pytest.raises(Invalid, match="pas dans ce devoir"), quick.database.read():
-            service._made(
+            service._new_regrade(
                 db, quick.made, ada.id, service.RegradeInput(EXERCISE, RegradePolicy.renew, assignment=made.id)
             )
         db.add(AssignedExercise(assignment_id=made.id, exercise=EXERCISE, position=0))
