@@ -174,7 +174,7 @@ def load_progress(db: Session, account: Account | None, exercise_id: str | None 
     held_since = load_withholding_times(db, account.id, exercise_id)
     waiting = {
         **stored.waiting(db, account.id, exercise_id),
-        **stored.waiting_or_since(db, account.id, held_since),
+        **stored.count_waiting_or_since(db, account.id, held_since),
     }
     graded = {
         exercise: Progress(own.best_score, own.attempts + waiting.get(exercise, 0), own.first_success_at is not None)
@@ -205,7 +205,7 @@ def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | Non
 
 def count_attempts_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """Count an account's attempts sent from these times on, graded or not, by exercise."""
-    return stored.sent_since(db, account_id, since)
+    return stored.count_since(db, account_id, since)
 
 
 def count_internal_errors_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:

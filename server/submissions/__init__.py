@@ -1,1 +1,1 @@
-"""What was sent, and what was dealt to whom; who waits for which job, and the news of it."""
+"""Submissions and variants (random data of an account); watchers of jobs."""

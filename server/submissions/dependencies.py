@@ -1,4 +1,4 @@
-"""What routes ask of this room: taking submissions in, and news of them."""
+"""Dependencies of routes: submissions, the collector of sittings, job events."""
 
 from typing import Annotated
 

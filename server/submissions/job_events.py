@@ -1,6 +1,6 @@
-"""Who waits for which job, and how they learn that it has changed.
+"""Watchers of jobs, and how they are woken when a job changes.
 
-Everything here runs on the web process's event loop, and holds neither a thread nor a database session while waiting.
+All of it runs on the web process's event loop; a waiting watcher holds neither a thread nor a database session.
 """
 
 import asyncio
@@ -21,112 +21,118 @@ from server.queue.interfaces import JOB_STARTED_SUFFIX
 
 log = logging.getLogger(__name__)
 
-#: No proxy is to keep an event back to make a larger piece of it.
+#: Keeps proxies from buffering events.
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 LINE_END = re.compile("\r\n|\r|\n")
-QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more often than this
-SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost
-AT_A_TIME = 15  # watchers whose place is refreshed then; of more, the next ones follow
-LOOKS_A_SECOND = 50  # of all watchers together, where no signal comes: many look more rarely each
-REMEMBERED = 4096  # jobs that have changed last: one may end before whoever has sent it begins to wait
+REFRESH_SECONDS = 0.3  # minimum seconds between refreshes of queue positions
+SAFETY_POLL = 2.0  # seconds after which watchers poll, should a notification be lost
+REFRESH_BATCH = 15  # watchers refreshed at a time; the others follow in later batches
+POLLS_PER_SECOND = 50  # bound on polls of all watchers together
+MAX_RECENT_JOBS = 4096  # recently changed jobs: one may end before its sender starts to wait
 
 
 class Snapshot(Protocol):
-    """What a watcher reads: it ends when `done`, and is told again when it differs."""
+    """A watcher's reading of a job; the watch ends when `done`, changes are sent."""
 
     @property
     def done(self) -> bool: ...
 
 
-S = TypeVar("S", bound=Snapshot)
+SnapshotType = TypeVar("SnapshotType", bound=Snapshot)
 
 
 Watchers = dict[str, set[asyncio.Event]]
 
 
 class JobEvents:
-    """Wakes the watchers of a job, by its key: those who show where it is, and those who wait for its end alone."""
+    """Wakes the watchers of a job, by its key: those that show its progress, and those that await its end."""
 
     def __init__(self) -> None:
         self._watchers: Watchers = defaultdict(set)
-        self._awaiting: Watchers = defaultdict(set)
-        self._latest: dict[str, None] = {}
-        self._onlookers: set[asyncio.Event] = set()
-        self._behind: list[asyncio.Event] = []
-        self._moving = self._moved_again = False
+        self._end_watchers: Watchers = defaultdict(set)
+        self._recently_changed: dict[str, None] = {}
+        self._global_watchers: set[asyncio.Event] = set()
+        self._refresh_queue: list[asyncio.Event] = []
+        self._refreshing = self._changed_again = False
         self._closed = False
 
     def close(self) -> None:
-        """Ends every watch, as the server stops: browsers come back by themselves."""
+        """End every watch as the server stops; browsers reconnect by themselves."""
         self._closed = True
-        for event in (*self._every(), *(event for events in self._awaiting.values() for event in events)):
+        for event in (*self._all_watchers(), *(event for events in self._end_watchers.values() for event in events)):
             event.set()
 
     def count_watchers(self) -> int:
-        """How many pages and programs follow something at this moment."""
-        return sum(len(events) for kept in (self._watchers, self._awaiting) for events in list(kept.values()))
+        """Count the pages and programs that watch something."""
+        return sum(
+            len(events) for watchers in (self._watchers, self._end_watchers) for events in list(watchers.values())
+        )
 
     def job_changed(self, notification: str) -> None:
-        """A job has changed state (`queue.port.Signals`): its watchers look at once, the others soon, as their place
-        has moved. Who waits for its end alone does not look because it has begun, nor because of others."""
+        """Wake the job's watchers at once, and the others soon, as their positions have changed.
+
+        Watchers of the end of a job ignore that it was claimed (JOB_STARTED_SUFFIX), and other jobs.
+        """
         key = notification.removesuffix(JOB_STARTED_SUFFIX)
         if key == notification:
-            self._note(key)
+            self._record_change(key)
         for event in self._watchers.get(key, ()):
             event.set()
-        self._moved_again = True
-        if not self._moving and self._watchers:
-            self._moving = True
-            self._move_later()
+        self._changed_again = True
+        if not self._refreshing and self._watchers:
+            self._refreshing = True
+            self._schedule_refresh()
 
-    def _note(self, key: str) -> None:
-        self._latest.pop(key, None)
-        self._latest[key] = None
-        if len(self._latest) > REMEMBERED:
-            del self._latest[next(iter(self._latest))]
-        for event in self._awaiting.get(key, ()):
+    def _record_change(self, key: str) -> None:
+        self._recently_changed.pop(key, None)
+        self._recently_changed[key] = None
+        if len(self._recently_changed) > MAX_RECENT_JOBS:
+            del self._recently_changed[next(iter(self._recently_changed))]
+        for event in self._end_watchers.get(key, ()):
             event.set()
 
-    def _move_later(self) -> None:
-        asyncio.get_running_loop().call_later(QUEUE_MOVES_EVERY, self._move)
+    def _schedule_refresh(self) -> None:
+        asyncio.get_running_loop().call_later(REFRESH_SECONDS, self._refresh_batch)
 
-    def _move(self) -> None:
-        """Each look is a few questions to the database: hundreds who wait do not ask them all at the same moment, so
-        that whoever reads a page meanwhile gets it."""
-        if not self._behind and self._moved_again:
-            self._moved_again = False
-            self._behind = self._every()
-        for event in (*self._onlookers, *self._behind[:AT_A_TIME]):
+    def _refresh_batch(self) -> None:
+        """Wake a batch of watchers: a refresh costs queries, and hundreds at once would delay page requests."""
+        if not self._refresh_queue and self._changed_again:
+            self._changed_again = False
+            self._refresh_queue = self._all_watchers()
+        for event in (*self._global_watchers, *self._refresh_queue[:REFRESH_BATCH]):
             event.set()
-        del self._behind[:AT_A_TIME]
-        if self._behind or self._moved_again:
-            self._move_later()
+        del self._refresh_queue[:REFRESH_BATCH]
+        if self._refresh_queue or self._changed_again:
+            self._schedule_refresh()
         else:
-            self._moving = False
+            self._refreshing = False
 
-    def _every(self) -> list[asyncio.Event]:
+    def _all_watchers(self) -> list[asyncio.Event]:
         return [event for events in self._watchers.values() for event in events]
 
     @contextmanager
-    def _watch(self, key: str, *, onlooking: bool) -> Iterator[asyncio.Event]:
-        with _among(self._watchers, key) as event:
-            if onlooking:
-                self._onlookers.add(event)
+    def _watch(self, key: str, *, watches_all_jobs: bool) -> Iterator[asyncio.Event]:
+        with _registered(self._watchers, key) as event:
+            if watches_all_jobs:
+                self._global_watchers.add(event)
             try:
                 yield event
             finally:
-                self._onlookers.discard(event)
+                self._global_watchers.discard(event)
 
-    async def follow(self, key: str, read: Callable[[], S], *, watches_all_jobs: bool = False) -> AsyncIterator[S]:
-        """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
-        (or the server stops). `onlooking`: it is of many jobs, and any of them may change it. A database that does not
-        answer is asked again."""
-        with self._watch(key, onlooking=watches_all_jobs) as event:
-            latest: S | None = None
+    async def follow(
+        self, key: str, read: Callable[[], SnapshotType], *, watches_all_jobs: bool = False
+    ) -> AsyncIterator[SnapshotType]:
+        """Yield what `read` returns (in a thread), then each different value, until it is done or the server stops.
+
+        `watches_all_jobs`: any job may change it. An unavailable database is asked again.
+        """
+        with self._watch(key, watches_all_jobs=watches_all_jobs) as event:
+            latest: SnapshotType | None = None
             while True:
                 woken = time.time_ns()
                 event.clear()  # before reading: a change during the read is not missed
-                snapshot = await _looked(key, read)
+                snapshot = await _read_snapshot(key, read)
                 if snapshot is not None and snapshot != latest:
                     yield snapshot
                     latest = snapshot
@@ -135,36 +141,36 @@ class JobEvents:
                     return
                 if self._closed:
                     return
-                await _wait(event, self._patience())
+                await _wait(event, self._poll_interval())
 
-    async def wait_until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
-        """The snapshot once it is done, or as it is after `seconds`.
+    async def wait_until_done(self, key: str, read: Callable[[], SnapshotType], seconds: float) -> SnapshotType:
+        """Return the snapshot once it is done, or as it is after `seconds`.
 
-        The job has been put a moment ago: as long as it has not changed since, there is nothing to look at.
+        The job was enqueued a moment ago: until it changes, there is nothing to read.
         """
-        ends = time.monotonic() + seconds
-        with _among(self._awaiting, key) as event:
-            if key in self._latest:
+        deadline = time.monotonic() + seconds
+        with _registered(self._end_watchers, key) as event:
+            if key in self._recently_changed:
                 event.set()
             while not self._closed:
-                await _wait(event, min(ends - time.monotonic(), self._patience()))
-                if time.monotonic() >= ends:
+                await _wait(event, min(deadline - time.monotonic(), self._poll_interval()))
+                if time.monotonic() >= deadline:
                     break
                 woken = time.time_ns()
                 event.clear()
-                snapshot = await _looked(key, read)
+                snapshot = await _read_snapshot(key, read)
                 if snapshot is not None and snapshot.done:
                     traces.record_notification(key, woken)
                     return snapshot
         return await run_in_threadpool(read)
 
-    def _patience(self) -> float:
-        return max(SAFETY_POLL, self.count_watchers() / LOOKS_A_SECOND)
+    def _poll_interval(self) -> float:
+        return max(SAFETY_POLL, self.count_watchers() / POLLS_PER_SECOND)
 
 
 @contextmanager
-def _among(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
-    """An event among those of a key, and no longer than it is watched."""
+def _registered(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
+    """Register an event among the watchers of a key for the duration of the block."""
     event = asyncio.Event()
     watchers[key].add(event)
     try:
@@ -175,8 +181,8 @@ def _among(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
             del watchers[key]
 
 
-async def _looked(key: str, read: Callable[[], S]) -> S | None:
-    """None where the database does not answer: those who follow have been answered already."""
+async def _read_snapshot(key: str, read: Callable[[], SnapshotType]) -> SnapshotType | None:
+    """Return None where the database is unavailable: the watchers' response has already started."""
     try:
         return await run_in_threadpool(read)
     except DBAPIError as error:
@@ -187,24 +193,24 @@ async def _looked(key: str, read: Callable[[], S]) -> S | None:
 
 
 async def _wait(event: asyncio.Event, seconds: float) -> None:
-    """Until it is set; it is after so long. (A timeout would cancel, which costs more than waking.)"""
-    over = asyncio.get_running_loop().call_later(seconds, event.set)
+    """Wait until the event is set, by others or after `seconds`. (Cancellation by a timeout costs more.)"""
+    timeout = asyncio.get_running_loop().call_later(seconds, event.set)
     try:
         await event.wait()
     finally:
-        over.cancel()
+        timeout.cancel()
 
 
 async def stream_sse(
-    snapshots: AsyncIterator[S], encode: Callable[[S], str], *, name: str = "status"
+    snapshots: AsyncIterator[SnapshotType], encode: Callable[[SnapshotType], str], *, name: str = "status"
 ) -> AsyncIterator[str]:
-    """Snapshots as server-sent events; `encode` gives text of any number of lines."""
+    """Encode snapshots as server-sent events; `encode` returns text of any number of lines."""
     async for snapshot in snapshots:
         yield format_sse(name, encode(snapshot))
 
 
 def format_sse(name: str, text: str) -> str:
-    """One server-sent event; `text` may have any number of lines."""
-    # A client takes a line up to CR or LF, and no other character that `splitlines` knows of.
+    """Return one server-sent event; `text` may have any number of lines."""
+    # Clients end lines at CR or LF only, unlike `splitlines`.
     lines = "".join(f"data: {line}\n" for line in LINE_END.split(text))
     return f"event: {name}\n{lines}\n"

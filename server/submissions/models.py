@@ -1,4 +1,4 @@
-"""A submission, as it was sent; what was dealt to whom."""
+"""Submissions, and the seeds of variants."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -17,10 +17,10 @@ class SubmissionState(StrEnum):
 
 
 class Submission(Base):
-    """One file sent by one account. `grading_id` is the grading that counts: none while it waits for its first.
+    """One file or set of answers of one account. `grading_id` is the grading that counts; None before the first.
 
-    `revision` is drawn at random by the database itself, by triggers, each time that something changes that is read of
-    a graded attempt (`gradebook.sent`): what an account has sent is the same as long as its revisions are.
+    Database triggers set `revision` to a random number whenever anything read of a graded attempt changes: equal
+    revisions mean equal attempts.
     """
 
     __tablename__ = "submission"
@@ -34,7 +34,7 @@ class Submission(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     grading_id: Mapped[UUID | None] = mapped_column(
         ForeignKey("grading.id", name="fk_submission_grading_id_grading", use_alter=True),
-        index=True,  # a grading that goes looks for who counts it
+        index=True,  # deleting a grading looks up the submissions that count it
     )
     revision: Mapped[int | None] = mapped_column(BigInteger)
 
@@ -63,7 +63,7 @@ Index(
 
 
 class Variant(Base):
-    """The seed of what one account was given in an exercise answered without code: it does not change."""
+    """The seed of an account's random data in an exercise answered without code; it never changes."""
 
     __tablename__ = "deal"
 

@@ -1,4 +1,4 @@
-"""Queries on submissions and deals."""
+"""Queries of submissions and variants."""
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -13,7 +13,7 @@ from server.submissions.models import Submission, Variant
 
 
 class GradingRow(NamedTuple):
-    """What grading asks of a submission."""
+    """The columns of a submission that grading needs."""
 
     id: UUID
     account_id: UUID
@@ -24,9 +24,9 @@ class GradingRow(NamedTuple):
 
 
 _submissions = table_of(Submission)
-ADD = insert(_submissions)
-#: On the way to a verdict: made once, and for no object.
-SENT = select(*(_submissions.c[name] for name in GradingRow._fields)).where(
+INSERT = insert(_submissions)
+#: On the hot path of a verdict: built once, without ORM objects.
+GRADING_ROW = select(*(_submissions.c[name] for name in GradingRow._fields)).where(
     _submissions.c.id == bindparam("submission")
 )
 
@@ -41,18 +41,18 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
 
 
 def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
-    row = ask(db, SENT, {"submission": submission_id}).one_or_none()
+    row = ask(db, GRADING_ROW, {"submission": submission_id}).one_or_none()
     return None if row is None else GradingRow(*row)
 
 
 def add(db: Session, **values: Any) -> Submission:
-    """Stores a submission that waits for its first grading. What is given back is not the session's."""
-    change(db, ADD, values)
+    """Insert a submission that waits for its first grading; the returned object is detached."""
+    change(db, INSERT, values)
     return loaded(Submission, {**values, "grading_id": None}.items())
 
 
 def ungraded(db: Session) -> Sequence[Submission]:
-    """All that waits for its first grading, as it was sent."""
+    """Load all submissions that wait for their first grading, without their source."""
     query = select(Submission).where(Submission.grading_id.is_(None)).options(defer(Submission.source))
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
@@ -72,30 +72,31 @@ def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mappi
     return dict(ask(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
-def waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
-    """How many of an account's submissions wait, or were sent from these times on, by exercise, in these alone."""
-    return _counted(db, account_id, since, Submission.grading_id.is_(None))
+def count_waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """Count an account's submissions that wait, or were sent since a time, by exercise."""
+    return _count_by_exercise(db, account_id, since, Submission.grading_id.is_(None))
 
 
-def sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
-    """How many of an account's submissions were sent from these times on, by exercise, in these alone."""
-    return _counted(db, account_id, since)
+def count_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """Count an account's submissions sent since a time, by exercise."""
+    return _count_by_exercise(db, account_id, since)
 
 
-def _counted(
-    db: Session, account_id: UUID, since: Mapping[str, datetime], *besides: ColumnElement[bool]
+def _count_by_exercise(
+    db: Session, account_id: UUID, since: Mapping[str, datetime], *alternatives: ColumnElement[bool]
 ) -> Mapping[str, int]:
     if not since:
         return {}
-    either = [
-        and_(Submission.exercise == name, or_(*besides, Submission.created_at >= when)) for name, when in since.items()
+    conditions = [
+        and_(Submission.exercise == name, or_(*alternatives, Submission.created_at >= when))
+        for name, when in since.items()
     ]
-    query = select(Submission.exercise, func.count()).where(Submission.account_id == account_id, or_(*either))
+    query = select(Submission.exercise, func.count()).where(Submission.account_id == account_id, or_(*conditions))
     return dict(db.execute(query.group_by(Submission.exercise)).all())
 
 
 def latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
-    """What was sent last, graded or not."""
+    """Load the latest submission, graded or not."""
     query = select(Submission).where(Submission.account_id == account_id, Submission.exercise == exercise)
     return db.execute(query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1)).scalar_one_or_none()
 
@@ -114,21 +115,19 @@ def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
 
 
 def load_seed(db: Session, account_id: UUID, exercise: str) -> int:
-    """The seed that is known to be kept."""
-    found: int = ask(db, *_seed(account_id, exercise)).scalar_one()
-    return found
+    """Load a seed that exists."""
+    seed: int = ask(db, *_seed(account_id, exercise)).scalar_one()
+    return seed
 
 
 def insert_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
-    """Keeps a seed, unless there is one already: of two requests at once, the first one's stays."""
+    """Insert a seed unless there is one: of two concurrent requests, the first one's stays."""
     row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
     db.execute(upsert_statement(db, Variant).on_conflict_do_nothing(), row)
 
 
 def move_variants(db: Session, old: UUID, new: UUID) -> None:
-    """Moves the deals of exercises for which `new` has none."""
-    already_dealt = select(Variant.exercise).where(Variant.account_id == new)
-    moved = (
-        update(Variant).where(Variant.account_id == old, Variant.exercise.not_in(already_dealt)).values(account_id=new)
-    )
+    """Move the variants of exercises for which `new` has none."""
+    existing = select(Variant.exercise).where(Variant.account_id == new)
+    moved = update(Variant).where(Variant.account_id == old, Variant.exercise.not_in(existing)).values(account_id=new)
     db.execute(moved.execution_options(synchronize_session=False))

@@ -1,4 +1,4 @@
-"""Sending a file, and finding it again. Every function works inside the caller's transaction."""
+"""Creating and finding submissions. Every function works inside the caller's transaction."""
 
 import hashlib
 import secrets
@@ -26,23 +26,23 @@ from server.submissions import repository, variants
 from server.submissions.models import Submission, SubmissionState
 from server.submissions.queue_senders import queue_sender
 
-#: The kind of the job that grades a submission; its key is `key_of` the submission.
+#: Kind of the job that grades a submission; its key is `job_key(submission.id)`.
 GRADE = "grade"
 UNKNOWN_SUBMISSION = "Cette soumission n’existe pas."
-OTHER_SENDING = "Cette clé (Idempotency-Key) a déjà servi à un autre envoi : choisissez-en une nouvelle."
+KEY_REUSED = "Cette clé (Idempotency-Key) a déjà servi à un autre envoi : choisissez-en une nouvelle."
 TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
 )
 TOO_MANY_SAVES = "Vous enregistrez très souvent : le prochain enregistrement est possible dans {seconds} s."
-FULL = {
+QUEUE_FULL = {
     "sender": "Vos {each} dernières propositions attendent encore leur correction : la suivante sera possible dès que "
     "l’une d’elles sera corrigée.",
     "address": "Beaucoup de propositions envoyées depuis votre adresse attendent encore leur correction : réessayez "
     "dans quelques instants.",
 }
-FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
-FULL_SECONDS = 10
+QUEUE_FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
+QUEUE_FULL_RETRY_SECONDS = 10
 OUTDATED_NOTICE = (
     "En attente : cet exercice vient de changer, et votre envoi attend un correcteur de la même version. Il est gardé, "
     "et sera corrigé dans quelques minutes au plus tard."
@@ -55,10 +55,10 @@ STALLED_NOTICE = (
 
 @dataclass(frozen=True)
 class GradingProgress:
-    """Where a submission is on its way; `position` is 1 for the next to be graded, None once it no longer waits.
+    """Progress of a submission; `position` is 1 for the next to be graded, None once it no longer waits.
 
-    Newcomers may come before it, so that its position may go up. `unattended`: nobody grades at present. `outdated`:
-    those who do have another version of the exercise.
+    Newcomers may go first, so that the position may grow. `stalled`: no worker grades now. `outdated`: the workers
+    have another version of it.
     """
 
     state: SubmissionState
@@ -68,12 +68,12 @@ class GradingProgress:
 
     @property
     def notice(self) -> str | None:
-        """What to say of it besides its place."""
+        """What to tell the student besides the position."""
         return OUTDATED_NOTICE if self.outdated else STALLED_NOTICE if self.stalled else None
 
 
 class Submissions:
-    """Takes submissions in, within the settings' limits, and has them graded."""
+    """Stores submissions within the settings' limits, and has them graded."""
 
     def __init__(
         self,
@@ -83,17 +83,19 @@ class Submissions:
         version_of: Callable[[str], str] | None = None,
         reused_exercises: Callable[[str], Sequence[Exercise]] = lambda _: (),
     ) -> None:
-        """`version_of` the exercises, as they are shown here: a submission is for graders of the same. `reused`: the
-        exercises whose functions the programs of one may import."""
+        """`version_of` returns the version of an exercise as shown here, which the graders must have.
+
+        `reused_exercises` returns the exercises whose functions the programs of one may import.
+        """
         self._settings, self._queue, self._is_stalled, self._version_of = settings, queue, is_stalled, version_of
-        self._reused = reused_exercises
+        self._reused_exercises = reused_exercises
 
     def submit(
         self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
     ) -> Submission:
-        """Stores the submission and queues it. Raises TooLarge, TooMany, NotNow or Invalid, in French.
+        """Store a submission and enqueue it. Raises TooLarge, TooMany, NotNow or Invalid, in French.
 
-        Sent again under the same `key`, which is the account's own, it is the one that is there.
+        Submitted again under the same idempotency `key` of this account, return the stored one.
         """
         return self._submit(db, account, address, exercise_id, self.encode_code(code), key, answers=False)
 
@@ -107,28 +109,28 @@ class Submissions:
         address: str,
         key: str | None = None,
     ) -> Submission:
-        """Stores answers given without code, to this account's deal, as canonical JSON. Otherwise as `submit` does."""
+        """Store answers without code to this account's variant, as canonical JSON. Otherwise as `submit`."""
         return self._submit(db, account, address, exercise_id, self.encode_answers(answers), key, answers=True)
 
     def submit_saved(
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
-        """Stores what a student had saved when their test ended, as if they had sent it then. No limit holds it up."""
+        """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
         return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers)
 
     def save_work(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
-        """Keeps what is written in a test, to be sent at its end; when. Raises NotNow or TooMany."""
+        """Save work in progress of a test, to be submitted at its end; return when. Raises NotNow or TooMany."""
         now = utc_now()
         sittings.save_work(db, account.id, exercise_id, source, now)
         limits.take_token(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
         return now
 
     def encode_code(self, code: str) -> bytes:
-        """The file as it is stored. Raises TooLarge or Invalid."""
+        """Return the file as stored. Raises TooLarge or Invalid."""
         return encode_bounded(code, self._settings.code_bytes)
 
     def encode_answers(self, answers: Mapping[str, Any]) -> bytes:
-        """Raises TooLarge or Invalid."""
+        """Return the answers as stored. Raises TooLarge or Invalid."""
         try:
             text = canonical_json(answers)
         except RecursionError as error:
@@ -146,20 +148,34 @@ class Submissions:
         *,
         answers: bool,
     ) -> Submission:
-        now, bucket, name = utc_now(), limits.submission_key(account.id), _name(account, key)
-        if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
-            return before
+        now, bucket, submission_id = utc_now(), limits.submission_key(account.id), _submission_id(account, key)
+        if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
+            return stored
         if not sittings.require_may_submit(db, account.id, exercise_id, now).tests:
-            sittings.require_no_tested_imports(db, account.id, source, [one.id for one in self._reused(exercise_id)])
+            sittings.require_no_tested_imports(
+                db, account.id, source, [exercise.id for exercise in self._reused_exercises(exercise_id)]
+            )
         limits.take_token(db, bucket, self._settings.submission_bucket, TOO_FAST)
-        if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
-            limits.give_back_token(db, bucket)  # another process was first: it held the bucket until it had committed
-            return before
-        most = BacklogLimits(self._settings.waiting_each, self._settings.waiting_from_address)
+        if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
+            limits.give_back_token(db, bucket)  # another process was first, and held the bucket until its commit
+            return stored
+        backlog_limits = BacklogLimits(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
-            return self._store(db, account, address, exercise_id, source, now, name, answers=answers, most=most)
+            return self._store(
+                db,
+                account,
+                address,
+                exercise_id,
+                source,
+                now,
+                submission_id,
+                answers=answers,
+                backlog_limits=backlog_limits,
+            )
         except QueueFullError as error:
-            raise RateLimited(_full(error, account, most), retry_after=FULL_SECONDS) from error
+            raise RateLimited(
+                _queue_full_message(error, account, backlog_limits), retry_after=QUEUE_FULL_RETRY_SECONDS
+            ) from error
 
     def _store(
         self,
@@ -169,21 +185,23 @@ class Submissions:
         exercise_id: str,
         source: bytes,
         sent_at: datetime,
-        name: UUID,
+        submission_id: UUID,
         *,
         answers: bool,
-        most: BacklogLimits | None = None,
+        backlog_limits: BacklogLimits | None = None,
     ) -> Submission:
         seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
-        submission = repository.add(db, id=name, account_id=account.id, exercise=exercise_id, **values)
+        submission = repository.add(db, id=submission_id, account_id=account.id, exercise=exercise_id, **values)
         sender = queue_sender(account, address, member=classes.is_member(db, account.id, seen=True))
         needs = None if self._version_of is None else version_requirement(exercise_id, self._version_of(exercise_id))
-        self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender, limits=most, required_version=needs)
+        self._queue.enqueue(
+            db, GRADE, job_key(submission.id), sender=sender, limits=backlog_limits, required_version=needs
+        )
         return submission
 
     def requeue(self, db: Session, submission: Submission, account: Account) -> bool:
-        """Has it graded (again); False where a job does that already."""
+        """Enqueue a submission (again); False where it is queued already."""
         if self._queue.position(db, GRADE, job_key(submission.id)) is not None:
             return False
         sender = queue_sender(account, "", member=classes.is_member(db, account.id))
@@ -198,52 +216,54 @@ class Submissions:
         )
 
     def progress_while_waiting(self, db: Session, submission_id: UUID) -> GradingProgress | None:
-        """By one question, of a submission that is known not to be graded yet; None where its job is there no more."""
-        found = self._queue.status(db, GRADE, job_key(submission_id))
-        if found is None:
+        """Return the progress of an ungraded submission with one query; None where its job is gone."""
+        status = self._queue.status(db, GRADE, job_key(submission_id))
+        if status is None:
             return None
-        if found.position == 0:
+        if status.position == 0:
             return GradingProgress(SubmissionState.running)
-        return GradingProgress(SubmissionState.queued, found.position, self._is_stalled(), found.refused)
+        return GradingProgress(SubmissionState.queued, status.position, self._is_stalled(), status.refused)
 
 
-def _full(error: QueueFullError, account: Account, most: BacklogLimits) -> str:
-    hint = FULL_FOR_GUESTS if error.scope == "address" and account.is_guest else ""
-    return FULL[error.scope].format(each=most.per_sender) + hint
+def _queue_full_message(error: QueueFullError, account: Account, backlog_limits: BacklogLimits) -> str:
+    hint = QUEUE_FULL_FOR_GUESTS if error.scope == "address" and account.is_guest else ""
+    return QUEUE_FULL[error.scope].format(each=backlog_limits.per_sender) + hint
 
 
-def _name(account: Account, key: str | None) -> UUID:
-    """Under its sender's key, the same each time; and nobody else's."""
+def _submission_id(account: Account, key: str | None) -> UUID:
+    """Return the submission's id: derived from the account and its idempotency key, or random."""
     return uuid4() if key is None else uuid5(account.id, key)
 
 
-def _sent_as(db: Session, account: Account, name: UUID, exercise_id: str, source: bytes) -> Submission | None:
-    """What was sent under this name. Raises Invalid where that was something else."""
-    found = repository.by_id(db, name)
-    if found is not None and (found.account_id, found.exercise, found.source) != (account.id, exercise_id, source):
-        raise Invalid(OTHER_SENDING)
-    return found
+def _find_resubmission(
+    db: Session, account: Account, submission_id: UUID, exercise_id: str, source: bytes
+) -> Submission | None:
+    """Return the submission stored under this id. Raises Invalid where its content differs."""
+    stored = repository.by_id(db, submission_id)
+    if stored is not None and (stored.account_id, stored.exercise, stored.source) != (account.id, exercise_id, source):
+        raise Invalid(KEY_REUSED)
+    return stored
 
 
 def version_requirement(exercise_id: str, version: str) -> str:
-    """What a worker must have to grade it: that exercise, in that version."""
+    """Return the requirement on a worker: this exercise in this version."""
     return f"{exercise_id}@{version}"
 
 
 def job_key(submission_id: UUID) -> str:
-    """By which its job is known, and whoever waits for it."""
+    """Return the key of its job, for the queue and its watchers."""
     return str(submission_id)
 
 
 def code_digest(code: str) -> str:
-    """What identifies a changed attempt: blank lines, whole-line comments and trailing spaces do not count."""
+    """Hash the code without blank lines, whole-line comments and trailing spaces: equal for an unchanged attempt."""
     lines = (line.rstrip() for line in code.removeprefix("\ufeff").splitlines())
     code_lines = "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
     return hashlib.sha256(code_lines.encode("utf-8", errors="replace")).hexdigest()
 
 
 def parse_submission_id(text: UUID | str) -> UUID:
-    """Raises NotFound."""
+    """Parse an id. Raises NotFound."""
     return parse_uuid(text, UNKNOWN_SUBMISSION)
 
 

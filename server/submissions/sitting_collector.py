@@ -1,4 +1,4 @@
-"""The end of a test: what was saved and not sent is sent in its student's name, so that it counts."""
+"""End of a test: saved work that was not submitted is submitted in its student's name, so that it counts."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class SittingCollector:
-    """For several processes at once: each sitting is ended in a transaction of its own, by one of them."""
+    """Several processes may run it at once: one of them ends each sitting, in its own transaction."""
 
     course: Course
     submissions: Submissions
 
     def hand_in(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> None:
-        """Ends a student's sitting at their word; one that has ended already stays as it is."""
-        sitting, rules = self._locked(db, assignment, account_id)
+        """End a student's sitting at their request; one that has ended stays as it is."""
+        sitting, rules = self._lock_sitting(db, assignment, account_id)
         if sitting is None or sitting.ended_by == EndedBy.student:
             return
         if feedback.is_sitting_running(rules, sitting, now):
@@ -43,57 +43,63 @@ class SittingCollector:
         feedback.forget_holds(db)
 
     def collect_expired(self, database: Database, now: datetime) -> int:
-        """Ends every sitting whose time is over; how many. What fails is left for the next time."""
+        """End every sitting whose time is over; return how many. Failures are left for the next time."""
         with database.read() as db:
-            waiting = sitting_repository.load_unfinished_sittings(db)
-            differences = repository.load_exemptions(db, {one.assignment.id for one in waiting}) if waiting else {}
+            unfinished = sitting_repository.load_unfinished_sittings(db)
+            exemptions = (
+                repository.load_exemptions(db, {work.assignment.id for work in unfinished}) if unfinished else {}
+            )
         ended = 0
-        for one in waiting:
-            told = differences.get(one.assignment.id, ())
-            rules = rules_in_force(one.assignment, told, one.sitting.account_id, one.groups)
-            if feedback.is_sitting_running(rules, one.sitting, now):
+        for work in unfinished:
+            class_exemptions = exemptions.get(work.assignment.id, ())
+            rules = rules_in_force(work.assignment, class_exemptions, work.sitting.account_id, work.groups)
+            if feedback.is_sitting_running(rules, work.sitting, now):
                 continue
             try:
                 with database.write() as db:
-                    ended += self.collect_if_expired(db, one.assignment, one.sitting.account_id, now)
+                    ended += self.collect_if_expired(db, work.assignment, work.sitting.account_id, now)
             except SQLAlchemyError:
-                log.exception("a test of %s could not be collected; trying again later", one.sitting.account_id)
+                log.exception("a test of %s could not be collected; trying again later", work.sitting.account_id)
         return ended
 
     def collect_if_expired(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
-        """Ends a sitting if its time is over and nobody has ended it yet."""
-        sitting, rules = self._locked(db, assignment, account_id)
+        """End a sitting if its time is over and nobody has ended it yet."""
+        sitting, rules = self._lock_sitting(db, assignment, account_id)
         if sitting is None or sitting.handed_in_at is not None or feedback.is_sitting_running(rules, sitting, now):
             return False
         self._end_by_time(db, assignment, sitting, rules, now)
         return True
 
-    def _locked(self, db: Session, assignment: Assignment, account_id: UUID) -> tuple[Sitting | None, Rules]:
+    def _lock_sitting(self, db: Session, assignment: Assignment, account_id: UUID) -> tuple[Sitting | None, Rules]:
         sitting = sitting_repository.lock_sitting(db, assignment.id, account_id)
         membership = classes.find_membership(db, assignment.class_id, account_id)
-        told = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-        return sitting, rules_in_force(assignment, told, account_id, membership.groups if membership else ())
+        class_exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+        return sitting, rules_in_force(
+            assignment, class_exemptions, account_id, membership.groups if membership else ()
+        )
 
     def _end_by_time(self, db: Session, assignment: Assignment, sitting: Sitting, rules: Rules, now: datetime) -> None:
         self._end(db, assignment, sitting, rules.end_of_sitting(sitting.began_at) or now, EndedBy.time)
 
-    def _end(self, db: Session, assignment: Assignment, sitting: Sitting, when: datetime, by: EndedBy) -> None:
+    def _end(self, db: Session, assignment: Assignment, sitting: Sitting, ended_at: datetime, by: EndedBy) -> None:
         account = identity.find_account(db, sitting.account_id)
         assert account is not None  # a sitting goes with its account
         for saved in sitting_repository.load_saved_work(db, assignment.id, account.id):
-            self._send(db, account, saved, when)
-        sitting_repository.end_sitting(db, sitting, when, by)
+            self._submit(db, account, saved, ended_at)
+        sitting_repository.end_sitting(db, sitting, ended_at, by)
 
-    def _send(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
-        """What is saved, unless it was sent, or something else was sent after it was saved."""
+    def _submit(self, db: Session, account: Account, saved: SavedWork, end: datetime) -> None:
+        """Submit saved work, unless it was submitted or anything was submitted after it was saved."""
         exercise = self.course.exercises.get(saved.exercise)
         if exercise is None:
             log.warning("%s has left the course: what was saved in a test is kept, and not graded", saved.exercise)
             return
-        last = stored.latest(db, account.id, saved.exercise)
-        if last is not None and (last.created_at >= saved.saved_at or last.source == saved.source):
+        last_submission = stored.latest(db, account.id, saved.exercise)
+        if last_submission is not None and (
+            last_submission.created_at >= saved.saved_at or last_submission.source == saved.source
+        ):
             return
-        when = min(saved.saved_at, end)
+        submitted_at = min(saved.saved_at, end)
         self.submissions.submit_saved(
-            db, account, saved.exercise, saved.source, when, answers=exercise.answers is not None
+            db, account, saved.exercise, saved.source, submitted_at, answers=exercise.answers is not None
         )

@@ -1,4 +1,4 @@
-"""What was dealt to whom: an account keeps the numbers and the letters of an exercise, whatever it sends."""
+"""The variant of an account: the seed of the random data of one exercise, which stays the same whatever it submits."""
 
 import secrets
 from uuid import UUID
@@ -12,19 +12,21 @@ from server.submissions import repository
 
 
 def get_or_create_seed(db: Session, account: Account, exercise_id: str) -> int:
-    """The seed of this account's deal, which is made now, in this writing transaction, where there is none yet."""
+    """Return the seed of this account's variant; create it in this writing transaction where there is none."""
     repository.insert_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
     return repository.load_seed(db, account.id, exercise_id)
 
 
 def find_seed(db: Session, account: Account, exercise_id: str) -> int | None:
-    """The seed of this account's deal, if there is one."""
+    """Return the seed of this account's variant, if there is one."""
     return repository.find_seed(db, account.id, exercise_id)
 
 
 def seed_while_reading(db: Session, database: Database, account: Account, exercise_id: str) -> int:
-    """The same for who only reads, through `db`: the first time alone is anything written, in a transaction of its own,
-    of which what `db` reads later may know nothing yet."""
+    """Return the seed for a caller that only reads, through `db`.
+
+    A missing seed is written in a transaction of its own, which later reads of `db` may not see.
+    """
     seed = find_seed(db, account, exercise_id)
     if seed is not None:
         return seed
@@ -33,11 +35,11 @@ def seed_while_reading(db: Session, database: Database, account: Account, exerci
 
 
 def ensure_seed(database: Database, account: Account, exercise_id: str) -> int:
-    """The same where nothing else is read."""
+    """Return the seed, for a caller that reads nothing else."""
     with database.read() as db:
         return seed_while_reading(db, database, account, exercise_id)
 
 
 def adopt_guest_variants(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Gives an account the deals of a guest; where both have one, the account keeps its own."""
+    """Give an account the variants of a guest; where both have one, the account keeps its own."""
     repository.move_variants(db, guest_id, account_id)

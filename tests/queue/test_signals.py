@@ -211,18 +211,18 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
 
 def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """A change elsewhere is for all in the end, a few at a time; who looks at many jobs is told first each time."""
-    monkeypatch.setattr(events_module, "AT_A_TIME", 10)
-    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 3600.0)
+    monkeypatch.setattr(events_module, "REFRESH_BATCH", 10)
+    monkeypatch.setattr(events_module, "REFRESH_SECONDS", 3600.0)
 
     async def main() -> list[tuple[int, bool]]:
         events = JobEvents()
         with ExitStack() as stack:
-            waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(25)]
-            board = stack.enter_context(events._watch("class", onlooking=True))
+            waiting = [stack.enter_context(events._watch(str(key), watches_all_jobs=False)) for key in range(25)]
+            board = stack.enter_context(events._watch("class", watches_all_jobs=True))
             events.job_changed("another")
             told = []
             for _ in range(4):
-                events._move()
+                events._refresh_batch()
                 told.append((sum(one.is_set() for one in waiting), board.is_set()))
                 board.clear()
         return told
@@ -231,13 +231,13 @@ def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_what_changes_while_they_are_told_is_told_to_all_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(events_module, "AT_A_TIME", 2)
-    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 0.001)
+    monkeypatch.setattr(events_module, "REFRESH_BATCH", 2)
+    monkeypatch.setattr(events_module, "REFRESH_SECONDS", 0.001)
 
     async def main() -> None:
         events = JobEvents()
         with ExitStack() as stack:
-            waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(7)]
+            waiting = [stack.enter_context(events._watch(str(key), watches_all_jobs=False)) for key in range(7)]
             events.job_changed("another")
             await waiting[0].wait()
             waiting[0].clear()
@@ -260,13 +260,13 @@ def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytes
         with ExitStack() as stack:
             for count in (1, 799):
                 for key in range(count):
-                    stack.enter_context(events._watch(str(key), onlooking=False))
+                    stack.enter_context(events._watch(str(key), watches_all_jobs=False))
                 seen = iter([Count(0), Count(3)])
                 await collect(events.follow("a", lambda seen=seen: next(seen)))  # type: ignore[misc]
 
     in_a_loop(main())
     alone, crowded = waits
-    assert (alone, crowded) == (events_module.SAFETY_POLL, 801 / events_module.LOOKS_A_SECOND)
+    assert (alone, crowded) == (events_module.SAFETY_POLL, 801 / events_module.POLLS_PER_SECOND)
 
 
 async def watched(events: JobEvents) -> None:
@@ -277,7 +277,7 @@ async def watched(events: JobEvents) -> None:
 def test_who_waits_for_the_end_alone_reads_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither as the job begins, nor as the queue moves."""
     monkeypatch.setattr(events_module, "SAFETY_POLL", 3600.0)
-    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 0.001)
+    monkeypatch.setattr(events_module, "REFRESH_SECONDS", 0.001)
     reads = []
 
     def read() -> Count:
@@ -302,13 +302,13 @@ def test_who_waits_for_the_end_alone_reads_once(monkeypatch: pytest.MonkeyPatch)
 
 def test_an_end_that_comes_before_its_waiter_is_not_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 3600.0)
-    monkeypatch.setattr(events_module, "REMEMBERED", 3)
+    monkeypatch.setattr(events_module, "MAX_RECENT_JOBS", 3)
 
     async def main() -> Count:
         events = JobEvents()
         for key in ("old", "older", "a", "b"):
             events.job_changed(key)
-        assert list(events._latest) == ["older", "a", "b"], "no more is remembered than may be"
+        assert list(events._recently_changed) == ["older", "a", "b"], "no more is remembered than may be"
         return await asyncio.wait_for(events.wait_until_done("a", lambda: Count(3), 60), 300)
 
     assert in_a_loop(main()) == Count(3)
@@ -329,7 +329,7 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
         await watched(events)
         watching.cancel()
         await asyncio.wait([watching])
-        return {**events._watchers, **events._awaiting}
+        return {**events._watchers, **events._end_watchers}
 
     assert in_a_loop(main()) == {}
 
