@@ -1,1 +1,1 @@
-"""The worker of submissions: it has them graded in the sandbox, and records the verdicts."""
+"""The grading worker: it grades submissions in the sandbox, and records the verdicts."""

@@ -12,7 +12,7 @@ from server.base.processes import die_with_parent
 
 def main(channel_fd: int, parent: int) -> None:
     die_with_parent(parent)
-    gc.disable()  # what is imported and read stays: `run` has it left alone, then lets garbage be collected again
+    gc.disable()  # imports stay: `run_worker` freezes them, then enables collection again
     from server.base.settings import Settings
     from server.grading.worker_process import run_worker, stop_on_signals
     from server.queue.graceful_stop import StopRequested
@@ -20,7 +20,7 @@ def main(channel_fd: int, parent: int) -> None:
 
     stop_on_signals()
 
-    os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
+    os.set_inheritable(channel_fd, False)  # no child may keep the channel open after this process
     channel = WorkerChannel(socket.socket(fileno=channel_fd))
     settings = Settings()
     logs.configure_logging(f"worker[{channel_fd}]", settings.log_format, logging.INFO)

@@ -1,4 +1,4 @@
-"""Grading a submission, as one kind of job."""
+"""The job that grades a submission."""
 
 import logging
 import time
@@ -26,13 +26,13 @@ from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
 
-#: The parts of a grading that its verdict times, in their order.
+#: Timed parts of a grading, in order.
 STEPS = ("checks", "diagnosis")
 
 
 @dataclass(frozen=True)
 class GradingInput:
-    """What it takes to grade one submission; `own`: the files of its author that it may import from."""
+    """Input to grade one submission; `own` holds the author's files that it may import from."""
 
     submission_id: UUID
     exercise: str
@@ -45,7 +45,7 @@ class GradingInput:
 def load_grading_input(
     db: Session, course: Course, submission: Submission | GradingRow, started_at: datetime
 ) -> GradingInput:
-    """A submission, with the earlier files of its author that it may import from."""
+    """Load a submission's input, with the earlier files of its author that it may import from."""
     own = importable_files.load_importable_files(db, course, submission)
     return GradingInput(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
 
@@ -54,24 +54,24 @@ GradeFunction = Callable[[GradingInput], Judgement]
 
 
 class GradingTask:
-    """Fills the port `server.queue.interfaces.Task`."""
+    """Implements `server.queue.interfaces.Task`."""
 
     def __init__(self, course: Course, grade: GradeFunction) -> None:
         self._course, self._grade = course, grade
-        self.give_up = _giving_up(course)
+        self.give_up = _give_up_handler(course)
 
     def read(self, db: Session, lease: Lease) -> GradingInput | None:
-        """None when the submission has gone, with its author."""
+        """Load the submission; None when it was deleted with its author."""
         submission = submissions.load_grading_row(db, UUID(lease.key))
         if submission is None:
             return None
         return load_grading_input(db, self._course, submission, lease.started_at)
 
     def run(self, work: GradingInput) -> GradingResult:
-        began = time.time_ns()
+        started = time.time_ns()
         judgement = self._grade(work)
-        told = judgement.verdict.timings
-        traces.record_spans(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
+        timings = judgement.verdict.timings
+        traces.record_spans(started, {name: timings[f"{name}_ms"] for name in STEPS if f"{name}_ms" in timings})
         return GradingResult(judgement, work.started_at)
 
     def record(self, db: Session, work: GradingInput, result: GradingResult) -> None:
@@ -81,19 +81,19 @@ class GradingTask:
 
 
 def give_up_handlers(course: Course) -> Mapping[str, GiveUpHandler]:
-    """For whoever takes jobs back without ever grading."""
-    return {GRADE: _giving_up(course)}
+    """Return the handlers for processes that recover jobs without grading."""
+    return {GRADE: _give_up_handler(course)}
 
 
 def _record(db: Session, submission_id: UUID, graded: GradingResult) -> None:
-    """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
+    """Record the grading; an internal error gives its author the rate-limit token back."""
     account_id = gradebook.record_grading(db, submission_id, graded)
     if account_id is not None and not graded.verdict.outcome.counts:
         limits.give_back_token(db, limits.submission_key(account_id))
 
 
-def _giving_up(course: Course) -> GiveUpHandler:
-    """The end of a submission whose grading has ended its workers too often."""
+def _give_up_handler(course: Course) -> GiveUpHandler:
+    """Return the handler that records an internal error after too many tries."""
 
     def give_up(db: Session, lease: Lease) -> None:
         submission = submissions.by_id(db, UUID(lease.key))

@@ -1,37 +1,37 @@
-"""When a worker has nothing to grade: what nobody waits for is done then, and takes no processor from who waits."""
+"""Idle times of a worker: background work runs then, and takes no processor time from gradings."""
 
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Event
 
-#: Seconds without a job after which one is calm, and between two looks at it.
-IDLE_AFTER, LOOK = 0.5, 0.05
+#: Seconds without a job after which a worker is idle, and between two checks.
+IDLE_SECONDS, CHECK_SECONDS = 0.5, 0.05
 
 
 class IdleMonitor:
-    """Of one worker, which does one job at a time; `wait` is for its other threads."""
+    """Tracks one worker, which runs one job at a time; `wait_idle` is for its other threads."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._busy, self._ended = False, -IDLE_AFTER
+        self._busy, self._last_job_end = False, -IDLE_SECONDS
 
     @contextmanager
     def busy(self) -> Iterator[None]:
-        """While a job is done."""
+        """Mark a job as running for the duration of the block."""
         self._busy = True
         try:
             yield
         finally:
-            self._ended, self._busy = self._clock(), False
+            self._last_job_end, self._busy = self._clock(), False
 
     @property
     def is_idle(self) -> bool:
-        return not self._busy and self._clock() - self._ended >= IDLE_AFTER
+        return not self._busy and self._clock() - self._last_job_end >= IDLE_SECONDS
 
     def wait_idle(self, stopping: Event) -> bool:
-        """Until it is calm; False where it is to stop first."""
+        """Wait until the worker is idle; False where it is to stop first."""
         while not self.is_idle:
-            if stopping.wait(LOOK):
+            if stopping.wait(CHECK_SECONDS):
                 return False
         return not stopping.is_set()

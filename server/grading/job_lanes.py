@@ -1,4 +1,4 @@
-"""The kinds of jobs that workers do, and which of them somebody waits for."""
+"""The kinds of jobs that workers run, and the lane of each: interactive or background."""
 
 from collections.abc import Mapping
 

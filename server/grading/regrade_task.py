@@ -1,4 +1,4 @@
-"""Grading an attempt anew, as one kind of job: a regrade's next, each time."""
+"""The job that regrades submissions: each run takes the next one of a regrade."""
 
 import logging
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class RegradeInput:
-    """What it takes to grade one attempt of a regrade, with the seed that it had when it was sent."""
+    """Input to grade one attempt of a regrade, with its original seed."""
 
     regrade_id: UUID
     item_id: UUID
@@ -30,15 +30,15 @@ class RegradeInput:
 
 
 class RegradeTask:
-    """Fills the port `server.queue.interfaces.Task`."""
+    """Implements `server.queue.interfaces.Task`."""
 
     def __init__(self, course: Course, queue: Queue, grade: GradeFunction) -> None:
         self._course, self._queue, self._grade = course, queue, grade
-        self.give_up = _giving_up(course, queue)
+        self.give_up = _give_up_handler(course, queue)
 
     def read(self, db: Session, lease: Lease) -> RegradeInput | None:
-        """None when nothing waits any more, or the regrade was stopped."""
-        return _next(db, self._course, lease)
+        """Load the next attempt; None when none is left, or the regrade was stopped."""
+        return _load_next(db, self._course, lease)
 
     def run(self, work: RegradeInput) -> GradingResult:
         return GradingResult(self._grade(work.file), work.file.started_at)
@@ -47,26 +47,26 @@ class RegradeTask:
         service.record_grading(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
-def _next(db: Session, course: Course, lease: Lease) -> RegradeInput | None:
-    found = repository.load_next_item(db, UUID(lease.key))
-    if found is None:
+def _load_next(db: Session, course: Course, lease: Lease) -> RegradeInput | None:
+    row = repository.load_next_item(db, UUID(lease.key))
+    if row is None:
         return None
-    item, submission, _ = found
+    item, submission, _ = row
     return RegradeInput(
         item.regrade_id, item.id, load_grading_input(db, course, submission, lease.started_at), lease.required_version
     )
 
 
 def give_up_handlers(course: Course, queue: Queue) -> Mapping[str, GiveUpHandler]:
-    """For whoever takes jobs back without ever grading."""
-    return {REGRADE_JOB: _giving_up(course, queue)}
+    """Return the handlers for processes that recover jobs without grading."""
+    return {REGRADE_JOB: _give_up_handler(course, queue)}
 
 
-def _giving_up(course: Course, queue: Queue) -> GiveUpHandler:
-    """The end of an attempt whose grading has ended its workers too often: the others are graded all the same."""
+def _give_up_handler(course: Course, queue: Queue) -> GiveUpHandler:
+    """Return the handler that records an internal error, so that the regrade goes on with the other attempts."""
 
     def give_up(db: Session, lease: Lease) -> None:
-        work = _next(db, course, lease)
+        work = _load_next(db, course, lease)
         if work is None:
             return
         file = work.file

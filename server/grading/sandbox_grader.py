@@ -1,7 +1,7 @@
-"""Joins the sandbox and the graders: a student's file in, a verdict out.
+"""The bridge between sandbox and graders: a student's file in, a verdict out.
 
-The student's fault becomes a verdict. Ours (the sandbox, a grader, this file) is tried once more, logged whole, and
-ends as `internal_error`.
+A student's fault becomes a verdict. Ours (the sandbox, a grader, this file) is retried once, logged in full, and ends
+as `internal_error`.
 """
 
 import hashlib
@@ -29,35 +29,35 @@ FILENAME = "solution.py"
 
 
 class JudgingTimeBudget:
-    """The processor time that reading and comparing the answers of one submission may take, in this thread.
+    """The processor time for reading and comparing the answers of one submission, in this thread.
 
-    What is read is bounded in size, so that only values made for it come near: it is spent by the student, not by us.
+    Answers are bounded in size, so that only values made for it exhaust the budget: the student's fault, not ours.
     """
 
     def __init__(self, policy: Policy) -> None:
-        self._policy, self._begun = policy, time.thread_time()
+        self._policy, self._started = policy, time.thread_time()
 
     def exhausted_fault(self) -> StudentFault | None:
-        """The fault that answers for every call once it is spent."""
-        if time.thread_time() - self._begun <= self._policy.judging_seconds:
+        """Return the fault that answers every call once the budget is exhausted."""
+        if time.thread_time() - self._started <= self._policy.judging_seconds:
             return None
         return StudentFault(Outcome.OUTPUT_LIMIT, judging_too_long(self._policy), fatal=True)
 
     def raise_if_exhausted(self) -> None:
-        """Raises StudentFault once it is spent."""
-        if spent := self.exhausted_fault():
-            raise spent
+        """Raise StudentFault once the budget is exhausted."""
+        if fault := self.exhausted_fault():
+            raise fault
 
 
 class SandboxProgram:
-    """A student's program behind the walls, as graders see it."""
+    """A student's program in the sandbox, as graders see it."""
 
-    def __init__(self, session: Session, patience: JudgingTimeBudget, ahead: Sequence[PlannedCalls]) -> None:
-        self._session, self._patience, self._ahead = session, patience, ahead
+    def __init__(self, session: Session, budget: JudgingTimeBudget, ahead: Sequence[PlannedCalls]) -> None:
+        self._session, self._budget, self._ahead = session, budget, ahead
         self.functions = frozenset(session.functions)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
-        self._patience.raise_if_exhausted()
+        self._budget.raise_if_exhausted()
         try:
             reply = self._session.call(function, *args, return_arguments=return_arguments)
         except ProgramFault as fault:
@@ -66,20 +66,20 @@ class SandboxProgram:
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         for answer in self._session.call_many(function, calls, faults=faults):
-            if spent := self._patience.exhausted_fault():
-                yield spent
+            if fault := self._budget.exhausted_fault():
+                yield fault
                 return
             yield _answer(answer)
 
-    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
-        given = (
+    def call_batches(self, requests: Sequence[PlannedCalls]) -> Iterator[Block]:
+        blocks = (
             self._session.first_answers
-            if asked is self._ahead
-            else self._session.call_batches(list(map(_calls, asked)))
+            if requests is self._ahead
+            else self._session.call_batches(list(map(_calls, requests)))
         )
-        for number, answers in given:
-            if spent := self._patience.exhausted_fault():
-                yield number, (spent,)
+        for number, answers in blocks:
+            if fault := self._budget.exhausted_fault():
+                yield number, (fault,)
                 return
             if isinstance(answers, sandbox.Replies):
                 yield number, ArrayReplies(answers.values)
@@ -94,13 +94,13 @@ class SandboxProgram:
 
 
 class SandboxPrograms:
-    """Starts a student's file behind the walls, under the policy of one exercise, for one grading.
+    """Starts a student's file in the sandbox, under the policy of one exercise, for one grading.
 
     `library` is what the file may import from `mes_fonctions`.
     """
 
     def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[LibraryFile] = ()) -> None:
-        self._sandbox, self._policy, self._patience = sandbox, policy, JudgingTimeBudget(policy)
+        self._sandbox, self._policy, self._budget = sandbox, policy, JudgingTimeBudget(policy)
         self._library = tuple(library)
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
@@ -110,7 +110,7 @@ class SandboxPrograms:
         return Kit(kit.module, dict(kit.parameters), kit.without, self._library)
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> SandboxProgram:
-        self._patience.raise_if_exhausted()
+        self._budget.raise_if_exhausted()
         settings = self._kit(kit)
         try:
             session = self._sandbox.open(
@@ -118,12 +118,12 @@ class SandboxPrograms:
             )
         except ProgramFault as fault:
             raise student_fault(fault) from fault
-        return SandboxProgram(session, self._patience, ahead)
+        return SandboxProgram(session, self._budget, ahead)
 
 
-def _calls(asked: PlannedCalls) -> CallBatch:
-    columns = asked.calls.columns if isinstance(asked.calls, Rows) else None
-    return CallBatch(asked.function, asked.calls, asked.faults, asked.return_arguments, columns)
+def _calls(planned: PlannedCalls) -> CallBatch:
+    columns = planned.calls.columns if isinstance(planned.calls, Rows) else None
+    return CallBatch(planned.function, planned.calls, planned.faults, planned.return_arguments, columns)
 
 
 def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:
@@ -131,7 +131,7 @@ def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:
 
 
 def student_fault(fault: ProgramFault) -> StudentFault:
-    """The sandbox's account of the student's fault, in the graders' words."""
+    """Convert the sandbox's report of a fault to the graders' one."""
     frames = tuple(_frame_text(frame) for frame in fault.frames)
     return StudentFault(
         Outcome(fault.kind.value),
@@ -144,8 +144,8 @@ def student_fault(fault: ProgramFault) -> StudentFault:
 
 
 def _frame_text(frame: Frame) -> str:
-    place = f"ligne {frame.line}, dans {frame.function}"
-    return f"{place} : {frame.source.strip()}" if frame.source else place
+    location = f"ligne {frame.line}, dans {frame.function}"
+    return f"{location} : {frame.source.strip()}" if frame.source else location
 
 
 class SandboxGrader:
@@ -156,7 +156,7 @@ class SandboxGrader:
         self._sandbox = sandbox
 
     def programs(self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN) -> SandboxPrograms:
-        """Starts files for an exercise behind the walls, under a policy, for one grading; `own` as in `grade`."""
+        """Return a starter of files for one grading of an exercise, under a policy; `own` as in `grade`."""
         return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own))
 
     def grade(
@@ -169,10 +169,10 @@ class SandboxGrader:
         own: Own = NOTHING_OWN,
         policy: Policy | None = None,
     ) -> Judgement:
-        """Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
+        """Grade a file. Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
 
-        `own` holds the files whose functions the program finds in `mes_fonctions` instead of the course's; `policy` are
-        other limits than the exercise's.
+        `own` holds the files whose functions the program imports from `mes_fonctions` instead of the course's; `policy`
+        replaces the limits of the exercise.
         """
         version = self._course.version_of(exercise_id)
         for try_number in range(1, TRIES + 1):
@@ -181,7 +181,7 @@ class SandboxGrader:
                 programs = self.programs(exercise_id, policy or exercise.policy, own)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
-                # All that it takes to grade the same again: the source is in the database, or the caller has it.
+                # Enough to reproduce the grading: the source is in the database, or the caller has it.
                 digest = hashlib.sha256(source).hexdigest()
                 log.exception(
                     "grading %s (version %s) with seed %d failed, try %d of %d: submission %s, %d bytes, sha256 %s",

@@ -1,4 +1,4 @@
-"""Starts the local workers, starts them again when they die, and takes their leases back at once."""
+"""Starts the local workers, restarts them when they die, and recovers their leases at once."""
 
 import asyncio
 import logging
@@ -20,29 +20,29 @@ log = logging.getLogger(__name__)
 
 WORKER_COMMAND = (sys.executable, "-P", "-m", "server.grading")
 STOP_SECONDS = 3.0
-QUICK_DEATH = 2.0  # seconds: a worker that lives less long than this is started again after a pause
-PAUSE = 1.0
-LAST_WORDS = 0.5
+QUICK_DEATH_SECONDS = 2.0  # a worker that lives less long is restarted after a pause
+RESTART_PAUSE = 1.0
+DRAIN_SECONDS = 0.5
 
 
 class WorkerSocket:
-    """Fills the port `server.queue.wakeups.Line`: few bytes now and then, on a socket that never waits."""
+    """Implements `server.queue.wakeups.WorkerConnection`: a few bytes now and then, on a non-blocking socket."""
 
     def __init__(self, ours: socket.socket) -> None:
-        self._ours = ours
+        self._socket = ours
 
     def write(self, data: bytes) -> None:
-        """A worker that has died is started again and looks by itself; so does one that has read nothing for long."""
+        """Send, or drop: a dead worker is restarted and polls by itself; so does one that has not read for long."""
         with suppress(BlockingIOError, ConnectionError):
-            self._ours.send(data)
+            self._socket.send(data)
 
     def close(self) -> None:
-        self._ours.close()
+        self._socket.close()
 
 
 @dataclass(frozen=True)
 class WorkerProcess:
-    """A worker process and what leads to it; `writer` keeps the socket that `wire` has a second name of."""
+    """A worker process and its connection; `writer` owns the socket that `wire` duplicates."""
 
     process: asyncio.subprocess.Process
     owner: LeaseOwner
@@ -52,9 +52,9 @@ class WorkerProcess:
 
 
 class WorkerSupervisor:
-    """Keeps `settings.workers` processes alive, once the walls are known to stand.
+    """Keeps `settings.workers` processes alive, once the sandbox's walls are proven.
 
-    `on_death` is called in a thread with the dead worker's lease name.
+    `on_death` is called in a thread with the dead worker's lease owner.
     """
 
     def __init__(
@@ -67,12 +67,12 @@ class WorkerSupervisor:
     ) -> None:
         self._walls = walls or Gate(opened=True)
         self._settings, self._switchboard, self._on_death, self._command = settings, dispatcher, on_death, command
-        self._running: dict[int, WorkerProcess] = {}
+        self._processes: dict[int, WorkerProcess] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._stopping = False
 
     async def __aenter__(self) -> "WorkerSupervisor":
-        self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
+        self._tasks = [asyncio.create_task(self._keep_alive(slot)) for slot in range(self._settings.workers)]
         return self
 
     @property
@@ -84,11 +84,11 @@ class WorkerSupervisor:
         return self._stopping
 
     def alive_count(self) -> int:
-        """How many workers stand at this moment."""
-        return sum(running.process.returncode is None for running in list(self._running.values()))
+        """Count the workers that run at this moment."""
+        return sum(worker.process.returncode is None for worker in list(self._processes.values()))
 
     def expect_shutdown(self) -> None:
-        """The server has been told to stop: workers that end now, having been told too, are missed by nobody."""
+        """The server is stopping: workers that exit from now on are not restarted."""
         self._stopping = True
 
     async def __aexit__(self, *_exc: object) -> None:
@@ -100,39 +100,39 @@ class WorkerSupervisor:
             await asyncio.gather(*self._tasks)
 
     def _signal(self, number: signal.Signals) -> None:
-        for running in self._running.values():
-            if running.process.returncode is None:
+        for worker in self._processes.values():
+            if worker.process.returncode is None:
                 with suppress(ProcessLookupError):
-                    running.process.send_signal(number)
+                    worker.process.send_signal(number)
 
-    async def _keep(self, slot: int) -> None:
+    async def _keep_alive(self, slot: int) -> None:
         try:
             await self._walls.wait_open()
         except GateClosed:
             return
         while not self._stopping:
-            born = asyncio.get_running_loop().time()
-            running = self._running[slot] = await self._start()
-            code = await self._until_death(running)
-            await asyncio.to_thread(self._on_death, running.owner)
-            await self._pause(code, born)
+            started = asyncio.get_running_loop().time()
+            worker = self._processes[slot] = await self._start()
+            code = await self._wait_for_exit(worker)
+            await asyncio.to_thread(self._on_death, worker.owner)
+            await self._pause(code, started)
 
-    async def _until_death(self, running: WorkerProcess) -> int:
-        listening = asyncio.create_task(self._listen(running))
-        code = await running.process.wait()
-        await asyncio.wait([listening], timeout=LAST_WORDS)  # what it said before dying is still in the socket
+    async def _wait_for_exit(self, worker: WorkerProcess) -> int:
+        listening = asyncio.create_task(self._listen(worker))
+        code = await worker.process.wait()
+        await asyncio.wait([listening], timeout=DRAIN_SECONDS)  # its last messages are still in the socket
         listening.cancel()
-        self._switchboard.remove_worker(running.wire)  # from here on, nobody writes to it
-        running.wire.close()
-        running.writer.close()
+        self._switchboard.remove_worker(worker.wire)  # nobody writes to it from here on
+        worker.wire.close()
+        worker.writer.close()
         return code
 
-    async def _pause(self, code: int, born: float) -> None:
+    async def _pause(self, code: int, started: float) -> None:
         if self._stopping:
             return
         log.error("a worker has ended with status %d; starting another", code)
-        if asyncio.get_running_loop().time() - born < QUICK_DEATH:
-            await asyncio.sleep(PAUSE)
+        if asyncio.get_running_loop().time() - started < QUICK_DEATH_SECONDS:
+            await asyncio.sleep(RESTART_PAUSE)
 
     async def _start(self) -> WorkerProcess:
         ours, theirs = socket.socketpair()
@@ -145,10 +145,10 @@ class WorkerSupervisor:
                 stdin=asyncio.subprocess.DEVNULL,
             )
         owner, wire = process_owner(process.pid), WorkerSocket(ours.dup())
-        reader, writer = await asyncio.open_connection(sock=ours)  # which has neither of its names wait
+        reader, writer = await asyncio.open_connection(sock=ours)  # makes both duplicates non-blocking
         return WorkerProcess(process, owner, reader, writer, wire)
 
-    async def _listen(self, running: WorkerProcess) -> None:
+    async def _listen(self, worker: WorkerProcess) -> None:
         with suppress(ConnectionError):
-            while line := await running.reader.readline():
-                self._switchboard.handle_message(running.wire, line.decode().rstrip("\n"))
+            while line := await worker.reader.readline():
+                self._switchboard.handle_message(worker.wire, line.decode().rstrip("\n"))

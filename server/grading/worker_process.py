@@ -1,4 +1,4 @@
-"""What a worker process does first, and how it is put together."""
+"""Startup of a worker process."""
 
 import gc
 import logging
@@ -32,98 +32,111 @@ from server.submissions.service import GRADE, version_requirement
 
 log = logging.getLogger(__name__)
 
-#: How long one thread may keep the interpreter from another, which Python sets to ten times as much: a grading waits
-#: for its program a dozen times, and after each for whatever else runs here.
+#: Thread switch interval, a tenth of Python's default: a grading waits a dozen times for its program, and each time
+#: for whichever thread runs meanwhile.
 SWITCH_SECONDS = 0.0005
 
 
 def stop_on_signals(*, interrupt: bool = False) -> None:
-    """SIGTERM raises Stop. Ctrl+C too with `interrupt`; else it belongs to the server, which stops its workers."""
+    """SIGTERM raises StopRequested. Ctrl+C does too with `interrupt`; else the server handles it."""
     signal.signal(signal.SIGTERM, _stop)
     signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
 
 
-_stopping = GracefulStop()
+_graceful_stop = GracefulStop()
 
 
 def _stop(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    _stopping.request()
+    _graceful_stop.request()
 
 
-def _warm(sandbox: Sandbox, course: Course, calm: IdleMonitor) -> None:
-    """Starts the templates, then has the graders load and compile what they use, before the first submission.
+def _warm_up(sandbox: Sandbox, course: Course, idle_monitor: IdleMonitor) -> None:
+    """Start the sandbox templates, then load and compile what graders use, before the first submission.
 
-    What fails here fails again, and is told, when a submission meets it. Whoever sends meanwhile comes first.
+    A failure here recurs, and is reported, when a submission meets it. Submissions come first.
     """
     for imports in ("numpy", "scipy"):
         try:
             sandbox.warm(imports)
         except SandboxFault:
-            if _stopping.requested.is_set():
+            if _graceful_stop.requested.is_set():
                 return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
-        if not calm.wait_idle(_stopping.requested):
+        if not idle_monitor.wait_idle(_graceful_stop.requested):
             return
         try:
             exercise.grader.rehearse()
         except Exception:
             log.exception("the grader of %s does not work", exercise.id)
-    gc.freeze()  # what was loaded stays: no collection needs to look at it again
+    gc.freeze()  # keeps garbage collection from scanning what stays loaded
 
 
 def run_worker(
-    settings: Settings, work: WorkSource, signals: QueueNotifier, renewed: Callable[[str], object] = str
+    settings: Settings, work: WorkSource, notifier: QueueNotifier, on_template_renewed: Callable[[str], object] = str
 ) -> None:
-    """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced.
+    """Grade with the real course and sandbox until a stop is requested.
 
-    `work` and `signals` are of this machine. Where NATS carries the work they are left aside: tickets tell of it.
+    `work` and `notifier` are of this machine; with NATS, messages replace them. `on_template_renewed` receives the
+    reason why a sandbox template was replaced.
     """
     engine = create_nats_engine(settings, JOB_LANES)
     if engine is None:
-        _run(settings, signals, renewed, lambda worker: worker.run(work))
+        _run_worker(settings, notifier, on_template_renewed, lambda worker: worker.run(work))
         return
-    with engine.connection, closing(engine.subscribe()) as tickets:
-        _run(settings, engine.notifier, renewed, lambda worker: worker.run_on_messages(tickets))
+    with engine.connection, closing(engine.subscribe()) as subscription:
+        _run_worker(settings, engine.notifier, on_template_renewed, lambda worker: worker.run_on_messages(subscription))
 
 
-def _run(
-    settings: Settings, signals: QueueNotifier, renewed: Callable[[str], object], keep_working: Callable[[Worker], None]
+def _run_worker(
+    settings: Settings,
+    notifier: QueueNotifier,
+    on_template_renewed: Callable[[str], object],
+    work_loop: Callable[[Worker], None],
 ) -> None:
     sys.setswitchinterval(SWITCH_SECONDS)
     course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
     gc.enable()
     database = Database(settings.url)
-    with closing(database), Sandbox(course.kits, on_template_replaced=renewed) as sandbox:
-        grader, calm = SandboxGrader(course, sandbox), IdleMonitor()
+    with closing(database), Sandbox(course.kits, on_template_replaced=on_template_renewed) as sandbox:
+        grader, idle_monitor = SandboxGrader(course, sandbox), IdleMonitor()
         if settings.warm_up:
-            threading.Thread(target=_warm, args=(sandbox, course, calm), name="warm-up", daemon=True).start()
+            threading.Thread(target=_warm_up, args=(sandbox, course, idle_monitor), name="warm-up", daemon=True).start()
 
         def grade(work: GradingInput) -> Judgement:
-            with calm.busy():
+            with idle_monitor.busy():
                 return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
 
-        queue = TableQueue(signals)
+        queue = TableQueue(notifier)
         tasks: Tasks = {
             GRADE: GradingTask(course, grade),
             REGRADE_JOB: RegradeTask(course, queue, grade),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)
-        threading.Thread(target=sweeper.run_until, args=(_stopping.requested,), name="sweeper", daemon=True).start()
+        threading.Thread(
+            target=sweeper.run_until, args=(_graceful_stop.requested,), name="sweeper", daemon=True
+        ).start()
         try:
-            keep_working(
-                Worker(database, queue, settings, tasks, capabilities=_able(settings, course), graceful_stop=_stopping)
+            work_loop(
+                Worker(
+                    database,
+                    queue,
+                    settings,
+                    tasks,
+                    capabilities=_capabilities(settings, course),
+                    graceful_stop=_graceful_stop,
+                )
             )
         finally:
-            _stopping.requested.set()  # what still warms up is closed under it
+            _graceful_stop.requested.set()  # ends the warm-up before the sandbox closes
 
 
-def _able(settings: Settings, course: Course) -> WorkerCapabilities | None:
-    """A machine alone has one version of everything; of several, each may have its own for a while."""
+def _capabilities(settings: Settings, course: Course) -> WorkerCapabilities | None:
+    """Return what this worker can grade; None on a single machine, which has one version of everything."""
     if not settings.nats_url:
         return None
-    having = {version_requirement(one.id, one.version) for one in course.exercises.values()}
-    return WorkerCapabilities(having, settings.version_seconds)
+    versions = {version_requirement(exercise.id, exercise.version) for exercise in course.exercises.values()}
+    return WorkerCapabilities(versions, settings.version_seconds)

@@ -1,1 +1,1 @@
-"""Whether the service is alive and ready, and its figures for Prometheus."""
+"""Liveness, readiness, metrics for Prometheus, and the state of the service."""

@@ -1,6 +1,6 @@
-"""What several machines share, looked at from one of them: database, NATS, clocks, and whether the work is taken.
+"""Check of what several machines share, from one of them: database, NATS, clocks, workers.
 
-It changes nothing: the services make what is missing when they start.
+It changes nothing: the services create what is missing when they start.
 """
 
 import statistics
@@ -21,13 +21,13 @@ from server.queue.jetstream.connection import NatsConnection, NatsUnavailableErr
 from server.queue.jetstream.stream_layout import STREAM, build_layout
 from server.web.words import plural
 
-ROUNDS = 20
-#: Milliseconds of one question: slower than this, every verdict waits for it several times.
-SLOW_DATABASE, SLOW_NATS = 10.0, 5.0
-#: Seconds between two clocks.
-ODD_CLOCK, WRONG_CLOCK = 1.0, 5.0
+PINGS = 20
+#: Latency in milliseconds above which every verdict is noticeably delayed.
+SLOW_DATABASE_MS, SLOW_NATS_MS = 10.0, 5.0
+#: Difference of two clocks in seconds.
+CLOCK_WARNING_SECONDS, CLOCK_ERROR_SECONDS = 1.0, 5.0
 #: Connections to PostgreSQL that must be left.
-FEW_CONNECTIONS = 20
+MIN_SPARE_CONNECTIONS = 20
 CONNECT_SECONDS, ANSWER_SECONDS = 8.0, 5.0
 
 
@@ -37,7 +37,7 @@ class FindingLevel(Enum):
 
 @dataclass(frozen=True)
 class ClusterFinding:
-    """What was looked at, how it is, and what to do where it is not well; in French."""
+    """A checked subject, its state, and the remedy where it is not well; in French."""
 
     level: FindingLevel
     subject: str
@@ -46,9 +46,9 @@ class ClusterFinding:
 
 
 def check_cluster(settings: Settings, lanes: Mapping[str, str]) -> Iterator[ClusterFinding]:
-    """`lanes` as the engine's: see `server.queue.jetstream.stream_layout`."""
-    found = list(_database(settings))
-    yield from found
+    """Yield findings; `lanes` as in `server.queue.jetstream.stream_layout`."""
+    database_findings = list(_check_database(settings))
+    yield from database_findings
     if not settings.nats_url:
         yield ClusterFinding(
             FindingLevel.bad, "NATS", "aucun serveur n’est réglé", "réglez BALISE_NATS_URL, ici et partout ailleurs"
@@ -56,35 +56,35 @@ def check_cluster(settings: Settings, lanes: Mapping[str, str]) -> Iterator[Clus
         return
     with NatsConnection(settings, build_layout(settings, lanes), read_only=True) as connection:
         if not connection.wait_first_attempt(CONNECT_SECONDS):
-            mend = "vérifiez BALISE_NATS_URL, le jeton ou la clé, les certificats, et que nats-server tourne"
+            remedy = "vérifiez BALISE_NATS_URL, le jeton ou la clé, les certificats, et que nats-server tourne"
             yield ClusterFinding(
-                FindingLevel.bad, "NATS", f"injoignable : {connection.last_error or 'pas de réponse'}", mend
+                FindingLevel.bad, "NATS", f"injoignable : {connection.last_error or 'pas de réponse'}", remedy
             )
             return
-        yield from _nats(connection)
-        if all(one.level is not FindingLevel.bad for one in found):
-            yield from _work(settings, connection)
+        yield from _check_nats(connection)
+        if all(finding.level is not FindingLevel.bad for finding in database_findings):
+            yield from _check_workers(settings, connection)
 
 
-def _database(settings: Settings) -> Iterator[ClusterFinding]:
-    about = "base de données"
+def _check_database(settings: Settings) -> Iterator[ClusterFinding]:
+    subject = "base de données"
     if not settings.on_postgres:
         yield ClusterFinding(
             FindingLevel.bad,
-            about,
+            subject,
             "SQLite, un fichier de cette machine",
             "réglez BALISE_DATABASE_URL vers une base PostgreSQL, la même partout",
         )
         return
     with closing(Database(settings.url)) as database:
         try:
-            yield _speed(about, "joignable", _database_rounds(database), SLOW_DATABASE)
-            yield _secrecy(database)
-            yield _room(database)
-            yield _clock(database)
+            yield _check_latency(subject, "joignable", _time_database_pings(database), SLOW_DATABASE_MS)
+            yield _check_encryption(database)
+            yield _check_connections(database)
+            yield _check_clock(database)
         except SQLAlchemyError as error:
             why = str(getattr(error, "orig", None) or error).splitlines()[0]
-            yield ClusterFinding(FindingLevel.bad, about, f"injoignable : {why}", "vérifiez BALISE_DATABASE_URL")
+            yield ClusterFinding(FindingLevel.bad, subject, f"injoignable : {why}", "vérifiez BALISE_DATABASE_URL")
             return
         try:
             require_current(database.engine)
@@ -95,92 +95,102 @@ def _database(settings: Settings) -> Iterator[ClusterFinding]:
             )
 
 
-def _database_rounds(database: Database) -> Iterator[float]:
+def _time_database_pings(database: Database) -> Iterator[float]:
     with database.read() as db:
-        for _ in range(ROUNDS):
-            begun = time.perf_counter()
+        for _ in range(PINGS):
+            started = time.perf_counter()
             repository.ping(db)
-            yield time.perf_counter() - begun
+            yield time.perf_counter() - started
 
 
-def _speed(about: str, told: str, rounds: Iterator[float], slow: float) -> ClusterFinding:
-    taken = 1000.0 * statistics.median(rounds)
-    if taken <= slow:
-        return ClusterFinding(FindingLevel.good, about, f"{told}, répond en {_french(taken)} ms")
-    mend = f"plus de {_french(slow)} ms : rapprochez les machines, ou allégez celle qui répond"
-    return ClusterFinding(FindingLevel.doubtful, about, f"{told}, mais lente : {_french(taken)} ms", mend)
+def _check_latency(subject: str, message: str, durations: Iterator[float], slow: float) -> ClusterFinding:
+    milliseconds = 1000.0 * statistics.median(durations)
+    if milliseconds <= slow:
+        return ClusterFinding(FindingLevel.good, subject, f"{message}, répond en {_format_french(milliseconds)} ms")
+    remedy = f"plus de {_format_french(slow)} ms : rapprochez les machines, ou allégez celle qui répond"
+    return ClusterFinding(
+        FindingLevel.doubtful, subject, f"{message}, mais lente : {_format_french(milliseconds)} ms", remedy
+    )
 
 
-def _french(number: float) -> str:
+def _format_french(number: float) -> str:
     return f"{number:.2f}".replace(".", ",")
 
 
-def _secrecy(database: Database) -> ClusterFinding:
+def _check_encryption(database: Database) -> ClusterFinding:
     with database.read() as db:
-        coded = repository.is_encrypted(db)
-    told = "chiffrée (TLS)" if coded else "en clair"
-    mend = "" if coded else "sur un réseau partagé, ajoutez ?sslmode=verify-full à BALISE_DATABASE_URL"
-    return ClusterFinding(FindingLevel.good, "connexion à la base", told, mend)
+        encrypted = repository.is_encrypted(db)
+    message = "chiffrée (TLS)" if encrypted else "en clair"
+    remedy = "" if encrypted else "sur un réseau partagé, ajoutez ?sslmode=verify-full à BALISE_DATABASE_URL"
+    return ClusterFinding(FindingLevel.good, "connexion à la base", message, remedy)
 
 
-def _room(database: Database) -> ClusterFinding:
-    """PostgreSQL refuses who comes when it is full, in the middle of an exam rather than before it."""
+def _check_connections(database: Database) -> ClusterFinding:
+    """A full PostgreSQL refuses connections, in the middle of a test rather than before it."""
     with database.read() as db:
-        opened, most = repository.connection_usage(db)
-    told = f"{plural(opened, 'ouverte', 'ouvertes')}, {most} au plus"
-    if opened + FEW_CONNECTIONS <= most:
-        return ClusterFinding(FindingLevel.good, "connexions à la base", told)
-    mend = (
+        opened, limit = repository.connection_usage(db)
+    message = f"{plural(opened, 'ouverte', 'ouvertes')}, {limit} au plus"
+    if opened + MIN_SPARE_CONNECTIONS <= limit:
+        return ClusterFinding(FindingLevel.good, "connexions à la base", message)
+    remedy = (
         f"augmentez max_connections : {MAX_CONNECTIONS} pour chaque serveur web, 3 pour chaque correcteur (ou placez "
         "PgBouncer devant PostgreSQL)"
     )
-    return ClusterFinding(FindingLevel.doubtful, "connexions à la base", told, mend)
+    return ClusterFinding(FindingLevel.doubtful, "connexions à la base", message, remedy)
 
 
-def _clock(database: Database) -> ClusterFinding:
-    """The database's clock ends leases; those of the machines date what is sent."""
+def _check_clock(database: Database) -> ClusterFinding:
+    """The database's clock times the leases; the machines' clocks date submissions."""
     with database.read() as db:
         jobs.current_time(db)
         before = utc_now()
-        there = jobs.current_time(db)
-        apart = abs((there - before - (utc_now() - before) / 2).total_seconds())
-    if apart < ODD_CLOCK:
+        database_time = jobs.current_time(db)
+        difference = abs((database_time - before - (utc_now() - before) / 2).total_seconds())
+    if difference < CLOCK_WARNING_SECONDS:
         return ClusterFinding(
-            FindingLevel.good, "horloges", f"celle d’ici et celle de la base diffèrent de {_french(1000 * apart)} ms"
+            FindingLevel.good,
+            "horloges",
+            f"celle d’ici et celle de la base diffèrent de {_format_french(1000 * difference)} ms",
         )
-    level = FindingLevel.bad if apart >= WRONG_CLOCK else FindingLevel.doubtful
-    mend = "mettez toutes les machines à l’heure (chrony, systemd-timesyncd)"
-    return ClusterFinding(level, "horloges", f"{_french(apart)} s entre celle d’ici et celle de la base", mend)
+    level = FindingLevel.bad if difference >= CLOCK_ERROR_SECONDS else FindingLevel.doubtful
+    remedy = "mettez toutes les machines à l’heure (chrony, systemd-timesyncd)"
+    return ClusterFinding(
+        level, "horloges", f"{_format_french(difference)} s entre celle d’ici et celle de la base", remedy
+    )
 
 
-def _nats(connection: NatsConnection) -> Iterator[ClusterFinding]:
-    def asked() -> list[float]:
-        async def rounds() -> list[float]:
-            taken = []
-            for _ in range(ROUNDS):
-                begun = time.perf_counter()
+def _check_nats(connection: NatsConnection) -> Iterator[ClusterFinding]:
+    def flush_durations() -> list[float]:
+        async def time_flushes() -> list[float]:
+            durations = []
+            for _ in range(PINGS):
+                started = time.perf_counter()
                 await connection.client.flush()
-                taken.append(time.perf_counter() - begun)
-            return taken
+                durations.append(time.perf_counter() - started)
+            return durations
 
-        return connection.run_blocking(rounds, ANSWER_SECONDS)
+        return connection.run_blocking(time_flushes, ANSWER_SECONDS)
 
     try:
-        yield _speed("NATS", f"joignable (version {connection.server_version})", iter(asked()), SLOW_NATS)
-        yield from _stream(connection)
+        yield _check_latency(
+            "NATS", f"joignable (version {connection.server_version})", iter(flush_durations()), SLOW_NATS_MS
+        )
+        yield from _check_stream(connection)
     except NatsUnavailableError as down:
         yield ClusterFinding(
             FindingLevel.bad, "JetStream", f"ne répond pas : {down}", "activez JetStream dans nats-server (« -js »)"
         )
 
 
-def _stream(connection: NatsConnection) -> Iterator[ClusterFinding]:
+def _check_stream(connection: NatsConnection) -> Iterator[ClusterFinding]:
     connection.run_blocking(connection.jetstream.account_info, ANSWER_SECONDS)
     yield ClusterFinding(FindingLevel.good, "JetStream", "activé")
-    amiss = connection.run_blocking(lambda: connection.layout.find_differences(connection.jetstream), ANSWER_SECONDS)
-    for told in amiss:
-        yield ClusterFinding(FindingLevel.bad, "flux", told, "redémarrez « balise serve », qui le met en place")
-    if amiss:
+    differences = connection.run_blocking(
+        lambda: connection.layout.find_differences(connection.jetstream), ANSWER_SECONDS
+    )
+    for message in differences:
+        yield ClusterFinding(FindingLevel.bad, "flux", message, "redémarrez « balise serve », qui le met en place")
+    if differences:
         return
     info = connection.run_blocking(lambda: connection.jetstream.stream_info(STREAM), ANSWER_SECONDS)
     yield ClusterFinding(
@@ -189,32 +199,35 @@ def _stream(connection: NatsConnection) -> Iterator[ClusterFinding]:
         f"« {STREAM} » et ses consommateurs sont en place, {plural(info.state.messages, 'ticket', 'tickets')}",
     )
     replicas = (info.cluster.replicas or []) if info.cluster else []
-    lagging = [one.name for one in replicas if one.offline or not one.current]
+    lagging = [replica.name for replica in replicas if replica.offline or not replica.current]
     if lagging:
-        told = f"copies en retard ou absentes : {', '.join(map(str, lagging))}"
-        yield ClusterFinding(FindingLevel.doubtful, "flux", told, "regardez les nœuds de NATS nommés")
+        message = f"copies en retard ou absentes : {', '.join(map(str, lagging))}"
+        yield ClusterFinding(FindingLevel.doubtful, "flux", message, "regardez les nœuds de NATS nommés")
 
 
-def _work(settings: Settings, connection: NatsConnection) -> Iterator[ClusterFinding]:
-    desk = connection.layout.consumers[0]
+def _check_workers(settings: Settings, connection: NatsConnection) -> Iterator[ClusterFinding]:
+    consumer = connection.layout.consumers[0]
     with closing(Database(settings.url)) as database, database.read() as db:
-        refused, begun, waiting = jobs.count_refused_by_version(db), jobs.count_running(db), jobs.count_waiting(db)
+        refused, running, waiting = jobs.count_refused_by_version(db), jobs.count_running(db), jobs.count_waiting(db)
     for needs, count in refused.items():
         waits = plural(count, "travail attend", "travaux attendent")
-        told = f"{waits} un correcteur de {needs.replace('@', ', version ')}"
-        mend = f"démarrez-en un de cette version ; au bout de {settings.version_seconds:g} s, n’importe lequel le prend"
-        yield ClusterFinding(FindingLevel.doubtful, "versions", told, mend)
+        message = f"{waits} un correcteur de {needs.replace('@', ', version ')}"
+        remedy = (
+            f"démarrez-en un de cette version ; au bout de {settings.version_seconds:g} s, n’importe lequel le prend"
+        )
+        yield ClusterFinding(FindingLevel.doubtful, "versions", message, remedy)
     try:
-        idle = connection.run_blocking(
-            lambda: connection.jetstream.consumer_info(STREAM, desk.consumer_name), ANSWER_SECONDS
+        consumer_info = connection.run_blocking(
+            lambda: connection.jetstream.consumer_info(STREAM, consumer.consumer_name), ANSWER_SECONDS
         )
     except NatsUnavailableError:
-        return  # told above
-    free = idle.num_waiting or 0
-    told = f"{plural(free, 'libre', 'libres')}, {plural(begun, 'travail', 'travaux')} en cours, {waiting} en attente"
-    if free or begun:
-        yield ClusterFinding(FindingLevel.good, "correcteurs", told)
+        return  # reported above
+    idle_count = consumer_info.num_waiting or 0
+    running_jobs = plural(running, "travail", "travaux")
+    message = f"{plural(idle_count, 'libre', 'libres')}, {running_jobs} en cours, {waiting} en attente"
+    if idle_count or running:
+        yield ClusterFinding(FindingLevel.good, "correcteurs", message)
     else:
         yield ClusterFinding(
-            FindingLevel.doubtful, "correcteurs", f"aucun : {told}", "démarrez « balise worker », ou BALISE_WORKERS"
+            FindingLevel.doubtful, "correcteurs", f"aucun : {message}", "démarrez « balise worker », ou BALISE_WORKERS"
         )

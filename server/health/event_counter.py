@@ -1,4 +1,4 @@
-"""What the workers of other machines count, kept in the database: what they know of themselves ends with them."""
+"""Event counts of workers on other machines, kept in the database: a worker's memory ends with it."""
 
 import logging
 
@@ -13,13 +13,13 @@ RENEWALS = "template_renewals"
 
 
 class EventCounter:
-    """For several threads. A count that cannot be written is lost, and costs no verdict."""
+    """Thread-safe. A count that cannot be written is lost, and fails no verdict."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
     def count_template_renewal(self, why: str) -> None:
-        """A template of the sandbox was replaced."""
+        """Count a replaced template of the sandbox."""
         try:
             with self._database.write() as db:
                 repository.increment_count(db, RENEWALS, why)

@@ -1,8 +1,8 @@
-"""What Prometheus reads. It is computed when it is read: nothing of it stands between a student and their verdict.
+"""Metrics for Prometheus, computed as they are read: none of it delays a verdict.
 
-Queue and verdicts are of the database: where several web processes share one, each tells the whole, and one is read.
-Verdicts are those since this process began, looked for by when they ended; what a slow transaction commits late is
-found by looking a little further back each time.
+Queue and verdicts come from the database: each of several web processes reports all of them, and one is scraped.
+Verdicts are those since this process started, found by when they ended; each read overlaps the last one, so that slow
+commits are not missed.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
     from prometheus_client.core import Metric
 
 OVERLAP = timedelta(minutes=1)
-SECONDS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 60.0, 300.0)
+BUCKETS = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 60.0, 300.0)
 WAITING, RUNNING = "waiting", "running"
 
 
 class PrometheusMetrics:
-    """For several threads."""
+    """Thread-safe."""
 
     def __init__(self, database: Database, supervisor: WorkerSupervisor) -> None:
         self._database, self._supervisor = database, supervisor
         self._walls: Mapping[str, bool] = {}
-        self._since = utc_now()
-        self._seen: dict[UUID, datetime] = {}
-        self._reading = threading.Lock()
+        self._last_read = utc_now()
+        self._observed: dict[UUID, datetime] = {}
+        self._lock = threading.Lock()
         self._registry: CollectorRegistry | None = None
         self._histograms: tuple[Histogram, Histogram] | None = None
 
     def set_walls(self, walls: Mapping[str, bool]) -> None:
-        """The walls of the sandbox as they were probed: whether each stands."""
+        """Set the probed walls of the sandbox: whether each stands."""
         self._walls = dict(walls)
 
     @property
@@ -50,58 +50,61 @@ class PrometheusMetrics:
         return self._walls
 
     def render(self) -> tuple[bytes, str]:
-        """The text that Prometheus reads, and its media type."""
+        """Return the text that Prometheus reads, and its media type."""
         from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest
 
-        with self._reading:
-            registry = self._prepared()
-            self._look(utc_now())
+        with self._lock:
+            registry = self._prepare_registry()
+            self._observe_new_verdicts(utc_now())
             return generate_latest(registry), CONTENT_TYPE_LATEST
 
-    def _prepared(self) -> CollectorRegistry:
-        """The library takes a tenth of a second to load: only where somebody reads."""
+    def _prepare_registry(self) -> CollectorRegistry:
+        """Create the registry at the first read: the library takes 0.1 s to load."""
         if self._registry is None:
             from prometheus_client import CollectorRegistry, Histogram
             from prometheus_client.process_collector import ProcessCollector
 
             registry = CollectorRegistry()
             ProcessCollector(registry=registry)
-            waited = "From sending to verdict, of first gradings", "From the beginning of a first grading to its end"
+            descriptions = (
+                "From sending to verdict, of first gradings",
+                "From the beginning of a first grading to its end",
+            )
             names = "balise_verdict_seconds", "balise_grading_seconds"
             first, second = (
-                Histogram(name, told, ["exercise", "outcome"], buckets=SECONDS, registry=registry)
-                for name, told in zip(names, waited, strict=True)
+                Histogram(name, description, ["exercise", "outcome"], buckets=BUCKETS, registry=registry)
+                for name, description in zip(names, descriptions, strict=True)
             )
-            registry.register(_Now(self))
+            registry.register(_CurrentValues(self))
             self._registry, self._histograms = registry, (first, second)
         return self._registry
 
-    def _look(self, now: datetime) -> None:
-        """Adds the verdicts that were not there the last time."""
+    def _observe_new_verdicts(self, now: datetime) -> None:
+        """Observe the verdicts that are new since the last read."""
         if self._histograms is None:
             raise RuntimeError("the histograms are not prepared")
         whole, graded = self._histograms
         with self._database.read() as db:
-            found = repository.first_verdicts(db, self._since)
-        for name, exercise, outcome, sent_at, started_at, finished_at in found:
-            if name not in self._seen:
-                self._seen[name] = finished_at
+            verdicts = repository.first_verdicts(db, self._last_read)
+        for name, exercise, outcome, sent_at, started_at, finished_at in verdicts:
+            if name not in self._observed:
+                self._observed[name] = finished_at
                 whole.labels(exercise, outcome).observe((finished_at - sent_at).total_seconds())
                 graded.labels(exercise, outcome).observe((finished_at - started_at).total_seconds())
-        self._since = max(self._since, now - OVERLAP)
-        self._seen = {name: when for name, when in self._seen.items() if when >= self._since}
+        self._last_read = max(self._last_read, now - OVERLAP)
+        self._observed = {name: when for name, when in self._observed.items() if when >= self._last_read}
 
     def collect(self) -> Iterator[Metric]:
-        """What is read as it stands."""
+        """Yield the current values."""
         from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 
         jobs = GaugeMetricFamily("balise_queue_jobs", "Jobs in the queue", labels=["kind", "state"])
         oldest = GaugeMetricFamily("balise_queue_oldest_seconds", "Age of the oldest job that waits", labels=["kind"])
         with self._database.read() as db:
             rows, renewals = repository.queue_depths(db), Counter(repository.counts_by_reason(db, RENEWALS))
-        for kind, begun, count, since in rows:
-            jobs.add_metric([kind, RUNNING if begun else WAITING], count)
-            if not begun:
+        for kind, running, count, since in rows:
+            jobs.add_metric([kind, RUNNING if running else WAITING], count)
+            if not running:
                 oldest.add_metric([kind], max(0.0, (utc_now() - since).total_seconds()))
         yield jobs
         yield oldest
@@ -110,10 +113,10 @@ class PrometheusMetrics:
         for name, stands in self._walls.items():
             walls.add_metric([name], float(stands))
         yield walls
-        elsewhere = {TEMPLATE_RENEWALS: renewals}
-        for name, told, counted in COUNTERS:
-            family = CounterMetricFamily(name, told, labels=["why"])
-            for why, count in (Counter(counted.counts()) + elsewhere.get(counted, Counter())).items():
+        remote_counts = {TEMPLATE_RENEWALS: renewals}
+        for name, description, counted in COUNTERS:
+            family = CounterMetricFamily(name, description, labels=["why"])
+            for why, count in (Counter(counted.counts()) + remote_counts.get(counted, Counter())).items():
                 family.add_metric([why], count)
             yield family
 
@@ -125,8 +128,8 @@ COUNTERS = (
 )
 
 
-class _Now:
-    """A collector for the library: it asks when it is read."""
+class _CurrentValues:
+    """A collector for the library, which reads current values."""
 
     def __init__(self, metrics: PrometheusMetrics) -> None:
         self._metrics = metrics

@@ -1,4 +1,4 @@
-"""What is counted by processes that nobody reads the figures of."""
+"""Counters of events."""
 
 from sqlalchemy import BigInteger, String
 from sqlalchemy.orm import Mapped, mapped_column
@@ -7,7 +7,7 @@ from server.database.base import Base
 
 
 class EventCount(Base):
-    """How often something happened, by its name and by why, in the workers of other machines: of nobody."""
+    """How often an event happened on workers of other machines, by name and reason."""
 
     __tablename__ = "count"
 

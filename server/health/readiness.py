@@ -1,4 +1,4 @@
-"""Whether this process can serve: its database answers, its workers stand, nobody has told it to stop."""
+"""Readiness of this process: its database answers, its workers run, nobody has asked it to stop."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from server.database import Database
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 
-#: Without what carries the work between machines all goes on, more slowly: visitors may come.
+#: Without the message broker everything goes on, more slowly: the process stays ready.
 BROKER_CHECK = "nats"
 
 
 @dataclass(frozen=True)
 class Readiness:
-    """`carrier` says how what carries the work between machines is, where something does."""
+    """`broker_status` returns the state of the message broker, where there is one."""
 
     database: Database
     supervisor: WorkerSupervisor
@@ -24,7 +24,7 @@ class Readiness:
     broker_status: Callable[[], str] | None = None
 
     def checks(self) -> Mapping[str, str]:
-        """By what is looked at, `ok` or what is amiss."""
+        """Return `ok` or the problem of each part."""
         walls = "ok" if self.walls.is_open else "being tried"
         return {
             "database": self._database(),
@@ -43,7 +43,7 @@ class Readiness:
         return "ok"
 
     def _workers(self) -> str:
-        """One is enough: what dies is started again. With none to start, others grade."""
+        """One is enough, since dead ones are restarted. With none configured, other machines grade."""
         return "ok" if self.supervisor.alive_count() or not self.supervisor.target_count else "none"
 
     def _service(self) -> str:

@@ -1,4 +1,4 @@
-"""What whoever watches the service asks: an orchestrator, a load balancer, Prometheus."""
+"""Routes for monitoring: orchestrators, load balancers, Prometheus."""
 
 from secrets import compare_digest
 from typing import Annotated
@@ -33,25 +33,30 @@ SCHEME = "bearer"
 
 @router.get("/healthz")
 async def alive() -> Response:
-    """That the process answers: whoever gets no answer starts it again. It asks nothing of the database."""
+    """Answer while the process lives; it does not read the database."""
     return JSONResponse({"status": "ok"}, headers=NO_STORE)
 
 
 @router.get("/readyz")
 def ready(readiness: ReadinessOf) -> Response:
-    """Whether to send visitors here: 503 where not, with what is amiss. `degraded`: they may come all the same."""
+    """Return 503 with the failed checks where no visitor should come; `degraded` where they still may."""
     checks = readiness.checks()
-    amiss = {name for name, state in checks.items() if state != "ok"}
-    status = "ok" if not amiss else "degraded" if amiss == {BROKER_CHECK} else "unready"
+    failed_checks = {name for name, state in checks.items() if state != "ok"}
+    status = "ok" if not failed_checks else "degraded" if failed_checks == {BROKER_CHECK} else "unready"
     body = {"status": status, "checks": checks}
     return JSONResponse(body, status_code=503 if status == "unready" else 200, headers=NO_STORE)
 
 
 @router.get("/statusz")
 def status(
-    account: ApiAccount, db: Db, events: EventsOf, supervisor: SupervisorOf, measured: MetricsOf, readiness: ReadinessOf
+    account: ApiAccount,
+    db: Db,
+    events: EventsOf,
+    supervisor: SupervisorOf,
+    prometheus: MetricsOf,
+    readiness: ReadinessOf,
 ) -> Response:
-    """What the service does now, for an administrator's token: what `balise top` shows."""
+    """Return the state of the service, for an administrator's token; `balise top` shows it."""
     if not account.is_administrator:
         raise Forbidden("L’état du service se lit avec le jeton d’un administrateur.")
     process = WebProcessStatus(
@@ -60,7 +65,7 @@ def status(
         following=events.count_watchers(),
         workers=supervisor.alive_count(),
         wanted=supervisor.target_count,
-        walls=measured.walls,
+        walls=prometheus.walls,
         checks=readiness.checks(),
     )
     faults = [RecentError(at, where, message) for at, where, message in RECENT_ERRORS.latest()]
@@ -68,12 +73,12 @@ def status(
 
 
 @router.get("/metrics")
-def metrics(request: Request, settings: SettingsOf, measured: MetricsOf) -> Response:
-    """For who shows the token of the settings; without one there, for nobody."""
+def metrics(request: Request, settings: SettingsOf, prometheus: MetricsOf) -> Response:
+    """Return the metrics for the token of the settings; without one, for nobody."""
     if not settings.metrics_token:
         raise NotFound("Les mesures ne sont pas publiées : BALISE_METRICS_TOKEN n’est pas réglé.")
     scheme, _, token = request.headers.get("authorization", "").partition(" ")
     if scheme.lower() != SCHEME or not compare_digest(token.encode(), settings.metrics_token.encode()):
         raise Unauthorised("Le jeton de BALISE_METRICS_TOKEN est attendu dans l’en-tête « Authorization: Bearer … ».")
-    content, media_type = measured.render()
+    content, media_type = prometheus.render()
     return Response(content, media_type=media_type, headers=NO_STORE)

@@ -1,4 +1,4 @@
-"""What the service does now, for who looks at it in a terminal: counts, times and names of ours, of nobody's work."""
+"""Current state of the service for `balise top`: counts, times and technical names, no personal data."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from server.health import repository
 from server.queue import lease_owner
 from server.submissions.service import GRADE
 
-RATE_OVER = timedelta(minutes=5)
-TIMES_OVER = timedelta(minutes=15)
-ERRORS_OVER = timedelta(hours=1)
-MOST_WORKERS, MOST_FAULTS, MOST_VERDICTS = 64, 8, 2_000
-NOBODY = "?|?|?|0|"
+RATE_WINDOW = timedelta(minutes=5)
+TIMES_WINDOW = timedelta(minutes=15)
+ERRORS_WINDOW = timedelta(hours=1)
+MAX_WORKERS, MAX_ERRORS, MAX_VERDICTS = 64, 8, 2_000
+UNKNOWN_OWNER = "?|?|?|0|"
 UNGRADED = "correction échouée de notre côté"
 
 
 @dataclass(frozen=True)
 class QueueDepth:
-    """The jobs of a kind: how many wait, for how many seconds the oldest does, how many are being done."""
+    """Jobs of a kind: how many wait, the age of the oldest in seconds, how many run."""
 
     kind: str
     waiting: int
@@ -38,7 +38,7 @@ class QueueDepth:
 
 @dataclass(frozen=True)
 class BusyWorker:
-    """A worker (`host`, `pid`) and what it has done for so many `seconds`; `exercise` of a submission."""
+    """A worker (`host`, `pid`) and the job that it has run for `seconds`; `exercise` for submissions."""
 
     host: str
     pid: int
@@ -50,8 +50,7 @@ class BusyWorker:
 
 @dataclass(frozen=True)
 class VerdictTimes:
-    """A minute, over RATE_OVER; then the seconds from sending to first verdict, over TIMES_OVER: None where there is
-    none."""
+    """Verdicts a minute over RATE_WINDOW; seconds from sending to first verdict over TIMES_WINDOW, if any."""
 
     per_minute: float
     p50: float | None
@@ -60,7 +59,7 @@ class VerdictTimes:
 
 @dataclass(frozen=True)
 class RecentError:
-    """An error of ours: when, in what, and what was told of it."""
+    """An error of ours: when, where, and its message."""
 
     at: datetime
     where: str
@@ -69,8 +68,7 @@ class RecentError:
 
 @dataclass(frozen=True)
 class WebProcessStatus:
-    """What a web process knows of itself: `visitors` of the last minutes, requests a minute, pages that follow
-    something, its own workers, the walls as probed, and what readiness says."""
+    """State of one web process: recent visitors, requests a minute, watchers, workers, walls, readiness."""
 
     visitors: int
     requests_per_minute: float
@@ -96,61 +94,66 @@ class ServiceStatus:
 def load_status(
     db: Session, process: WebProcessStatus | None = None, faults: Sequence[RecentError] = ()
 ) -> ServiceStatus:
-    """With what a web process adds of its own."""
+    """Load the state; a web process adds its own."""
     now = utc_now()
-    every = [*faults, *_failed(db, now)]
+    errors = [*faults, *_internal_errors(db, now)]
     return ServiceStatus(
         at=now,
         queue=_queue(db, now),
         workers=_workers(db, now),
         verdicts=_verdicts(db, now),
-        faults=sorted(every, key=lambda fault: fault.at, reverse=True)[:MOST_FAULTS],
+        faults=sorted(errors, key=lambda fault: fault.at, reverse=True)[:MAX_ERRORS],
         process=process,
     )
 
 
 def _queue(db: Session, now: datetime) -> list[QueueDepth]:
-    found: dict[str, dict[bool, tuple[int, datetime]]] = {}
-    for kind, begun, count, since in repository.queue_depths(db):
-        found.setdefault(kind, {})[begun] = (count, since)
+    counts: dict[str, dict[bool, tuple[int, datetime]]] = {}
+    for kind, running, count, since in repository.queue_depths(db):
+        counts.setdefault(kind, {})[running] = (count, since)
     nothing = (0, now)
     return [
-        QueueDepth(kind, of.get(False, nothing)[0], _since(of.get(False, nothing)[1], now), of.get(True, nothing)[0])
-        for kind, of in sorted(found.items())
+        QueueDepth(
+            kind,
+            by_state.get(False, nothing)[0],
+            _seconds_since(by_state.get(False, nothing)[1], now),
+            by_state.get(True, nothing)[0],
+        )
+        for kind, by_state in sorted(counts.items())
     ]
 
 
-def _since(when: datetime, now: datetime) -> float:
+def _seconds_since(when: datetime, now: datetime) -> float:
     return max(0.0, (now - when).total_seconds())
 
 
 def _workers(db: Session, now: datetime) -> list[BusyWorker]:
-    jobs = repository.leased_jobs(db, MOST_WORKERS)
+    jobs = repository.leased_jobs(db, MAX_WORKERS)
     keys = {key: UUID(key) for _, kind, key, _, _ in jobs if kind == GRADE}
     exercises = repository.exercises_by_submission(db, keys.values()) if keys else {}
     busy = []
-    for name, kind, key, started_at, tries in jobs:
-        who = lease_owner.parse_owner(name or NOBODY)
+    for owner_name, kind, key, started_at, tries in jobs:
+        owner = lease_owner.parse_owner(owner_name or UNKNOWN_OWNER)
         exercise = exercises.get(keys[key], "") if key in keys else ""
-        busy.append(BusyWorker(who.host, who.pid, kind, exercise, _since(started_at or now, now), tries))
-    return sorted(busy, key=lambda one: (one.host, one.pid))
+        busy.append(BusyWorker(owner.host, owner.pid, kind, exercise, _seconds_since(started_at or now, now), tries))
+    return sorted(busy, key=lambda worker: (worker.host, worker.pid))
 
 
 def _verdicts(db: Session, now: datetime) -> VerdictTimes:
-    recent = repository.count_graded_since(db, now - RATE_OVER)
-    found = repository.first_verdicts(db, now - TIMES_OVER, MOST_VERDICTS)
-    taken = [(finished_at - sent_at).total_seconds() for _, _, _, sent_at, _, finished_at in found]
-    cuts = quantiles(taken, n=20, method="inclusive") if len(taken) > 1 else taken * 19
+    recent = repository.count_graded_since(db, now - RATE_WINDOW)
+    verdicts = repository.first_verdicts(db, now - TIMES_WINDOW, MAX_VERDICTS)
+    seconds = [(finished_at - sent_at).total_seconds() for _, _, _, sent_at, _, finished_at in verdicts]
+    cuts = quantiles(seconds, n=20, method="inclusive") if len(seconds) > 1 else seconds * 19
     p50, p95 = (cuts[9], cuts[18]) if cuts else (None, None)
-    return VerdictTimes(recent * 60 / RATE_OVER.total_seconds(), p50, p95)
+    return VerdictTimes(recent * 60 / RATE_WINDOW.total_seconds(), p50, p95)
 
 
-def _failed(db: Session, now: datetime) -> list[RecentError]:
-    rows = repository.latest_failures(db, Outcome.INTERNAL_ERROR, now - ERRORS_OVER, MOST_FAULTS)
+def _internal_errors(db: Session, now: datetime) -> list[RecentError]:
+    rows = repository.latest_failures(db, Outcome.INTERNAL_ERROR, now - ERRORS_WINDOW, MAX_ERRORS)
     return [RecentError(at, exercise, UNGRADED) for at, exercise in rows]
 
 
 def to_json(overview: ServiceStatus) -> dict[str, Any]:
-    """Times in ISO 8601."""
-    made: dict[str, Any] = json.loads(json.dumps(asdict(overview), default=datetime.isoformat))
-    return made
+    """Convert to JSON, with times in ISO 8601."""
+    content: dict[str, Any] = json.loads(json.dumps(asdict(overview), default=datetime.isoformat))
+    return content

@@ -6,7 +6,7 @@ from threading import Event
 
 import pytest
 
-from server.grading.idle_monitor import IDLE_AFTER, IdleMonitor
+from server.grading.idle_monitor import IDLE_SECONDS, IdleMonitor
 
 
 class Clock:
@@ -41,7 +41,7 @@ def test_a_worker_is_calm_from_the_start_and_a_while_after_a_job() -> None:
         clock.now += 60
         assert not calm.is_idle, "however long it takes"
     assert not calm.is_idle, "another may follow"
-    clock.now += IDLE_AFTER
+    clock.now += IDLE_SECONDS
     assert calm.is_idle
 
 
@@ -50,7 +50,7 @@ def test_a_job_that_fails_is_over_too() -> None:
     calm = IdleMonitor(clock)
     with pytest.raises(ValueError, match="no"), calm.busy():
         raise ValueError("no")
-    clock.now += IDLE_AFTER
+    clock.now += IDLE_SECONDS
     assert calm.is_idle
 
 

@@ -22,7 +22,7 @@ SLEEPS = ("sleep", "600")  # and as many more as its line's number and our own
 def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
     told: bool, settings: Settings, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("server.grading.supervisor.QUICK_DEATH", 0.0)
+    monkeypatch.setattr("server.grading.supervisor.QUICK_DEATH_SECONDS", 0.0)
     dead = list[int]()
 
     def bury(owner: LeaseOwner) -> None:
@@ -51,7 +51,7 @@ async def worker_besides(
 ) -> asyncio.subprocess.Process:
     async with asyncio.timeout(20):
         while True:
-            for running in supervisor._running.values():
+            for running in supervisor._processes.values():
                 if running.process is not other:
                     return running.process
             await asyncio.sleep(0.005)

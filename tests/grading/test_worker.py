@@ -357,7 +357,7 @@ def asleep_when_told_to_stop() -> None:
 def test_sigterm_stops_a_worker_in_its_main_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     from server.grading import worker_process
 
-    monkeypatch.setattr(worker_process, "_stopping", GracefulStop())  # others of this process are not told
+    monkeypatch.setattr(worker_process, "_graceful_stop", GracefulStop())  # others of this process are not told
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
         worker_process.stop_on_signals()
@@ -412,6 +412,6 @@ def test_a_judge_s_patience_may_end_between_two_answers(
     program = SandboxPrograms(course_sandbox, exercise.policy).open(exercise.solution.encode(), KitSettings("l20", {}))
     with closing(program):
         spent = iter([None, None, StudentFault(Outcome.OUTPUT_LIMIT, "assez", fatal=True)])
-        monkeypatch.setattr(program._patience, "exhausted_fault", lambda: next(spent))
+        monkeypatch.setattr(program._budget, "exhausted_fault", lambda: next(spent))
         answers = list(program.call_many("inverse", [(np.zeros(3),)] * 9))
     assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]

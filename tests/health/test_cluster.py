@@ -24,8 +24,8 @@ def environment(shared_settings: Settings, monkeypatch: pytest.MonkeyPatch) -> S
     monkeypatch.setenv("BALISE_DATA_DIR", str(shared_settings.data_dir))
     monkeypatch.setenv("BALISE_DATABASE_URL", str(shared_settings.database_url))
     monkeypatch.setenv("BALISE_NATS_URL", shared_settings.nats_url)
-    monkeypatch.setattr(cluster_check, "SLOW_DATABASE", 1e6)  # how fast this machine is proves nothing
-    monkeypatch.setattr(cluster_check, "SLOW_NATS", 1e6)
+    monkeypatch.setattr(cluster_check, "SLOW_DATABASE_MS", 1e6)  # how fast this machine is proves nothing
+    monkeypatch.setattr(cluster_check, "SLOW_NATS_MS", 1e6)
     return shared_settings
 
 
