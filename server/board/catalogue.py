@@ -32,7 +32,7 @@ def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMiscon
     if not isinstance(exercise.grader, CodeGrader):
         return None
     catalogue = exercise.grader.misconceptions
-    functions = [function for one in catalogue if one.id == misconception for function in one.functions]
+    functions = [function for entry in catalogue if entry.id == misconception for function in entry.functions]
     try:
         return CataloguedMisconception(combine_diagnoses([misconception], catalogue), tuple(dict.fromkeys(functions)))
     except KeyError:

@@ -103,13 +103,19 @@ def item_rest_correlation(scores: Mapping[UUID, float], sums: Mapping[UUID, Scor
 
 def improvements(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
     """Return how often the attempt after each misconception's first one scored more, the commonest first."""
-    stats = [ImprovementStats(one.exercise, one.title, one.followed, one.improved) for one in misconceptions]
-    return tuple(sorted((one for one in stats if one.n), key=lambda one: -one.n))
+    improved = [
+        ImprovementStats(stats.exercise, stats.title, stats.followed, stats.improved)
+        for stats in misconceptions
+        if stats.followed
+    ]
+    return tuple(sorted(improved, key=lambda stats: -stats.n))
 
 
 def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
     """Return how often the attempt after the opening of each hint scored more; who has read it is not known."""
-    starters = {name: code_digest(one.starter) for name in exercises if (one := course.exercises.get(name)) is not None}
+    starters = {
+        name: code_digest(known.starter) for name in exercises if (known := course.exercises.get(name)) is not None
+    }
     improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for (_, exercise), own_attempts in attempts.items():
         for failures, better in improvements_after_hints(own_attempts, starters.get(exercise), HINT_OPENS_AFTER):

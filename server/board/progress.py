@@ -65,8 +65,12 @@ class ClassProgress:
             for misconception, episode in misconception_episodes(attempts):
                 episodes[exercise, misconception].append(episode)
         order = {name: index for index, name in enumerate(self.course.exercises)}
-        stats = [_misconception_stats(self.course, *key, own) for key, own in episodes.items()]
-        return tuple(sorted(stats, key=lambda one: (-one.now, -one.ever, order.get(one.exercise, len(order)), one.id)))
+
+        def sort_key(stats: MisconceptionStats) -> tuple[int, int, int, str]:
+            return -stats.now, -stats.ever, order.get(stats.exercise, len(order)), stats.id
+
+        all_stats = [_misconception_stats(self.course, *key, own) for key, own in episodes.items()]
+        return tuple(sorted(all_stats, key=sort_key))
 
     @property
     def exercise_stats(self) -> tuple[ExerciseStats, ...]:

@@ -95,7 +95,7 @@ class Board:
     def rows(self) -> Mapping[UUID, Sequence[ProgressCell]]:
         """The cells of each student."""
         cells, width = list(self.cells.values()), len(self.exercises)
-        return {one.id: cells[index * width : (index + 1) * width] for index, one in enumerate(self.students)}
+        return {student.id: cells[index * width : (index + 1) * width] for index, student in enumerate(self.students)}
 
     def changed_since(self, before: Board) -> Sequence[ProgressCell]:
         """Return the cells that are not in `before`, or are other ones there."""
@@ -104,11 +104,11 @@ class Board:
     @cached_property
     def titles(self) -> Mapping[tuple[str, str], str]:
         """The titles of misconceptions, by exercise and id."""
-        return {(one.exercise, one.id): one.title for one in self.misconceptions}
+        return {(stats.exercise, stats.id): stats.title for stats in self.misconceptions}
 
     @property
     def students_shown(self) -> Sequence[tuple[UUID, str, tuple[str, ...]]]:
-        return [(one.id, one.name, one.groups) for one in self.students]
+        return [(student.id, student.name, student.groups) for student in self.students]
 
 
 @dataclass(frozen=True)

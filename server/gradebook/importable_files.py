@@ -29,7 +29,7 @@ def load_importable_files_now(db: Session, course: Course, account_id: UUID, exe
 
 
 def _load_files(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, sent_at: datetime) -> Own:
-    reused = [one.id for one in course.reused(exercise)]
+    reused = [earlier.id for earlier in course.reused(exercise)]
     if not reused or LIBRARY_MENTION not in source:
         return NOTHING_OWN
     submissions = _select_importable(db, account_id, reused, sent_at)

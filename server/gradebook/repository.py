@@ -86,8 +86,8 @@ def find_duplicate(db: Session, file: SentFile, version: str, held_since: dateti
     """
     final = and_(Grading.exercise_version == version, Grading.outcome.in_(REPEATABLE))
     if held_since is not None:
-        held = and_(Submission.created_at >= held_since, Grading.outcome != Outcome.INTERNAL_ERROR)
-        final = or_(held, and_(Submission.created_at < held_since, final))
+        withheld = and_(Submission.created_at >= held_since, Grading.outcome != Outcome.INTERNAL_ERROR)
+        final = or_(withheld, and_(Submission.created_at < held_since, final))
     query = (
         select(Submission)
         .outerjoin(Grading, Grading.id == Submission.grading_id)
@@ -195,7 +195,10 @@ def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> 
 def set_counting_gradings(db: Session, grading_by_submission: Mapping[UUID, UUID]) -> None:
     """Make these gradings count."""
     if grading_by_submission:
-        rows = [{"submission": one, "grading": grading_by_submission[one]} for one in sorted(grading_by_submission)]
+        rows = [
+            {"submission": submission, "grading": grading_by_submission[submission]}
+            for submission in sorted(grading_by_submission)
+        ]
         db.execute(SET_COUNTING, rows)
 
 

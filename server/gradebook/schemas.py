@@ -91,7 +91,7 @@ class AttemptList:
 
 
 @dataclass(frozen=True)
-class Progress:
+class ExerciseProgress:
     """An account's progress at one exercise. `best`: the best score in [0, 1], None while nothing is graded.
 
     `attempts` includes those that wait and those that a test withholds; internal errors are left out where known.
@@ -102,4 +102,4 @@ class Progress:
     succeeded: bool = False
 
 
-NOTHING_YET = Progress(None, 0)
+NOTHING_YET = ExerciseProgress(None, 0)

@@ -17,7 +17,7 @@ from server.database import Database
 from server.gradebook import repository, standings
 from server.gradebook.attempts import StoredAttempt, load_attempt, load_latest_attempt
 from server.gradebook.models import Grading
-from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, GradingResult, Progress
+from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, ExerciseProgress, GradingResult
 from server.gradebook.standings import CountedAttempt, StandingTotals
 from server.identity.models import Account
 from server.sandbox.values import LIBRARY_MENTION
@@ -166,7 +166,7 @@ def attempt_number(db: Session, submission: Submission) -> int:
     return repository.count_attempts_until(db, submission)
 
 
-def load_progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, Progress]:
+def load_progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, ExerciseProgress]:
     """Return an account's progress as it may know it, by exercise: in all that it has tried, or in one alone."""
     if account is None:
         return {}
@@ -177,10 +177,12 @@ def load_progress(db: Session, account: Account | None, exercise_id: str | None 
         **stored.count_waiting_or_since(db, account.id, held_since),
     }
     graded = {
-        exercise: Progress(own.best_score, own.attempts + waiting.get(exercise, 0), own.first_success_at is not None)
+        exercise: ExerciseProgress(
+            own.best_score, own.attempts + waiting.get(exercise, 0), own.first_success_at is not None
+        )
         for exercise, own in visible.items()
     }
-    return {**{exercise: Progress(None, count) for exercise, count in waiting.items()}, **graded}
+    return {**{exercise: ExerciseProgress(None, count) for exercise, count in waiting.items()}, **graded}
 
 
 def load_visible_standings(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, StandingTotals]:

@@ -13,7 +13,7 @@ from server.base.errors import NotFound
 from server.classes.service import UNKNOWN_CLASS
 from server.gradebook import repository
 from server.gradebook.models import ClassOpening, SolutionOpening
-from server.gradebook.schemas import Progress
+from server.gradebook.schemas import ExerciseProgress
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
@@ -50,17 +50,17 @@ class SolutionAccess:
     hints_held: FeedbackHold | None = None
     solution_held: FeedbackHold | None = None
 
-    def reason(self, progress: Progress) -> AccessReason | None:
+    def reason(self, progress: ExerciseProgress) -> AccessReason | None:
         """Return why the account may read the solution, None where it may not."""
         if self.solution_held is not None:
             return AccessReason.teaches if self.teaches else None
         return self._open_reason(progress)
 
-    def would_open(self, progress: Progress) -> bool:
+    def would_open(self, progress: ExerciseProgress) -> bool:
         """Whether the solution is closed only because it is withheld."""
         return self.solution_held is not None and not self.teaches and self._open_reason(progress) is not None
 
-    def _open_reason(self, progress: Progress) -> AccessReason | None:
+    def _open_reason(self, progress: ExerciseProgress) -> AccessReason | None:
         reasons = {
             AccessReason.to_all: self.to_all,
             AccessReason.to_class: self.to_class,
@@ -92,8 +92,10 @@ def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Se
         else []
     )
     classes = rights.classes_to_open(db, account, exercise_id)
-    opened = repository.list_classes_with_solution(db, exercise_id, [one.id for one in classes])
-    return to_all + [SolutionAudience(one.id, one.name, one.id in opened) for one in classes]
+    opened = repository.list_classes_with_solution(db, exercise_id, [school_class.id for school_class in classes])
+    return to_all + [
+        SolutionAudience(school_class.id, school_class.name, school_class.id in opened) for school_class in classes
+    ]
 
 
 def set_solution_open(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, is_open: bool) -> None:

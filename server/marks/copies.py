@@ -83,9 +83,9 @@ def _mark_cells(mark: ExerciseMark) -> tuple[Cell, ...]:
 def _real_names(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:
     """Label students by family name, with different file names for equal names."""
     students = [row.member for row in rows]
-    names = [" ".join(filter(None, (one.family_name, one.given_name))) or one.name for one in students]
+    names = [" ".join(filter(None, (student.family_name, student.given_name))) or student.name for student in students]
     stems = _unique([ascii_slug(name, "eleve") for name in names])
-    return {one.id: StudentLabel(name, stem) for one, name, stem in zip(students, names, stems, strict=True)}
+    return {student.id: StudentLabel(name, stem) for student, name, stem in zip(students, names, stems, strict=True)}
 
 
 def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, StudentLabel]:

@@ -112,7 +112,9 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
         assignments=tuple(assigned.assignments),
         rows=tuple(rows),
         titles={name: course.exercises[name].title for name in exercises if name in course.exercises},
-        exercises={one.id: tuple(assigned.exercises.get(one.id, ())) for one in assigned.assignments},
+        exercises={
+            assignment.id: tuple(assigned.exercises.get(assignment.id, ())) for assignment in assigned.assignments
+        },
     )
 
 

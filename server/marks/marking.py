@@ -81,15 +81,16 @@ def mark_exercise(
     override: ActiveOverride | None,
 ) -> ExerciseMark:
     """Return the mark of one student at one exercise, from the attempts and the override in force."""
-    found = mark_attempts(rules, counts, attempts)
-    counted = None if found.counted is None else next(one for one in attempts if one.id == found.counted.attempt)
+    result = mark_attempts(rules, counts, attempts)
+    counted_id = None if result.counted is None else result.counted.attempt
+    counted = next((attempt for attempt in attempts if attempt.id == counted_id), None)
     return ExerciseMark(
         exercise=exercise,
         weight=weight,
-        counted=found.counted,
+        counted=result.counted,
         grading=None if counted is None else str(counted.grading_id),
         sent_at=None if counted is None else counted.sent_at,
-        attempts=found.attempts,
+        attempts=result.attempts,
         override=override,
     )
 

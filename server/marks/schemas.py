@@ -115,8 +115,12 @@ class AssignmentMark:
         if self.state is MarkState.excused:
             return None
         over = self.state in {MarkState.done, MarkState.absent} and not self.endless
-        counted = [one for one in self.exercises if not one.excused and (over or one.points is not None)]
-        return weighted_mean([(0.0 if one.points is None else one.points, one.weight) for one in counted])
+        counted = [
+            exercise for exercise in self.exercises if not exercise.excused and (over or exercise.points is not None)
+        ]
+        return weighted_mean(
+            [(0.0 if exercise.points is None else exercise.points, exercise.weight) for exercise in counted]
+        )
 
     @property
     def endless(self) -> bool:
@@ -233,7 +237,9 @@ class OwnMarks:
         (row,) = gradebook.rows
         visible = [
             not is_withheld(assignment, gradebook.at)
-            and not any(one.exercise in withheld_exercises for one in gradebook.exercises.get(assignment.id, ()))
+            and not any(
+                exercise.exercise in withheld_exercises for exercise in gradebook.exercises.get(assignment.id, ())
+            )
             for assignment in gradebook.assignments
         ]
         visible_row = StudentMarks(
@@ -243,7 +249,7 @@ class OwnMarks:
         )
         marks = []
         for assignment, mark, is_visible in zip(gradebook.assignments, row.marks, visible, strict=True):
-            shown = () if is_withheld(assignment, gradebook.at) else mark.exercises
-            exercises = {one.exercise: one for one in shown if one.exercise not in withheld_exercises}
+            visible_marks = () if is_withheld(assignment, gradebook.at) else mark.exercises
+            exercises = {own.exercise: own for own in visible_marks if own.exercise not in withheld_exercises}
             marks.append(OwnMark(assignment, mark.rules, mark if is_visible else None, exercises))
         return OwnMarks(tuple(marks), visible_row.average, gradebook.titles)

@@ -177,7 +177,7 @@ def load_exercise_marks(
 ) -> list[ExerciseMark]:
     """Load a student's marks at an exercise, one for each assignment that asks it; where none does, of all attempts."""
     gradebook = load_gradebook(db, course, school_class, utc_now(), only=[student])
-    all_marks = [one for row in gradebook.rows for mark in row.marks for one in mark.exercises]
+    all_marks = [exercise_mark for row in gradebook.rows for mark in row.marks for exercise_mark in mark.exercises]
     marks = [mark for mark in all_marks if mark.exercise == exercise]
     return marks or [load_unassigned_mark(db, school_class, student, exercise)]
 

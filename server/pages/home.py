@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from server.course import Module
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.pages.schemas import HomePage, ModuleCard, NextStep
 from server.web import deadlines, editions
 from server.web.views import (
@@ -24,7 +24,7 @@ def home_page(reader: Reader) -> HomePage:
     return HomePage(tuple(_card(module, progress) for module in editions.visible_editions(reader, progress)), due)
 
 
-def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:
+def _card(module: Module, progress: dict[str, ExerciseProgress]) -> ModuleCard:
     rows = [
         exercise_row(exercise, progress.get(exercise.id, NOTHING_YET))
         for exercise in exercises_in_reading_order(module)

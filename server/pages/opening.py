@@ -7,7 +7,7 @@ from markupsafe import Markup
 from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import HINT_OPENS_AFTER, Progress
+from server.gradebook.schemas import HINT_OPENS_AFTER, ExerciseProgress
 from server.gradebook.solutions import AccessReason, SolutionAccess
 from server.pages.schemas import HintView, SolutionView
 from server.web.rendering import python
@@ -15,7 +15,9 @@ from server.web.views import Reader, exercise_href, solution_switch_view
 from server.web.words import plural
 
 
-def hints(reader: Reader, exercise: Exercise, progress: Progress, access: SolutionAccess) -> tuple[HintView, ...]:
+def hints(
+    reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess
+) -> tuple[HintView, ...]:
     if access.hints_held is not None and not access.teaches:
         return ()
     everything = progress.succeeded or access.teaches
@@ -38,7 +40,7 @@ def _opens(needed: int, left: int) -> str:
 
 
 def solution(
-    reader: Reader, exercise: Exercise, progress: Progress, access: SolutionAccess, seed: int | None
+    reader: Reader, exercise: Exercise, progress: ExerciseProgress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
     why = access.reason(progress)

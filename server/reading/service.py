@@ -18,7 +18,7 @@ from server.course import Exercise, Module
 from server.course.kinds import KINDS, SEANCE
 from server.course.models import Heading, Lesson, Term
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.polls import service as polls
 from server.reading import gates, search
 from server.reading.schemas import (
@@ -75,7 +75,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
 
 
 def home_view(
-    module: Module, progress: Mapping[str, Progress], due: tuple[DueView, ...], others: Mapping[str, str]
+    module: Module, progress: Mapping[str, ExerciseProgress], due: tuple[DueView, ...], others: Mapping[str, str]
 ) -> CourseHome:
     """A module's page for one who stands there in its exercises, and has that to hand in.
 
@@ -119,7 +119,7 @@ def home_view(
     )
 
 
-def _rows(exercises: Sequence[Exercise], progress: Mapping[str, Progress]) -> dict[str, ExerciseRow]:
+def _rows(exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
     return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
 
@@ -183,7 +183,7 @@ def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning:
 def lesson_view(
     module: Module,
     lesson: Lesson,
-    progress: Mapping[str, Progress],
+    progress: Mapping[str, ExerciseProgress],
     said: Mapping[str, str] | None,
     gate: Gate | None = None,
 ) -> LessonPage:

@@ -14,7 +14,7 @@ from server.assignments.models import Mode, Sitting
 from server.assignments.stages import AssignmentStage
 from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.identity.models import Account
 from server.web.words import iso_moment, long_moment
 
@@ -40,7 +40,7 @@ class DueView:
 
 
 def due_soon(
-    db: Session, account: Account | None, progress: Mapping[str, Progress], module: str | None = None
+    db: Session, account: Account | None, progress: Mapping[str, ExerciseProgress], module: str | None = None
 ) -> tuple[DueView, ...]:
     """Tests that are open, then what is due within a week, or late, and not done yet; of one module, or of all.
 
@@ -98,7 +98,7 @@ def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tup
     return tuple(_view(one, {}) for one in asking)[:MOST]
 
 
-def _view(one: StudentAssignment, progress: Mapping[str, Progress]) -> DueView:
+def _view(one: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueView:
     late = one.stage is AssignmentStage.late
     when: datetime | None = one.rules.closes_at if late else one.rules.due_at
     return DueView(

@@ -8,7 +8,7 @@ from server.base.errors import NotFound
 from server.classes import repository
 from server.course import Course, Module
 from server.course.editions import edition_of
-from server.gradebook.schemas import Progress
+from server.gradebook.schemas import ExerciseProgress
 from server.web.schemas import EditionNote
 from server.web.views import Reader
 
@@ -25,7 +25,7 @@ def modules_of_classes(reader: Reader) -> frozenset[str]:
     return frozenset(one.school_class.module for one in joined if one.school_class.archived_at is None)
 
 
-def visible_editions(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
+def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -> Sequence[Module]:
     """Of each module the edition of one's class, else the last, and those where one has begun; in the course's order.
 
     No query where each module has but one edition.

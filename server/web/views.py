@@ -12,7 +12,7 @@ from server.base.errors import NotFound
 from server.course import Course, Exercise, Module
 from server.course.kinds import KINDS
 from server.course.models import Lesson
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.gradebook.solutions import SolutionAudience
 from server.identity.models import Account
 from server.submissions.service import Submissions
@@ -66,17 +66,17 @@ def solution_switch_view(door: SolutionAudience) -> SolutionSwitchView:
     return SolutionSwitchView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
 
 
-def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
+def module_link(module: Module, progress: dict[str, ExerciseProgress] | None = None) -> ModuleLink:
     done = sum((progress or {}).get(exercise.id, NOTHING_YET).succeeded for exercise in module.exercises)
     return ModuleLink(module.slug, module.label, module.title, module.summary, len(module.exercises), done)
 
 
-def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
+def exercise_row(exercise: Exercise, progress: ExerciseProgress) -> ExerciseRow:
     own = own_progress(progress)
     return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
 
 
-def own_progress(progress: Progress) -> OwnProgress:
+def own_progress(progress: ExerciseProgress) -> OwnProgress:
     best = "" if progress.best is None else format_mark(20 * progress.best)
     return OwnProgress(progress.attempts, best, progress.succeeded)
 

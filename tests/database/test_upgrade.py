@@ -23,7 +23,7 @@ from server.database.migrate import upgrade
 from server.gradebook import service as gradebook
 from server.gradebook import solutions, standings
 from server.gradebook.models import Grading, SolutionOpening
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.gradebook.solutions import AccessReason
 from server.identity.models import Account, ApiToken, Role
 from server.queue.interfaces import Lease
@@ -171,8 +171,8 @@ def test_standings_are_those_of_the_history(upgraded: Upgraded) -> None:
     with database.read() as db:
         ada = db.get(Account, landed.ada)
         assert gradebook.load_progress(db, ada) == {
-            POSES: Progress(1.0, 5, succeeded=True),
-            ANSWERS: Progress(0.4, 1),
+            POSES: ExerciseProgress(1.0, 5, succeeded=True),
+            ANSWERS: ExerciseProgress(0.4, 1),
         }
         kept = standings.load_account_standings(db, landed.ada)[POSES]
         assert (kept.attempts, kept.last_outcome, kept.last_diagnosis) == (3, "timeout", None)

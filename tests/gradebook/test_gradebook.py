@@ -29,7 +29,7 @@ from server.database import Database, utc_now
 from server.gradebook import repository, service, standings
 from server.gradebook.histories import AttemptHistories, load_revisions
 from server.gradebook.models import Grading, Standing
-from server.gradebook.schemas import GradingResult, Progress
+from server.gradebook.schemas import ExerciseProgress, GradingResult
 from server.gradebook.standings import StandingTotals
 from server.identity import repository as identity
 from server.identity.models import Account, Role
@@ -82,7 +82,7 @@ def test_a_submission_keeps_every_grading_and_one_counts(database: Database, ada
     with database.write() as db:
         service.set_counting_grading(db, submission, second)
     with database.read() as db:
-        assert service.load_progress(db, ada) == {EXERCISE: Progress(1.0, 1, succeeded=True)}
+        assert service.load_progress(db, ada) == {EXERCISE: ExerciseProgress(1.0, 1, succeeded=True)}
         assert len(repository.list_gradings(db, submission)) == 2
 
 
@@ -347,8 +347,8 @@ def test_waiting_attempts_count_among_those_sent(database: Database, ada: Accoun
     sent(database, ada.id)
     sent(database, ada.id, "m/b")
     with database.read() as db:
-        assert service.load_progress(db, ada) == {EXERCISE: Progress(0.5, 2), "m/b": Progress(None, 1)}
-        assert service.load_progress(db, ada, EXERCISE) == {EXERCISE: Progress(0.5, 2)}
+        assert service.load_progress(db, ada) == {EXERCISE: ExerciseProgress(0.5, 2), "m/b": ExerciseProgress(None, 1)}
+        assert service.load_progress(db, ada, EXERCISE) == {EXERCISE: ExerciseProgress(0.5, 2)}
     assert not worker_of(database, both).run_one(), "these were never queued"
 
 

@@ -18,7 +18,7 @@ from server.classes.models import Status
 from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.identity.models import Account, Role
 from server.limits import service as limits
 from server.limits.models import Allowance
@@ -149,7 +149,7 @@ def test_progress_counts_the_best_and_never_our_errors(desk: Desk, ada: Account)
     desk.submit(ada, "# outcome: internal_error")
     desk.grade_all()
     with desk.database.read() as db:
-        assert gradebook.load_progress(db, ada) == {EXERCISE: Progress(0.5, 1)}
+        assert gradebook.load_progress(db, ada) == {EXERCISE: ExerciseProgress(0.5, 1)}
     desk.submit(ada, "right")
     desk.grade_all()
     with desk.database.read() as db:
@@ -188,7 +188,7 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
                 for account in (ada, bob, eve, teacher, None)
             ]
 
-    def progress_of(db: Session, account: Account | None) -> Progress:
+    def progress_of(db: Session, account: Account | None) -> ExerciseProgress:
         return gradebook.load_progress(db, account, EXERCISE).get(EXERCISE, NOTHING_YET)
 
     def turn(by: Account, class_id: UUID | None, wanted: bool) -> None:

@@ -30,7 +30,11 @@ class BoardLinks:
     def people(self, students: Collection[UUID], exercise: str) -> tuple[tuple[str, str], ...]:
         """Return the names of students, in the order of the list, with the addresses of their work at an exercise."""
         wanted = set(students)
-        return tuple((one.name, work_href(self.href, one.id, exercise)) for one in self.students if one.id in wanted)
+        return tuple(
+            (student.name, work_href(self.href, student.id, exercise))
+            for student in self.students
+            if student.id in wanted
+        )
 
 
 def work_href(class_href: str, student: UUID, exercise: str) -> str:

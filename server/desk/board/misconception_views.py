@@ -30,12 +30,13 @@ UNKNOWN = "Personne, dans cette classe, n’a eu cette erreur à un exercice qui
 
 
 def misconception_page(
-    db: Session, course: Course, place: ClassAccess, exercise_id: str, misconception: str, *, chosen: bool = False
+    db: Session, course: Course, access: ClassAccess, exercise_id: str, misconception: str, *, chosen: bool = False
 ) -> MisconceptionPage:
     """Build the page; `chosen`: it may be projected, however few had it. Raise NotFound where nobody had it."""
-    school_class = place.school_class
+    school_class = access.school_class
     progress = service.load_progress(db, course, school_class, utc_now(), only=exercise_id)
-    stats = next((one for one in progress.misconceptions if one.id == misconception), None)
+    by_id = {stats.id: stats for stats in progress.misconceptions}
+    stats = by_id.get(misconception)
     if stats is None:
         raise NotFound(UNKNOWN)
     exercise, known = course.exercises[exercise_id], find_misconception(course, exercise_id, misconception)
@@ -44,7 +45,7 @@ def misconception_page(
     had = progress.students_who_had(exercise_id, misconception)
     paragraphs = [part.strip() for part in known.diagnosis.explanation.split("\n\n") if part.strip()]
     return MisconceptionPage(
-        head=head(course, place, ""),
+        head=head(course, access, ""),
         row=misconception_row(links, stats),
         paragraphs=tuple(exercise.prose(one) if exercise.answers else one for one in paragraphs),
         prose=exercise.answers is not None,
@@ -54,7 +55,7 @@ def misconception_page(
         after=_improvement_text(stats),
         lesson=_lesson(course, exercise),
         project_href=f"{misconception_href(href, exercise_id, misconception)}/projeter",
-        word_href=_word_href(href, stats) if place.has(Right.comment) and stats.now else "",
+        word_href=_word_href(href, stats) if access.has(Right.comment) and stats.now else "",
         may_project=chosen or stats.ever >= FEWEST_TO_PROJECT,
         fewest=FEWEST_TO_PROJECT,
     )
@@ -74,7 +75,7 @@ def _improvement_text(stats: MisconceptionStats) -> str:
 def _lesson(course: Course, exercise: Exercise) -> tuple[str, str] | None:
     """Return address and title of the lesson to read again."""
     lessons = course.modules[exercise.module].lessons
-    lesson = next((one for one in lessons if one.slug == exercise.seance), None)
+    lesson = next((lesson for lesson in lessons if lesson.slug == exercise.seance), None)
     return None if lesson is None else (lesson_href(lesson), lesson.title)
 
 

@@ -39,8 +39,8 @@ SIGN_OF_LIFE = ":\n\n"
 def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader) -> Response:
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = misconception_page(reader.db, reader.course, access, f"{module}/{slug}", mistake)
     return render_page(request, "classes/mistake.html", reader.account, page=view)
 
 
@@ -51,8 +51,8 @@ def project(
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
     if reader.account is None:
         return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = misconception_page(reader.db, reader.course, access, f"{module}/{slug}", mistake, chosen=bool(choix))
     return render_page(request, "classes/projection.html", reader.account, page=view)
 
 
@@ -62,22 +62,24 @@ async def events(
     erreurs: Text = "", last_event_id: Annotated[str, Header()] = "",
 ) -> StreamingResponse:  # fmt: skip
     """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
-    place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
+    access = await run_in_threadpool(
+        _require_access, database, account, class_id
+    )  # refusals come before the stream begins
     boards.require_free_stream(account.id)
-    allowed = partial(_may_watch, database, account, place)
-    view = OpenBoard(course, href_of(place.school_class), last_event_id or version, bool(erreurs))
-    stream = _event_stream(boards.follow(place.school_class.id, account.id, allowed), view)
+    allowed = partial(_may_watch, database, account, access)
+    view = OpenBoard(course, href_of(access.school_class), last_event_id or version, bool(erreurs))
+    stream = _event_stream(boards.follow(access.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
-def _place(database: Database, account: Account, class_id: str) -> ClassAccess:
+def _require_access(database: Database, account: Account, class_id: str) -> ClassAccess:
     with database.read() as db:
         return rights.require_right(db, account, Right.read_work, class_id)
 
 
-def _may_watch(database: Database, account: Account, place: ClassAccess) -> bool:
+def _may_watch(database: Database, account: Account, access: ClassAccess) -> bool:
     with database.read() as db:
-        return service.may_watch_board(db, account.id, place.school_class.id)
+        return service.may_watch_board(db, account.id, access.school_class.id)
 
 
 async def _event_stream(boards: AsyncIterator[Board | None], view: OpenBoard) -> AsyncIterator[str]:

@@ -29,9 +29,11 @@ def side_panel(links: BoardLinks, insights: Insights, *, may_regrade: bool) -> S
     return SidePanel(
         unexplained=_unexplained_rows(links, insights.unnamed),
         improvements=tuple(
-            (one.label, links.title(one.exercise), share_text(one)) for one in insights.helped if one.share is not None
+            (stats.label, links.title(stats.exercise), share_text(stats))
+            for stats in insights.helped
+            if stats.share is not None
         ),
-        hidden_improvements=sum(one.share is None for one in insights.helped),
+        hidden_improvements=sum(stats.share is None for stats in insights.helped),
         hints=tuple(
             (links.title(hints.exercise), tuple(share_text(level) for level in hints.levels))
             for hints in insights.hints

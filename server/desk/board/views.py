@@ -54,7 +54,7 @@ TROUBLE_ORDER = {ProgressState.stuck: 0, ProgressState.trying: 1, ProgressState.
 
 @dataclass(frozen=True)
 class BoardQuery:
-    """What the address asks for: a group, a sort key ("-" before it: backwards), a page, all misconceptions or some."""
+    """The query of the address: a group, a sort key ("-" before it: backwards), a page, all misconceptions or some."""
 
     group: str = ""
     sort: str = BY_NAME
@@ -70,13 +70,13 @@ class BoardQuery:
         return self.sort.removeprefix("-")
 
 
-def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str) -> BoardPage:
+def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str) -> BoardPage:
     """Build the page, rendering only the fragments that are not cached. `base` is the address of the service."""
-    db, course, school_class = reader.db, reader.course, place.school_class
+    db, course, school_class = reader.db, reader.course, access.school_class
     inputs = service.load_inputs(db, course, school_class, utc_now())
     progress = inputs.progress
     unnamed_groups = tuple(service.load_unnamed_groups(db, progress))
-    may_regrade = place.has(Right.regrade)
+    may_regrade = access.has(Right.regrade)
     links = BoardLinks(course, href_of(school_class), progress.students)
 
     def render_side_panel() -> str:
@@ -88,11 +88,11 @@ def board_page(reader: Reader, place: ClassAccess, query: BoardQuery, base: str)
         *(may_regrade, school_time.time_zone().key),
     )
     return BoardPage(
-        head=head(course, place, ""),
+        head=head(course, access, ""),
         has_students=bool(progress.students),
         rule=RULE,
         waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
-        code=code_view(school_class, base) if not progress.students and place.has(Right.see_code) else None,
+        code=code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
         version=FRAGMENTS.get_or_render(("board version", inputs.version), lambda: inputs.board.version),
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),

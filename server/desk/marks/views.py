@@ -63,7 +63,7 @@ Score = Callable[[StudentMarks], float | None]
 
 @dataclass(frozen=True)
 class GradebookQuery:
-    """What the address asks for: a group, one assignment or all, a sort key, a column to copy, a page from 1."""
+    """The query of the address: a group, one assignment or all, a sort key, a column to copy, a page from 1."""
 
     group: str = ""
     assignment: str = ""
@@ -84,7 +84,9 @@ def points_text(points: float | None) -> str:
 def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
     """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
     assignments = inputs.assigned.assignments
-    titles = {str(one.id): title for one, title in zip(assignments, unique_titles(assignments), strict=True)}
+    titles = {
+        str(assignment.id): title for assignment, title in zip(assignments, unique_titles(assignments), strict=True)
+    }
     if query.assignment and query.assignment not in titles:
         raise NotFound(UNKNOWN)
     group_sizes = group_counts(student.groups for student in inputs.students)
@@ -100,7 +102,7 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
 
     key = ("gradebook", inputs.version, query, access.has(Right.regrade), school_time.time_zone().key)
     class_href = href_of(access.school_class)
-    chosen = next((one for one in assignments if str(one.id) == query.assignment), None)
+    chosen = next((assignment for assignment in assignments if str(assignment.id) == query.assignment), None)
     about = None if chosen is None else _assignment_link(chosen, access)
     return GradebookPage(
         head=head(inputs.course, access, "/carnet"),
@@ -167,7 +169,8 @@ class _BodyBuilder:
             columns=tuple(GradebookOption(name, title, name == copied) for name, title in columns.items()),
             column=column_text(self._gradebook, self._index_of.get(copied)) if copied in columns else None,
             moodle=tuple(
-                (one.value, IDENTIFIED_BY[one], moodle_file(self._everyone, one).left_out) for one in MoodleIdentifier
+                (identifier.value, label, moodle_file(self._everyone, identifier).left_out)
+                for identifier, label in IDENTIFIED_BY.items()
             ),
             notes=NOTES,
         )
