@@ -27,11 +27,11 @@ sys.addaudithook(lambda event, args: opened.update([str(args[0])]) if event == "
 
 from server.cli import serve
 from server.cli.configuration import read_settings
-from server.base.app_services import provided_to
+from server.base.app_services import get_service
 from server.course import Course
 
 def told(app, *_):
-    modules = provided_to(app, Course).modules.values()
+    modules = get_service(app, Course).modules.values()
     print(json.dumps({
         "modules": sorted(sys.modules),
         "opened": opened,

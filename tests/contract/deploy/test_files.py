@@ -260,7 +260,7 @@ def test_graders_are_scaled_by_what_students_wait_for() -> None:
     layout = pytest.importorskip("server.queue.jetstream.stream_layout", reason="nats-py is not installed")
     trigger = objects("ScaledObject")["worker"]["spec"]["triggers"][0]["metadata"]
     assert trigger["stream"] == layout.STREAM
-    assert trigger["consumer"] == layout.Desk("grade", "interactive").consumer
+    assert trigger["consumer"] == layout.JobConsumer("grade", "interactive").consumer_name
 
 
 @pytest.mark.parametrize("name", ["balise.service", "balise-worker@.service", "balise-backup.service"])
