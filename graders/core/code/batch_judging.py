@@ -1,6 +1,6 @@
-"""Answers judged at once: of many cases whose answers are plain, all are compared in a few operations of arrays.
+"""Batch judging: many numeric answers are compared with the expected ones by a few array operations.
 
-What does not show at once to be right, well within the tolerance, or wrong, well beyond, is judged case by case.
+Answers near the tolerance, neither clearly right nor clearly wrong, are left to the comparison case by case.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from graders.core.contract.program import Answer, PlannedCalls, Reply
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Floats, Value
 
-#: Numbers in an answer that may wait to be judged with others.
+#: Numbers of an answer that may be held back to be judged with others.
 MAX_BATCHED_ITEMS = 2500
 
 
 def concatenate_blocks(blocks: Iterable[Sequence[Answer]]) -> Sequence[Answer]:
-    """The answers of all blocks, as one array where that is what they are."""
-    taken = list(blocks)
-    return _joined(taken) or [answer for answers in taken for answer in answers]
+    """Return the answers of all blocks, as one array where all of them are numbers of one shape."""
+    block_list = list(blocks)
+    return _concatenate_arrays(block_list) or [answer for block in block_list for answer in block]
 
 
 def take_plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
-    """The answers up to the first that is not plain, with those that have come with it: none costs much to keep."""
+    """Return the answers up to the first block with one that is not plain, that block included."""
     plain: list[Sequence[Answer]] = []
     for answers in blocks:
         plain.append(answers)
@@ -35,27 +35,27 @@ def take_plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
 
 
 def judge_batch(
-    asked: PlannedCalls, answers: Sequence[Answer], expected: Callable[..., Value], compare: Comparator
+    batch: PlannedCalls, answers: Sequence[Answer], expected: Callable[..., Value], compare: Comparator
 ) -> Sequence[bool | None]:
-    """Which of all the answers are seen to be right, or wrong; None for one that must be judged by itself.
+    """Return whether each answer is right; None for one that must be compared alone.
 
-    Empty where they must all be, or are not all there. `expected` takes arrays, one case a row.
+    Empty where the batch cannot be judged at once, or is incomplete. `expected` takes arrays, one case a row.
     """
     if not isinstance(answers, ArrayReplies) or not isinstance(compare, RowComparator):
         return ()
-    if not 0 < len(asked.calls) == len(answers) or not _is_plain(answers):
+    if not 0 < len(batch.calls) == len(answers) or not _is_plain(answers):
         return ()
-    wanted, got = np.asarray(expected(*_columns(asked.calls))), answers.values
-    gaps = compare.row_errors(wanted, got) if wanted.shape == got.shape else None
-    if gaps is None:
+    expected_rows, got = np.asarray(expected(*_columns(batch.calls))), answers.values
+    errors = compare.row_errors(expected_rows, got) if expected_rows.shape == got.shape else None
+    if errors is None:
         return ()
-    if (gaps <= WELL_WITHIN).all():
-        return [True] * len(gaps)
-    return [True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None for gap in gaps.tolist()]
+    if (errors <= WELL_WITHIN).all():
+        return [True] * len(errors)
+    return [True if error <= WELL_WITHIN else False if error >= WELL_BEYOND else None for error in errors.tolist()]
 
 
 def answer_value(answer: Answer) -> Value:
-    """What a call returned; None for a fault."""
+    """Return the value of a reply; None for a fault."""
     return answer.value if isinstance(answer, Reply) else None
 
 
@@ -64,7 +64,7 @@ def _columns(calls: Sequence[Arguments]) -> Iterable[Floats]:
 
 
 def _is_plain(answers: Sequence[Answer]) -> bool:
-    """Are all numbers, or small arrays of numbers?"""
+    """Whether all answers are numbers, or small arrays of numbers."""
     if isinstance(answers, ArrayReplies):
         return answers.values[:1].size <= MAX_BATCHED_ITEMS
     return all(
@@ -74,24 +74,26 @@ def _is_plain(answers: Sequence[Answer]) -> bool:
     )
 
 
-def _joined(blocks: Sequence[Sequence[Answer]]) -> ArrayReplies | None:
-    """The same answers, where all are floats, or arrays of floats of one shape, and no arguments have come back."""
-    arrays = [block.values if isinstance(block, ArrayReplies) else _as_rows(block) for block in blocks]
-    if not arrays or any(array is None for array in arrays):
+def _concatenate_arrays(blocks: Sequence[Sequence[Answer]]) -> ArrayReplies | None:
+    """Return all answers as one array; None unless all are floats or arrays of one shape, without arguments."""
+    arrays: list[Floats] = []
+    for block in blocks:
+        array = block.values if isinstance(block, ArrayReplies) else _as_array(block)
+        if array is None or (arrays and array.shape[1:] != arrays[0].shape[1:]):
+            return None
+        arrays.append(array)
+    if not arrays:
         return None
-    found = [array for array in arrays if array is not None]
-    if any(array.shape[1:] != found[0].shape[1:] for array in found):
-        return None
-    return ArrayReplies(found[0] if len(found) == 1 else np.concatenate(found))
+    return ArrayReplies(arrays[0] if len(arrays) == 1 else np.concatenate(arrays))
 
 
-def _as_rows(answers: Sequence[Answer]) -> Floats | None:
+def _as_array(answers: Sequence[Answer]) -> Floats | None:
     if not all(isinstance(answer, Reply) and answer.arguments is None for answer in answers):
         return None
     values = list(map(answer_value, answers))
-    kinds = set(map(type, values))
-    if kinds == {float}:
+    types = set(map(type, values))
+    if types == {float}:
         return np.array(values)
-    if kinds != {np.ndarray} or any(value.dtype != np.float64 or not value.ndim for value in values):
+    if types != {np.ndarray} or any(value.dtype != np.float64 or not value.ndim for value in values):
         return None
     return np.array(values) if len({value.shape for value in values}) == 1 else None

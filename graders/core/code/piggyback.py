@@ -1,7 +1,7 @@
-"""What a program is asked beside what it is asked anyway, so that nobody waits for it alone.
+"""Piggyback calls: the probes of a mistake travel with the next exchange, so that they cost no round trip of their own.
 
-It must be a program that remembers nothing (`stateless`): its answers are then those of one launched afresh.
-Where it may not be so, by what time, memory or bytes it had left, they count for nothing, and it is asked again.
+The program must be stateless (`stateless`): its answers are then those of a fresh launch. Answers that may depend on
+the time, memory or bytes that were left are discarded, and a fresh launch is asked.
 """
 
 from __future__ import annotations
@@ -14,57 +14,57 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, PlannedCalls, Reply
 from graders.core.contract.rows import ArrayReplies
 
-#: Of a program that takes longer, answers count for nothing: who asks it by itself may have less patience.
+#: Seconds for all answers, beyond which they are discarded: a fresh launch may have a shorter limit.
 MAX_ANSWER_SECONDS = 0.5
-#: Seconds that it may be expected to take from what simplifies a mistake.
+#: Seconds that the queued calls may be expected to take.
 MAX_EXPECTED_SECONDS = 0.1
-#: After so many, nobody asks a program any more to name its mistake.
+#: Seconds after which a program that hangs is not probed again.
 HANG_SECONDS = 2.0
 
 
 class PiggybackCalls:
-    """What waits for the next exchange, then what was answered to it."""
+    """Batches that are queued for the next exchange, then their answers."""
 
     def __init__(self) -> None:
-        self._waiting: Sequence[PlannedCalls] = ()
-        self._told: dict[PlannedCalls, Sequence[Answer]] = {}
-        self._begun = 0.0
+        self._queued: Sequence[PlannedCalls] = ()
+        self._answers: dict[PlannedCalls, Sequence[Answer]] = {}
+        self._sent_at = 0.0
 
-    def queue(self, asked: Sequence[PlannedCalls]) -> None:
-        self._waiting = asked
+    def queue(self, batches: Sequence[PlannedCalls]) -> None:
+        self._queued = batches
 
-    def take_queued(self, pace: float) -> Sequence[PlannedCalls]:
-        """What has waited until now, and is asked; what would take long, at so many seconds a call, is for a program of
-        its own."""
-        if pace * sum(len(one.calls) for one in self._waiting) > MAX_EXPECTED_SECONDS:
+    def take_queued(self, seconds_per_call: float) -> Sequence[PlannedCalls]:
+        """Remove and return the queued batches; none where they would take too long for this exchange."""
+        if seconds_per_call * sum(len(batch.calls) for batch in self._queued) > MAX_EXPECTED_SECONDS:
             return ()
-        begun, self._waiting, self._begun = self._waiting, (), time.perf_counter()
-        return begun
+        batches, self._queued, self._sent_at = self._queued, (), time.perf_counter()
+        return batches
 
-    def store_answers(self, told: Mapping[PlannedCalls, Sequence[Answer]]) -> None:
-        """The answers to all of it. Where it has hung for long, what came before stands, and the rest is not asked: to
-        wait for it once is enough."""
-        spent = time.perf_counter() - self._begun
-        own = {one: answers if _are_its_own(answers) else () for one, answers in told.items()}
-        hung = spent > HANG_SECONDS and any(map(_hangs, told.values()))
-        if hung or (spent <= MAX_ANSWER_SECONDS and all(own.values())):
-            self._told = own
+    def store_answers(self, answers_by_batch: Mapping[PlannedCalls, Sequence[Answer]]) -> None:
+        """Keep the answers if all of them are trustworthy, or those before the point where the program hangs."""
+        elapsed = time.perf_counter() - self._sent_at
+        trusted = {
+            batch: answers if _are_trustworthy(answers) else () for batch, answers in answers_by_batch.items()
+        }
+        hung = elapsed > HANG_SECONDS and any(map(_hangs, answers_by_batch.values()))
+        if hung or (elapsed <= MAX_ANSWER_SECONDS and all(trusted.values())):
+            self._answers = trusted
 
-    def answers(self, asked: PlannedCalls) -> Sequence[Answer] | None:
-        return self._told.get(asked)
+    def answers(self, batch: PlannedCalls) -> Sequence[Answer] | None:
+        return self._answers.get(batch)
 
 
 def _hangs(answers: Sequence[Answer]) -> bool:
-    last = fatal_fault(answers) if answers else None
-    return last is not None and last.outcome is Outcome.TIMEOUT
+    fault = fatal_fault(answers) if answers else None
+    return fault is not None and fault.outcome is Outcome.TIMEOUT
 
 
-def _are_its_own(answers: Sequence[Answer]) -> bool:
-    """Whether a program that remembers nothing gives these answers under whatever limits; it has come to give them."""
-    return isinstance(answers, ArrayReplies) or (bool(answers) and all(map(_is_its_own, answers)))
+def _are_trustworthy(answers: Sequence[Answer]) -> bool:
+    """Whether a stateless program gives these answers under any limits."""
+    return isinstance(answers, ArrayReplies) or (bool(answers) and all(map(_is_trustworthy, answers)))
 
 
-def _is_its_own(answer: Answer) -> bool:
+def _is_trustworthy(answer: Answer) -> bool:
     if isinstance(answer, Reply):
         return True
     raised = answer.outcome is Outcome.RUNTIME_ERROR and answer.exception not in (None, MemoryError.__name__)

@@ -1,4 +1,4 @@
-"""What checks ask of a program before their turn comes, and the answers that wait for it."""
+"""Pipelining of planned calls: requests are sent before their check needs them, and their answers are buffered."""
 
 from __future__ import annotations
 
@@ -10,69 +10,73 @@ from graders.core.contract.rows import ArrayReplies
 
 
 class CallPipeline:
-    """What is foreseen, in the order of the checks. What a program has died before it came to is asked again."""
+    """Planned batches in the order of the checks. Batches without any answer when a program dies are sent again."""
 
     def __init__(self) -> None:
         self._plan: dict[PlannedCalls, int] = {}
-        self._asked: Sequence[PlannedCalls] = ()
-        self._coming: Iterator[Block] | None = None
-        self._reached = 0
-        self._places: dict[PlannedCalls, int] = {}
+        self._sent: Sequence[PlannedCalls] = ()
+        self._incoming: Iterator[Block] | None = None
+        self._current = 0
+        self._positions: dict[PlannedCalls, int] = {}
         self._ready: dict[PlannedCalls, deque[Sequence[Answer]]] = {}
 
     def set_plan(self, plan: Sequence[PlannedCalls]) -> None:
-        """Begins anew: what was foreseen before has been asked and taken, or never will be."""
-        self._plan, self._ready = {one: place for place, one in enumerate(plan)}, {}
+        """Replace the plan, and drop the answers that are buffered for the former one."""
+        self._plan, self._ready = {batch: position for position, batch in enumerate(plan)}, {}
 
-    def is_planned(self, asked: PlannedCalls) -> bool:
-        return asked in self._plan
+    def is_planned(self, batch: PlannedCalls) -> bool:
+        return batch in self._plan
 
-    def batches_from(self, asked: PlannedCalls, dead: Collection[str]) -> Sequence[PlannedCalls]:
-        """What is to be asked together: this and what comes after, but for the functions that are called no more."""
-        here = self._plan[asked]
-        return [one for one, place in self._plan.items() if place >= here and one.function not in dead]
+    def batches_from(self, batch: PlannedCalls, dead_functions: Collection[str]) -> Sequence[PlannedCalls]:
+        """Return this batch and the later ones of the plan, without the functions that are no longer called."""
+        start = self._plan[batch]
+        return [
+            planned
+            for planned, position in self._plan.items()
+            if position >= start and planned.function not in dead_functions
+        ]
 
-    def send(self, program: Program, asked: Sequence[PlannedCalls]) -> None:
-        """Has a program answer these."""
-        self._asked, self._coming, self._reached = asked, program.call_batches(asked), 0
-        self._places = {one: place for place, one in enumerate(asked)}
-        self._ready |= {one: deque() for one in asked}
+    def send(self, program: Program, batches: Sequence[PlannedCalls]) -> None:
+        """Send these batches to a program."""
+        self._sent, self._incoming, self._current = batches, program.call_batches(batches), 0
+        self._positions = {batch: position for position, batch in enumerate(batches)}
+        self._ready |= {batch: deque() for batch in batches}
 
-    def ready_blocks(self, asked: PlannedCalls) -> deque[Sequence[Answer]] | None:
-        """The answers that are there, as they came together; None where nothing was asked."""
-        return self._ready.get(asked)
+    def ready_blocks(self, batch: PlannedCalls) -> deque[Sequence[Answer]] | None:
+        """Return the buffered answers of a batch, block by block; None where it was not sent."""
+        return self._ready.get(batch)
 
-    def is_pending(self, asked: PlannedCalls) -> bool:
-        """May there be others on their way?"""
-        return self._coming is not None and self._reached <= self._places.get(asked, -1)
+    def is_pending(self, batch: PlannedCalls) -> bool:
+        """Whether more answers to a batch may arrive."""
+        return self._incoming is not None and self._current <= self._positions.get(batch, -1)
 
     @property
     def has_pending(self) -> bool:
-        return self._coming is not None
+        return self._incoming is not None
 
     def receive_block(self) -> StudentFault | None:
-        """The next answers, put where they are awaited; returned when the last of its program is among them."""
-        assert self._coming is not None
-        came = next(self._coming, None)
-        if came is None:
-            self._coming = None
+        """Buffer the next block of answers; return its fatal fault, if it ends the program."""
+        assert self._incoming is not None
+        block = next(self._incoming, None)
+        if block is None:
+            self._incoming = None
             return None
-        self._reached, answers = came
-        self._ready[self._asked[self._reached]].append(answers)
-        last = fatal_fault(answers)
-        if last is not None:
+        self._current, answers = block
+        self._ready[self._sent[self._current]].append(answers)
+        fault = fatal_fault(answers)
+        if fault is not None:
             self.discard_pending()
-        return last
+        return fault
 
     def discard_pending(self) -> None:
-        """The program is gone: what it has not come to is as if it had never been asked."""
-        if self._coming is not None:
-            self._coming = None
-            for one in self._asked[self._reached + 1 :]:
-                self._ready.pop(one, None)
+        """Forget the batches that a program which ended has not begun, so that they are sent again."""
+        if self._incoming is not None:
+            self._incoming = None
+            for batch in self._sent[self._current + 1 :]:
+                self._ready.pop(batch, None)
 
 
 def fatal_fault(answers: Sequence[Answer]) -> StudentFault | None:
-    """The fault, among answers that have come together, after which there are no others of its program."""
+    """Return the fault in a block of answers that ends the program."""
     last = None if isinstance(answers, ArrayReplies) else answers[-1]
     return last if isinstance(last, StudentFault) and last.fatal else None

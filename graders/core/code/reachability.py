@@ -1,7 +1,7 @@
-"""What a function of a model reaches: what it answers depends on no other piece of the text.
+"""Static reachability of a model's text: the pieces on which a function may depend.
 
-Most mistakes of an exercise are made in functions that a given one does not call. The mutants in which it reaches the
-same text answer alike: one of them is asked for all.
+Most mistakes of an exercise are made in functions that a given one does not call. Mutants in which the function reaches
+the same text answer alike, so that one of them answers for all.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ PIECE_SEPARATOR = "\n\n\n"
 
 
 class CodePiece(NamedTuple):
-    """One function of a model, or some lines beside them, which most of its mutants share.
+    """One top-level function of a model, or the statements between two functions.
 
-    `touched` are the names that may be its own: those that are met as it is read, be they made or only asked for.
-    `mentioned` are these, and those that are met once its functions run.
+    `names_at_load` are the names that it defines or reads when it is executed; `all_names` adds those that its
+    functions read when they are called.
     """
 
     text: str
@@ -29,32 +29,29 @@ class CodePiece(NamedTuple):
 
 
 def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
-    """The pieces of a program without which a function of it would not be the same, in their order.
-
-    They are told by names alone, so that too many may be there, never too few.
-    """
-    pieces = [_piece(one) for one in text.split(PIECE_SEPARATOR)]
-    wanted, kept = {function}, set[int]()
+    """Return the pieces on which a function may depend, in their order: an over-approximation by names."""
+    pieces = [_compile_piece(piece_text) for piece_text in text.split(PIECE_SEPARATOR)]
+    names, reached = {function}, set[int]()
     while True:
         new = {
-            place
-            for place, piece in enumerate(pieces)
-            if place not in kept and not wanted.isdisjoint(piece.names_at_load)
+            index
+            for index, piece in enumerate(pieces)
+            if index not in reached and not names.isdisjoint(piece.names_at_load)
         }
         if not new:
-            return tuple(pieces[place] for place in sorted(kept))
-        kept |= new
-        wanted.update(*(pieces[place].all_names for place in new))
+            return tuple(pieces[index] for index in sorted(reached))
+        reached |= new
+        names.update(*(pieces[index].all_names for index in new))
 
 
 @lru_cache(maxsize=4096)
-def _piece(text: str) -> CodePiece:
+def _compile_piece(text: str) -> CodePiece:
     code = compile(text, "<mutant>", "exec", dont_inherit=True)
-    return CodePiece(text, code, frozenset(code.co_names), frozenset(_mentioned(code)))
+    return CodePiece(text, code, frozenset(code.co_names), frozenset(_names_in(code)))
 
 
-def _mentioned(code: CodeType) -> Iterator[str]:
+def _names_in(code: CodeType) -> Iterator[str]:
     yield from code.co_names
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
-            yield from _mentioned(inner)
+            yield from _names_in(inner)
