@@ -41,22 +41,22 @@ class Courses:
     folders: list[Path] = field(default_factory=lambda: [REPOSITORY])
     problems: list[CourseProblem] = field(default_factory=list)
 
-    def add(self, place: Path) -> None:
+    def add(self, folder: Path) -> None:
         """Takes a course in, once; or notes why not."""
         try:
-            place = place.resolve()
-            if place in self.folders:
+            folder = folder.resolve()
+            if folder in self.folders:
                 return
-            faults = [*_faults(place)] or [*self._clashes(place)]
+            faults = [*_faults(folder)] or [*self._clashes(folder)]
         except (OSError, RuntimeError) as error:  # a folder that is not ours to read, a link that leads to itself
-            faults = [CourseProblem(place, 1, f"ce dossier de cours ne se lit pas : {error}.")]
+            faults = [CourseProblem(folder, 1, f"ce dossier de cours ne se lit pas : {error}.")]
         self.problems += faults
         if not faults:
-            self.folders.append(place)
+            self.folders.append(folder)
 
-    def _clashes(self, place: Path) -> Iterator[CourseProblem]:
+    def _clashes(self, folder: Path) -> Iterator[CourseProblem]:
         for room in ROOMS:
-            for name, path in _names(place / room).items():
+            for name, path in _names(folder / room).items():
                 for other in self.folders:
                     taken = _names(other / room).get(name)
                     if taken is not None:
@@ -66,22 +66,22 @@ class Courses:
                         yield CourseProblem(path, 1, message)
 
 
-def _faults(place: Path) -> Iterator[CourseProblem]:
-    if not place.is_dir():
-        yield CourseProblem(place, 1, "ce dossier de cours n’existe pas.")
-    elif not (place / CURRICULUM).is_dir():
-        yield CourseProblem(place, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
+def _faults(folder: Path) -> Iterator[CourseProblem]:
+    if not folder.is_dir():
+        yield CourseProblem(folder, 1, "ce dossier de cours n’existe pas.")
+    elif not (folder / CURRICULUM).is_dir():
+        yield CourseProblem(folder, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
     for room in ROOMS:
-        if (place / room / "__init__.py").exists():
+        if (folder / room / "__init__.py").exists():
             message = f"un cours s’ajoute au paquet « {room} », qui a déjà ce fichier : supprimez-le."
-            yield CourseProblem(place / room / "__init__.py", 1, message)
+            yield CourseProblem(folder / room / "__init__.py", 1, message)
 
 
 def _names(room: Path) -> dict[str, Path]:
     """What stands in a room of a course, by the names that it is imported by."""
-    found = room.iterdir() if room.is_dir() else ()
-    told = {path.stem: path for path in found if path.is_dir() or path.suffix == ".py"}
-    return {name: path for name, path in told.items() if name not in IGNORED_NAMES and not _apart(name, path)}
+    entries = room.iterdir() if room.is_dir() else ()
+    paths = {path.stem: path for path in entries if path.is_dir() or path.suffix == ".py"}
+    return {name: path for name, path in paths.items() if name not in IGNORED_NAMES and not _apart(name, path)}
 
 
 def _apart(name: str, path: Path) -> bool:
@@ -96,12 +96,12 @@ def find_courses() -> Courses:
     courses = Courses()
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         courses.add(Path(os.path.expanduser(name)))
-    for value, place in _installed():
-        if place is None:
+    for value, folder in _installed():
+        if folder is None:
             message = f"le point d’entrée « {ENTRY_POINT_GROUP} » nomme « {value} », qui ne s’importe pas."
             courses.problems.append(CourseProblem(Path(value), 1, message))
         else:
-            courses.add(place)
+            courses.add(folder)
     return courses
 
 
@@ -121,9 +121,9 @@ def _installed() -> Iterator[tuple[str, Path | None]]:
 COURSES = find_courses()
 
 
-def add_course(place: Path) -> None:
+def add_course(folder: Path) -> None:
     """Takes one more course in, now that its rooms' packages may be there already."""
-    COURSES.add(place)
+    COURSES.add(folder)
     for room in ROOMS:
         package = sys.modules.get(room)
         if package is not None:
@@ -132,7 +132,7 @@ def add_course(place: Path) -> None:
 
 def room_folders(name: str) -> list[Path]:
     """The folders of one room ("graders"), one a course."""
-    return [place / name for place in COURSES.folders]
+    return [folder / name for folder in COURSES.folders]
 
 
 def module_folder(slug: str) -> Path:

@@ -24,8 +24,8 @@ class Discovery:
 
 def load_definition(exercise: str) -> Definition:
     """The definition of one exercise ("l20/poses"), which is known to be sound. Raises what its module raises."""
-    found = ((room, room / exercise / MODULE_FILE) for room in courses.room_folders(courses.GRADERS))
-    return _load(*next((room, path) for room, path in found if path.is_file()))
+    candidates = ((room, room / exercise / MODULE_FILE) for room in courses.room_folders(courses.GRADERS))
+    return _load(*next((room, path) for room, path in candidates if path.is_file()))
 
 
 def discover(exercises: Collection[str] | None = None, rooms: Sequence[Path] | None = None) -> Discovery:

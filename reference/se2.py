@@ -245,6 +245,6 @@ def _stack(*columns: Floats) -> Floats:
         return np.array(columns)
     shapes = {column.shape for column in columns}
     stacked = np.empty((*(shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)), len(columns)))
-    for place, column in enumerate(columns):
-        stacked[..., place] = column
+    for index, column in enumerate(columns):
+        stacked[..., index] = column
     return stacked

@@ -42,9 +42,9 @@ def _number(text: str) -> float:
     return float(text)
 
 
-def _within(value: float, least: float, most: float) -> float:
-    if not least <= value <= most:
-        raise RefusedError(f"la valeur doit être comprise entre {least:g} et {most:g}".replace(".", ","))
+def _within(value: float, least: float, high: float) -> float:
+    if not least <= value <= high:
+        raise RefusedError(f"la valeur doit être comprise entre {least:g} et {high:g}".replace(".", ","))
     return value
 
 

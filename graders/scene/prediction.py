@@ -97,10 +97,10 @@ class Placed:
 
     def told(self, text: str) -> str | None:
         """The class of a place that was kept; None for what is no place of the box."""
-        found = PLACE.fullmatch(text)
-        if not found or not self._within(float(found[1]), float(found[2])):
+        match = PLACE.fullmatch(text)
+        if not match or not self._within(float(match[1]), float(match[2])):
             return None
-        away = min(hypot(float(found[1]) - x, float(found[2]) - y) for x, y in self.spots)
+        away = min(hypot(float(match[1]) - x, float(match[2]) - y) for x, y in self.spots)
         return NEAR if away <= self.near else FAR if away <= self.far else AWAY
 
     def wire(self) -> dict[str, Any]:

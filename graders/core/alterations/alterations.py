@@ -61,14 +61,16 @@ def find_alterations(source: str) -> list[Alteration]:
         for change in rule(text, node)
     ]
     changes.sort(key=lambda found: (found[0].start, found[0].end, not found[0].is_course_mistake, found[0].text))
-    made: dict[str, Alteration] = {}
+    alterations_by_text: dict[str, Alteration] = {}
     same = ast.dump(text.tree)
     for change, function, _ in changes:
         altered = text.apply(change)
         line = text.raw.count(b"\n", 0, change.start) + 1
-        if altered not in made and _differs(altered, same):
-            made[altered] = Alteration(source, altered, change.operator, change.is_course_mistake, line, function)
-    return list(made.values())
+        if altered not in alterations_by_text and _differs(altered, same):
+            alterations_by_text[altered] = Alteration(
+                source, altered, change.operator, change.is_course_mistake, line, function
+            )
+    return list(alterations_by_text.values())
 
 
 def _differs(altered: str, same: str) -> bool:

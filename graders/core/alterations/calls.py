@@ -67,7 +67,7 @@ def _taken_for(text: ProgramText, node: ast.Call) -> Iterator[Change]:
         end = text.span(node.func)[1]
         yield Change(end - len(name_of(node)), end, other, "fonction voisine")
     if name_of(node) in ("arctan2", "atan2") and len(node.args) == 2:
-        up, right = (text.source_of(one) for one in node.args)
+        up, right = (text.source_of(arg) for arg in node.args)
         name = text.source_of(node.func).replace("2", "")
         yield text.replaced(node, f"{name}(({up}) / ({right}))", "fonction voisine")
 
@@ -103,13 +103,13 @@ def _kept(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Cha
     if isinstance(argument, ast.Starred | ast.GeneratorExp):
         return
     own = bool(WRAP.search(name_of(node)))
-    kept = (
+    remaining = (
         _inner_angle(text, argument)
         if name_of(node) in ("arctan2", "atan2", "angle", "phase")
         else text.source_of(argument)
     )
-    if kept is not None:
-        yield text.replaced(node, f"({kept})", "normalisation oubliée" if own else "appel oublié", own=own)
+    if remaining is not None:
+        yield text.replaced(node, f"({remaining})", "normalisation oubliée" if own else "appel oublié", own=own)
 
 
 def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
@@ -123,13 +123,13 @@ def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
 
 def _kept_of_ours(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     """A function of the file itself, of one argument: the argument alone."""
-    names = {one.name for one in ast.walk(text.tree) if isinstance(one, ast.FunctionDef)}
+    names = {function.name for function in ast.walk(text.tree) if isinstance(function, ast.FunctionDef)}
     if name_of(node) in names:
         yield from _kept(text, node, node.args[0])
 
 
 def _swapped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
-    if name_of(node) in SYMMETRIC or any(isinstance(one, ast.Starred) for one in node.args):
+    if name_of(node) in SYMMETRIC or any(isinstance(arg, ast.Starred) for arg in node.args):
         return
     own = name_of(node) in COMPOSITION
     for first, second in zip(node.args, node.args[1:], strict=False):
@@ -199,7 +199,7 @@ def degrees(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     if name_of(node) in ANGLE_OUT:
         yield text.replaced(node, f"({DEGREES} * {text.source_of(node)})", "degrés", own=True)
     if name_of(node) == "exp" and any(
-        isinstance(one, ast.Constant) and isinstance(one.value, complex) for one in ast.walk(node)
+        isinstance(part, ast.Constant) and isinstance(part.value, complex) for part in ast.walk(node)
     ):
         yield text.replaced(node.args[0], f"{DEGREES} * {text.source_of(node.args[0])}", "degrés", own=True)
 

@@ -136,9 +136,9 @@ def is_normalisation(node: ast.BinOp) -> bool:
     """Does it divide by a sum or a norm, or bring an angle back by a remainder?"""
     if isinstance(node.op, ast.Div):
         return not isinstance(node.left, ast.Constant) and any(
-            isinstance(one, ast.Call) and name_of(one) in ("sum", "norm", "hypot") for one in ast.walk(node.right)
+            isinstance(part, ast.Call) and name_of(part) in ("sum", "norm", "hypot") for part in ast.walk(node.right)
         )
-    return isinstance(node.op, ast.Mod) and any(_is_a_turn(one) for one in ast.walk(node.right))
+    return isinstance(node.op, ast.Mod) and any(_is_a_turn(part) for part in ast.walk(node.right))
 
 
 def _is_a_turn(node: ast.AST) -> bool:

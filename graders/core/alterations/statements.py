@@ -39,15 +39,15 @@ def dropped(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 def _bound_before(text: ProgramText, node: ast.Assign, target: ast.expr) -> bool:
     """Does a target have a value already: a place in something, an argument, a name given before or in a loop?"""
     if isinstance(target, ast.Tuple | ast.List):
-        return all(_bound_before(text, node, one) for one in target.elts)
+        return all(_bound_before(text, node, bound) for bound in target.elts)
     if not isinstance(target, ast.Name):
         return isinstance(target, ast.Subscript | ast.Attribute)
     around: ast.AST = node
     while around is not text.tree and not isinstance(around, ast.FunctionDef):
         around = text.parent(around)
-    names = [one for one in ast.walk(around) if isinstance(one, ast.Name | ast.arg) and _stores(one)]
+    names = [bound for bound in ast.walk(around) if isinstance(bound, ast.Name | ast.arg) and _stores(bound)]
     here = text.span(node)[0]
-    return any(text.span(one)[0] < here and _name(one) == target.id for one in names)
+    return any(text.span(bound)[0] < here and _name(bound) == target.id for bound in names)
 
 
 def _stores(node: ast.AST) -> bool:
@@ -60,9 +60,9 @@ def _name(node: ast.AST) -> str:
 
 def _normalises(value: ast.expr) -> bool:
     return any(
-        (isinstance(one, ast.BinOp) and is_normalisation(one))
-        or (isinstance(one, ast.Call) and bool(WRAP.search(name_of(one))))
-        for one in ast.walk(value)
+        (isinstance(node, ast.BinOp) and is_normalisation(node))
+        or (isinstance(node, ast.Call) and bool(WRAP.search(name_of(node))))
+        for node in ast.walk(value)
     )
 
 

@@ -60,9 +60,9 @@ class ProgramText:
         """Where an operator stands between its operands; `spelled` as Python does, with one space between words."""
         start, end = self.span(left)[1], self.span(right)[0]
         gap = re.sub(rb"#[^\n]*", lambda comment: b" " * len(comment[0]), self.raw[start:end])
-        found = re.search(rb"\s+".join(re.escape(word.encode()) for word in spelled.split()), gap)
-        assert found is not None, f"{spelled} stands between its operands"
-        return start + found.start(), start + found.end()
+        match = re.search(rb"\s+".join(re.escape(word.encode()) for word in spelled.split()), gap)
+        assert match is not None, f"{spelled} stands between its operands"
+        return start + match.start(), start + match.end()
 
     def nodes(self) -> Iterator[ast.AST]:
         """The nodes that may be altered, in no order: neither annotations, nor decorators, nor docstrings."""

@@ -25,8 +25,8 @@ def longest_chain(names: Sequence[str], before: Predecessors) -> int:
     clash that are most numerous are as many as the chains of clashes that cover all of them (Dilworth's theorem):
     what a greatest matching leaves.
     """
-    clashes = np.array([[place < later and other in before[name] for later, other in enumerate(names)]
-                        for place, name in enumerate(names)], dtype=np.int8)  # fmt: skip
+    clashes = np.array([[index < later and other in before[name] for later, other in enumerate(names)]
+                        for index, name in enumerate(names)], dtype=np.int8)  # fmt: skip
     if not clashes.any():
         return len(names)
     from scipy.sparse import csr_array

@@ -66,15 +66,15 @@ def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
     """
-    for place, question in enumerate(sheet.questions):
-        _check(question, place)
+    for index, question in enumerate(sheet.questions):
+        _check(question, index)
     used = {option.misconception for question in sheet.questions for option in question.options}
     catalogue = read_mistakes(folder)
     check_same_mistakes(folder, catalogue, {name for name in used if name})
     return ChoiceGrader(exercise, folder, catalogue, sheet.questions)
 
 
-def _check(question: ChoiceQuestion, place: int) -> None:
+def _check(question: ChoiceQuestion, index: int) -> None:
     ids = [option.id for option in question.options]
     right = len(question.right)
     faults = {
@@ -89,7 +89,7 @@ def _check(question: ChoiceQuestion, place: int) -> None:
     }
     for fault, present in faults.items():
         if present:
-            raise MalformedSheetError(f"question « {question.id} » : {fault}", ("question", place))
+            raise MalformedSheetError(f"question « {question.id} » : {fault}", ("question", index))
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +187,8 @@ class ChoiceGrader(AnswersGrader):
 
     def correction(self, seed: int) -> str:
         parts = []
-        for place, question in enumerate(self.questions, 1):
-            parts.append(f"**{place}. {question.title}.** {question.text}")
+        for index, question in enumerate(self.questions, 1):
+            parts.append(f"**{index}. {question.title}.** {question.text}")
             for letter, name in question.letters(seed).by_letter.items():
                 option = question.option(name)
                 parts.append(

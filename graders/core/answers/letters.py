@@ -43,7 +43,7 @@ class Letters:
 def _dealt(names: tuple[str, ...], seed: int, key: str) -> Letters:
     shuffled = stream(seed, f"letters {key}").permutation(len(names))
     placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())
-    return Letters(tuple(placeless[place] for place in shuffled))
+    return Letters(tuple(placeless[index] for index in shuffled))
 
 
 def rename_items(value: Any, names: Mapping[str, str]) -> Any:

@@ -89,13 +89,13 @@ def _plain(text: str) -> str:
 
 def _tokens(text: str) -> list[str]:
     tokens: list[str] = []
-    place = 0
-    while place < len(text):
-        match = _TOKEN.match(text, place)
+    position = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
         if match is None:
             raise NotANumberError("un caractère n'est ni un chiffre, ni une virgule, ni une opération")
         tokens.append("*" if match[3] == "x" and tokens and tokens[-1] != "0" else _token(match))
-        place = match.end()
+        position = match.end()
     return tokens
 
 

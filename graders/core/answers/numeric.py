@@ -51,10 +51,14 @@ class NumericDefinition(Definition):
     def bind(self, sheet: NumericSheet) -> NumericGrader:
         """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
         grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.draw_data, self.quantities, sheet)
-        asked, judged = [question.id for question in sheet.questions], [quantity.id for quantity in self.quantities]
-        if asked != judged:
+        question_ids, judged = (
+            [question.id for question in sheet.questions],
+            [quantity.id for quantity in self.quantities],
+        )
+        if question_ids != judged:
             raise MalformedExerciseError(
-                self.file, f"ce correcteur juge {', '.join(judged)}, et questions.toml demande {', '.join(asked)}"
+                self.file,
+                f"ce correcteur juge {', '.join(judged)}, et questions.toml demande {', '.join(question_ids)}",
             )
         shown_data = {datum.name for datum in sheet.data}
         dealt = grader.data(0)
@@ -63,10 +67,10 @@ class NumericDefinition(Definition):
             raise MalformedExerciseError(
                 self.file, f"nombres tirés par deal() et non montrés, ou l’inverse : {', '.join(odd)}"
             )
-        for place, unknown in enumerate(sheet.unknown_placeholders()):
+        for index, unknown in enumerate(sheet.unknown_placeholders()):
             if unknown:
                 raise MalformedSheetError(
-                    f"ces nombres ne sont pas tirés par deal() : {', '.join(unknown)}", ("question", place)
+                    f"ces nombres ne sont pas tirés par deal() : {', '.join(unknown)}", ("question", index)
                 )
         return grader
 
@@ -109,7 +113,7 @@ class NumericGrader(AnswersGrader):
 
     def paper(self, seed: int) -> Paper:
         data = self.data(seed)
-        given = tuple(
+        data_shown = tuple(
             GivenDatum(datum.symbol, datum.meaning, datum.text(data[datum.name]), datum.unit)
             for datum in self.sheet.data
         )
@@ -117,7 +121,7 @@ class NumericGrader(AnswersGrader):
             Question(w.id, w.title, self.sheet.fill_placeholders(w.text, data), "number", q.points, w.unit)
             for w, q in zip(self.sheet.questions, self.quantities, strict=True)
         )
-        return Paper(given, questions)
+        return Paper(data_shown, questions)
 
     def checks(self) -> Sequence[AnswerCheck]:
         pairs = zip(self.sheet.questions, self.quantities, strict=True)
@@ -229,9 +233,9 @@ class NumericGrader(AnswersGrader):
     def correction(self, seed: int) -> str:
         dealt = _dealt(self, seed)
         parts = []
-        for place, (question, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
+        for index, (question, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
             value = number(dealt.right[quantity.id], 4)
-            parts.append(f"**{place}. {question.title}.** {self.sheet.fill_placeholders(question.text, dealt.data)}")
+            parts.append(f"**{index}. {question.title}.** {self.sheet.fill_placeholders(question.text, dealt.data)}")
             if question.correction:
                 parts.append(self.sheet.fill_placeholders(question.correction, {**dealt.data, **dealt.right}))
             parts.append(f"Réponse : **{value} {question.unit}**".rstrip("* ") + "**")
@@ -274,7 +278,7 @@ def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
     values = [right, *slips]
     if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, MIN_SEPARATION):
         return False
-    pairs = ((value, other) for place, value in enumerate(values) for other in values[:place])
+    pairs = ((value, other) for index, value in enumerate(values) for other in values[:index])
     return not any(
         quantity.same(value, other, MIN_SEPARATION) or quantity.same(other, value, MIN_SEPARATION)
         for value, other in pairs

@@ -60,18 +60,18 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
     """
     names = [piece.id for piece in sheet.pieces]
     steps = names[: len(sheet.steps)]
-    for place, distractor in enumerate(sheet.distractors):
+    for index, distractor in enumerate(sheet.distractors):
         if distractor.id in steps:
-            raise MalformedSheetError(f"une étape et un intrus se nomment « {distractor.id} »", ("distractor", place))
+            raise MalformedSheetError(f"une étape et un intrus se nomment « {distractor.id} »", ("distractor", index))
     if len(set(names)) != len(names):
         raise MalformedSheetError("deux étapes ont le même nom")
     if len(names) > MAX_LETTERS:
         raise MalformedSheetError(f"il y a plus de {MAX_LETTERS} étapes")
-    for place, step in enumerate(sheet.steps):
-        unknown = set(step.after) - set(steps[:place])
+    for index, step in enumerate(sheet.steps):
+        unknown = set(step.after) - set(steps[:index])
         if unknown:
             message = f"étape « {step.id} » : {', '.join(sorted(unknown))} n’est pas une étape écrite au-dessus"
-            raise MalformedSheetError(message, ("step", place, "after"))
+            raise MalformedSheetError(message, ("step", index, "after"))
     catalogue = read_mistakes(folder)
     check_same_mistakes(
         folder, catalogue, {distractor.misconception for distractor in sheet.distractors if distractor.misconception}
@@ -159,10 +159,10 @@ class OrderGrader(AnswersGrader):
     def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         names = [step.id for step in self.sheet.steps]
         for distractor in self.sheet.distractors:
-            for place in (0, len(names) // 2, len(names)):
-                placed = [*names[:place], distractor.id, *names[place:]]
-                subject = f"intrus {distractor.id}, place {place + 1}"
-                yield subject, distractor.misconception, partial(self._written, placed)
+            for position in (0, len(names) // 2, len(names)):
+                with_distractor = [*names[:position], distractor.id, *names[position:]]
+                subject = f"intrus {distractor.id}, place {position + 1}"
+                yield subject, distractor.misconception, partial(self._written, with_distractor)
         yield "à l'envers", None, partial(self._written, names[::-1])
         yield "sans la fin", None, partial(self._written, names[:-1])
 
@@ -185,8 +185,8 @@ class OrderGrader(AnswersGrader):
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name
         steps = [
-            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quote_markdown(step.role)}"
-            for place, step in enumerate(self.sheet.steps, 1)
+            f"**{index}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quote_markdown(step.role)}"
+            for index, step in enumerate(self.sheet.steps, 1)
         ]
         false = [
             f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {quote_markdown(distractor.why)}"

@@ -26,8 +26,8 @@ def read_answers(source: bytes) -> dict[str, Any]:
     except UnicodeDecodeError as error:
         raise UnreadableAnswersError("Ce fichier de réponses n'est pas en UTF-8.") from error
     except json.JSONDecodeError as error:
-        place = f"ligne {error.lineno}, colonne {error.colno}"
-        raise UnreadableAnswersError(f"Ce fichier n'est pas du JSON bien formé ({place}).") from error
+        position = f"ligne {error.lineno}, colonne {error.colno}"
+        raise UnreadableAnswersError(f"Ce fichier n'est pas du JSON bien formé ({position}).") from error
     except RecursionError as error:
         raise UnreadableAnswersError("Ce fichier de réponses est trop imbriqué.") from error
     if not isinstance(answers, dict):

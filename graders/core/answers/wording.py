@@ -50,7 +50,7 @@ class NumericSheet:
     def fill_placeholders(self, text: str, values: Mapping[str, float]) -> str:
         """The text with its placeholders replaced by numbers, inside formulas and outside."""
         parts = FORMULAS.split(text)
-        return "".join(self._filled(part, values, tex=place % 2 == 1) for place, part in enumerate(parts))
+        return "".join(self._filled(part, values, tex=index % 2 == 1) for index, part in enumerate(parts))
 
     def _filled(self, part: str, values: Mapping[str, float], *, tex: bool) -> str:
         return PLACEHOLDER.sub(lambda match: self._number(match[1], values[match[1]], tex), part)

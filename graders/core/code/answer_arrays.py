@@ -15,7 +15,7 @@ Shape = tuple[int, ...]
 
 
 class AnswerSequence:
-    """Answers one after the other: the numbers of all, where each can be read as such."""
+    """The answers of one program, each read as an array of numbers where possible."""
 
     def __init__(self, answers: Iterable[ProbeAnswer] = ()) -> None:
         self.answers: list[ProbeAnswer] = []
@@ -26,25 +26,25 @@ class AnswerSequence:
     def add(self, answer: ProbeAnswer) -> None:
         self.answers.append(answer)
         self.arrays.append(_read(answer))
-        for known in ("_shapes", "_numbers", "_begins"):
-            self.__dict__.pop(known, None)
+        for name in ("_shapes", "_numbers", "_begins"):
+            self.__dict__.pop(name, None)
 
     @cached_property
     def _shapes(self) -> tuple[Shape, ...] | None:
-        """None where some answer is no array of numbers, or holds none."""
-        shapes = tuple(one.shape for one in self.arrays if one is not None and one.size)
+        """Shapes of the arrays; None where some answer is not a non-empty array of numbers."""
+        shapes = tuple(array.shape for array in self.arrays if array is not None and array.size)
         return shapes if len(shapes) == len(self.arrays) else None
 
     @cached_property
     def _numbers(self) -> Floats:
-        return np.concatenate([one.ravel() for one in self.arrays if one is not None])
+        return np.concatenate([array.ravel() for array in self.arrays if array is not None])
 
     @cached_property
     def _begins(self) -> NDArray[np.int64]:
-        return np.cumsum([0, *(one.size for one in self.arrays[:-1] if one is not None)])
+        return np.cumsum([0, *(array.size for array in self.arrays[:-1] if array is not None)])
 
     def agreement(self, other: AnswerSequence) -> list[bool]:
-        """Which of these answers are the same as the other's at their place."""
+        """Return whether each answer agrees with the other sequence's answer at its index."""
         count = min(len(self.arrays), len(other.arrays))
         if not count or self._shapes is None or self._shapes != other._shapes:
             return [self.agrees_at(other, k) for k in range(count)]
@@ -52,42 +52,42 @@ class AnswerSequence:
         return list(map(bool, np.logical_and.reduceat(same, self._begins)))
 
     def agrees_at(self, other: AnswerSequence, k: int) -> bool:
-        """Is the k-th of these the same as the other's?"""
-        one, its = self.arrays[k], other.arrays[k]
-        if one is not None and its is not None:
-            return one.shape == its.shape and bool(near(one, its, TOLERANCE).all())
-        return one is its and same_probe_answer(self.answers[k], other.answers[k])
+        """Whether the k-th answers agree."""
+        own, others = self.arrays[k], other.arrays[k]
+        if own is not None and others is not None:
+            return own.shape == others.shape and bool(near(own, others, TOLERANCE).all())
+        return own is others and same_probe_answer(self.answers[k], other.answers[k])
 
 
 class AnswerColumn:
-    """What many programs answer to one call: those that answer the same are found at once."""
+    """The answers of many programs to one call, searched by value in one array operation."""
 
     def __init__(self, answers: Sequence[ProbeAnswer]) -> None:
         self._answers = answers
         self._unread: list[int] = []
         self._places: dict[Shape, list[int]] = {}
-        read = list(map(_read, answers))
-        for place, one in enumerate(read):
-            (self._unread if one is None else self._places.setdefault(one.shape, [])).append(place)
+        arrays = list(map(_read, answers))
+        for index, array in enumerate(arrays):
+            (self._unread if array is None else self._places.setdefault(array.shape, [])).append(index)
         self._rows = {
-            shape: np.array([read[place] for place in places], dtype=np.float64).reshape(len(places), -1)
-            for shape, places in self._places.items()
+            shape: np.array([arrays[index] for index in indices], dtype=np.float64).reshape(len(indices), -1)
+            for shape, indices in self._places.items()
         }
 
     def indices_of(self, answer: ProbeAnswer) -> list[int]:
-        """The places of those that are the same as this one."""
-        one = _read(answer)
-        if one is None:
-            return [place for place in self._unread if same_probe_answer(self._answers[place], answer)]
-        if one.shape not in self._rows:
+        """Return the indices of the answers that agree with this one."""
+        array = _read(answer)
+        if array is None:
+            return [index for index in self._unread if same_probe_answer(self._answers[index], answer)]
+        if array.shape not in self._rows:
             return []
-        places = self._places[one.shape]
-        same = near(self._rows[one.shape], one.ravel(), TOLERANCE).all(axis=1)
-        return [places[k] for k in np.flatnonzero(same)]
+        indices = self._places[array.shape]
+        same = near(self._rows[array.shape], array.ravel(), TOLERANCE).all(axis=1)
+        return [indices[k] for k in np.flatnonzero(same)]
 
 
 def _read(answer: ProbeAnswer) -> Floats | None:
-    """None of what is no array of numbers."""
+    """Read an answer as an array of numbers; None where it is not one."""
     if isinstance(answer, ProbeFault):
         return None
     try:

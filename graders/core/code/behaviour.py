@@ -1,9 +1,8 @@
-"""Behaviour: what a program answers on inputs that never change for a version of its exercise.
+"""Behaviour: the answers of a program on inputs that are fixed for a version of its exercise.
 
-Failures that no misconception names are put together by it: programs that answer the same everywhere make the same
-mistake, whoever reads one of them. The inputs are the exercise's probes; what its checks ask of its solution, under a
-seed that the version decides, for functions without probes; and those that must be left alone. So no exercise says
-anything of its own for it.
+It groups the failures that no misconception names: programs with equal answers make the same mistake. The inputs are
+the exercise's probes; for functions without probes, the calls that its checks make of the solution under a seed derived
+from the version; and the arguments that must stay unmodified. No exercise defines anything of its own for it.
 """
 
 from __future__ import annotations
@@ -42,14 +41,14 @@ from graders.core.contract.program import Answer, KitSettings, Programs, Reply, 
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
 
-#: Instead of an answer, of a function that does not give the same one twice.
+#: Stands for the answer of a function that answers two launches differently.
 UNSTABLE = "variable"
-MAX_MESSAGE = 400  # characters of what an exception says
+MAX_MESSAGE = 400  # characters of an exception's message
 
 
 @dataclass(frozen=True)
 class Example:
-    """The input that shows the behaviour best: strict JSON, bounded. `expected` is what a right program answers."""
+    """The input that shows the behaviour best, in bounded strict JSON; `expected` is the right answer."""
 
     function: str
     inputs: dict[str, Any]
@@ -62,11 +61,10 @@ class Example:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """All the answers of a program, in the order of the questions, and which of them are steadily wrong.
+    """All answers of a program in the order of the calls, and the indices of those that are wrong in both launches.
 
-    A program whose steady answers are all right tells nothing here of why it failed, nor does one that does not load
-    (`loads`). `lacking`: some function that was asked for is not there, which says it all where nothing else is wrong.
-    `functions` are those that answer wrongly.
+    A program whose stable answers are all right, or that does not load, shows no mistake here. `functions` are those
+    that answer wrongly; `lacks_function` tells that a requested one is not defined.
     """
 
     answers: tuple[StoredAnswer, ...]
@@ -78,13 +76,13 @@ class Behaviour:
 
     @property
     def shows_mistake(self) -> bool:
-        """Does it show what is wrong with the program?"""
+        """Whether it shows a mistake of the program."""
         return self.is_loadable and bool(self.wrong)
 
 
 @dataclass
 class _SeriesResult:
-    """What one series showed: what came back, and what is looked at of it."""
+    """The answers to one series of calls, and the part of them that is compared."""
 
     answers: list[Answer]
     shown: list[StoredAnswer]
@@ -92,7 +90,7 @@ class _SeriesResult:
 
 @dataclass(frozen=True)
 class _WrongAnswer:
-    """An answer that is not right, to call `k`; None of a function that had been stopped."""
+    """A wrong answer to call `k`; None where the function had been stopped before."""
 
     series: CallSeries
     k: int
@@ -104,7 +102,7 @@ class _WrongAnswer:
 
     @property
     def size(self) -> int:
-        return sum(one.size if isinstance(one, np.ndarray) else len(str(to_jsonable(one))) for one in self.args)
+        return sum(arg.size if isinstance(arg, np.ndarray) else len(str(to_jsonable(arg))) for arg in self.args)
 
     @property
     def raises(self) -> bool:
@@ -112,7 +110,7 @@ class _WrongAnswer:
 
 
 class BehaviourObserver:
-    """Asks programs of one exercise the questions of its version. Made once; thread-safe."""
+    """Observes the behaviour of programs of one version of an exercise. Thread-safe."""
 
     def __init__(self, grader: CodeGrader, version: str) -> None:
         self._grader = grader
@@ -122,11 +120,11 @@ class BehaviourObserver:
 
     @cached_property
     def series(self) -> tuple[CallSeries, ...]:
-        """Those of one kit follow each other."""
-        asked = [*self._probed(), *self._recorded()]
-        kits = list({id(one.kit): one.kit for one in asked}.values()) or [self._kit]
-        asked += self._left_alone(kits[0])
-        return tuple(one for kit in kits for one in asked if one.kit is kit)
+        """All series of calls, grouped by kit."""
+        all_series = [*self._probed(), *self._recorded()]
+        kits = list({id(series.kit): series.kit for series in all_series}.values()) or [self._kit]
+        all_series += self._left_alone(kits[0])
+        return tuple(series for kit in kits for series in all_series if series.kit is kit)
 
     @cached_property
     def _kit(self) -> KitSettings:
@@ -138,9 +136,11 @@ class BehaviourObserver:
             yield CallSeries(probes.function, probes.calls, probes.kit, probes.read, index)
 
     def _recorded(self) -> Iterator[CallSeries]:
-        """What the checks ask the solution, of the functions that have no probes."""
+        """Yield the calls that the checks make of the solution, for functions without probes."""
         prober = self._grader.prober
-        missing = [one for one in self._grader.functions if prober is None or one not in prober.functions]
+        missing = [
+            function for function in self._grader.functions if prober is None or function not in prober.functions
+        ]
         if not missing:
             return
         recorder = CallRecorder(missing)
@@ -160,12 +160,12 @@ class BehaviourObserver:
                     yield CallSeries(function, (args,), kit, keeping=check.names[function])
 
     def observe(self, source: bytes, programs: Programs) -> Behaviour:
-        """What the program of a file answers. It is launched twice: what it does not answer twice does not count."""
+        """Return the behaviour of a file's program. It is launched twice; unstable answers do not count."""
         first = self._round(source, programs, frozenset())
         if first is None:
             return Behaviour((), is_loadable=False)
         stopped = frozenset(
-            series.function for series, told in zip(self.series, first, strict=True) if _stopped(told.answers)
+            series.function for series, result in zip(self.series, first, strict=True) if _stopped(result.answers)
         )
         second = self._round(source, programs, stopped)
         if second is None:
@@ -174,67 +174,71 @@ class BehaviourObserver:
             return self._behaviour(first, second, stopped)
 
     def _round(self, source: bytes, programs: Programs, without: Collection[str]) -> list[_SeriesResult] | None:
-        """The answers to every series but those of functions that were stopped before; None of what does not load."""
-        told = []
+        """Launch the program and answer every series, without the functions `without`; None if it does not load."""
+        results = []
         for _, group in itertools.groupby(self.series, key=lambda series: id(series.kit)):
-            asked = list(group)
-            with closing(Runner(programs, source, asked[0].kit)) as runner:
+            group_series = list(group)
+            with closing(Runner(programs, source, group_series[0].kit)) as runner:
                 try:
                     _ = runner.program
                 except StudentFault:
                     return None
-                for series in asked:
+                for series in group_series:
                     answers = [] if series.function in without else list(call_series(runner, series))
-                    told.append(_SeriesResult(answers, stored_answers(series, answers)))
-        return told
+                    results.append(_SeriesResult(answers, stored_answers(series, answers)))
+        return results
 
     def _behaviour(
         self, first: Sequence[_SeriesResult], second: Sequence[_SeriesResult], stopped: Collection[str]
     ) -> Behaviour:
         answers: list[StoredAnswer] = []
         wrong: list[int] = []
-        shown: list[_WrongAnswer] = []
-        for series, one, other in zip(self.series, first, second, strict=True):
-            steady = one.shown if series.function in stopped else _steady(one.shown, other.shown)
-            for k in () if _lacks(one.answers) else self._wrong(series, one, steady):
+        wrong_answers: list[_WrongAnswer] = []
+        for series, result, repeated in zip(self.series, first, second, strict=True):
+            steady = result.shown if series.function in stopped else _steady(result.shown, repeated.shown)
+            for k in () if _lacks(result.answers) else self._wrong(series, result, steady):
                 wrong.append(len(answers) + k)
-                shown.append(_WrongAnswer(series, k, one.answers[k] if k < len(one.answers) else None))
+                wrong_answers.append(_WrongAnswer(series, k, result.answers[k] if k < len(result.answers) else None))
             answers += steady
         return Behaviour(
             truncate_answers(answers),
             tuple(wrong),
-            tuple(dict.fromkeys(one.series.function for one in shown)),
-            lacks_function=any(_lacks(told.answers) for told in first),
-            example=self._example(shown),
+            tuple(dict.fromkeys(result.series.function for result in wrong_answers)),
+            lacks_function=any(_lacks(result.answers) for result in first),
+            example=self._example(wrong_answers),
         )
 
-    def _wrong(self, series: CallSeries, told: _SeriesResult, steady: Sequence[StoredAnswer]) -> list[int]:
-        """Which of the steady answers are not right."""
-        right = self._right(series, told.answers)
-        return [k for k, one in enumerate(steady) if not (same_answer(one, right[k]) or same_answer(one, UNSTABLE))]
+    def _wrong(self, series: CallSeries, result: _SeriesResult, steady: Sequence[StoredAnswer]) -> list[int]:
+        """Return the indices of the stable answers that are wrong."""
+        right = self._right(series, result.answers)
+        return [
+            k for k, answer in enumerate(steady) if not (same_answer(answer, right[k]) or same_answer(answer, UNSTABLE))
+        ]
 
     def _right(self, series: CallSeries, answers: Sequence[Answer]) -> Sequence[StoredAnswer]:
-        """What a right program answers, of the style of this one where the exercise knows several."""
+        """Return the right answers, in the style of this program where the exercise knows several."""
         if series.keeping:
             return [to_stored("")]
         prober = self._grader.prober
         if series.probes is not None and prober is not None:
             padded = [*read_answers(series, answers), *[STOPPED] * len(series.calls)][: len(series.calls)]
-            return [to_stored(one) for one in prober.nearest_right_answers(series.probes, padded)]
+            return [to_stored(right_answer) for right_answer in prober.nearest_right_answers(series.probes, padded)]
         return [to_stored(read_answer(args, self._solved(series, args), series.read)) for args in series.calls]
 
     def _solved(self, series: CallSeries, args: Arguments) -> Answer:
-        """The solution's answer to one call, of a program that has answered no other."""
+        """Return the solution's answer to one call, from a fresh launch."""
         try:
             return LocalProgram(self._grader.solution.encode(), series.kit).call(series.function, *args)
         except StudentFault as fault:
             return fault
 
     def _example(self, wrong: Sequence[_WrongAnswer]) -> Example | None:
-        """The smallest input that is answered wrongly; one that is answered rather than one that raises, and one to
-        which there is one right answer rather than one to which the solution itself answers otherwise."""
-        told = [(self._is_free(one.series), one.raises, one.size, place) for place, one in enumerate(wrong)]
-        chosen = [wrong[place] for *_, place in sorted(told) if wrong[place].answer is not None]
+        """Return the smallest wrong input, preferably with a unique right answer and without an exception."""
+        ranked = [
+            (self._is_free(wrong_answer.series), wrong_answer.raises, wrong_answer.size, index)
+            for index, wrong_answer in enumerate(wrong)
+        ]
+        chosen = [wrong[index] for *_, index in sorted(ranked) if wrong[index].answer is not None]
         if not chosen:
             return None
         series, answer, args = chosen[0].series, chosen[0].answer, chosen[0].args
@@ -249,7 +253,7 @@ class BehaviourObserver:
         return Example(series.function, inputs, expected, got)
 
     def _is_free(self, series: CallSeries) -> bool:
-        """Does the solution itself answer otherwise than what is held for right? Several answers are right then."""
+        """Whether several answers are right, so that the solution itself may differ from the model."""
         if series not in self._free:
             answers = [] if series.keeping else [self._solved(series, args) for args in series.calls]
             shown = stored_answers(series, answers)
@@ -257,8 +261,8 @@ class BehaviourObserver:
         return self._free[series]
 
 
-def _steady(one: Sequence[StoredAnswer], other: Sequence[StoredAnswer]) -> list[StoredAnswer]:
-    return [a if same_answer(a, b) else UNSTABLE for a, b in zip(one, other, strict=True)]
+def _steady(first: Sequence[StoredAnswer], second: Sequence[StoredAnswer]) -> list[StoredAnswer]:
+    return [a if same_answer(a, b) else UNSTABLE for a, b in zip(first, second, strict=True)]
 
 
 def _stopped(answers: Sequence[Answer]) -> bool:
@@ -270,8 +274,8 @@ def _lacks(answers: Sequence[Answer]) -> bool:
 
 
 def _parameters(source: str, function: str, count: int) -> tuple[str, ...]:
-    """The names of a function's first parameters, as the solution has them."""
+    """Return the names of the first parameters of a function in a source."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.FunctionDef) and node.name == function and len(node.args.args) >= count:
             return tuple(argument.arg for argument in node.args.args[:count])
-    return tuple(f"argument {place}" for place in range(1, count + 1))
+    return tuple(f"argument {number}" for number in range(1, count + 1))

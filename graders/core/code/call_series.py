@@ -1,4 +1,4 @@
-"""Questions: the calls by which a program's behaviour is told, and what is looked at of its answers."""
+"""Series of calls that show a program's behaviour, and the part of their answers that is compared."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from graders.core.code.stored_answers import StoredAnswer, to_stored
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, same_value
 
-#: Instead of the answers of a function that has been stopped before.
+#: Stands for the answers of a function that has been stopped before.
 STOPPED = ProbeFault("arrêt")
-#: Exceptions of which the name says little: programs that raise them are alike where the message is too.
+#: Exceptions that are compared with their message: their type alone says too little.
 NAME_ERRORS = frozenset({"NameError", "UnboundLocalError", "AttributeError", "ImportError", "ModuleNotFoundError"})
 
 
 @dataclass(frozen=True, eq=False)
 class CallSeries:
-    """Calls of one function, made in turn. `probes` is their number among the exercise's, where they are probes;
-    `keeping` are the arguments' names where what is asked is whether these are left alone.
+    """Successive calls of one function. `probes` is the index of the exercise's probes that they come from, if any;
+    `keeping` names the arguments, where the series checks that these stay unmodified.
     """
 
     function: str
@@ -32,7 +32,7 @@ class CallSeries:
 
 
 def call_series(runner: Runner, series: CallSeries) -> Iterator[Answer]:
-    """What comes back of each call, as far as calls are made."""
+    """Yield the answer to each call, until the function is stopped."""
     if not series.keeping:
         yield from runner.call_many(None, series.function, series.calls, faults=None)
         return
@@ -44,13 +44,13 @@ def call_series(runner: Runner, series: CallSeries) -> Iterator[Answer]:
 
 
 def stored_answers(series: CallSeries, answers: Sequence[Answer]) -> list[StoredAnswer]:
-    """What is looked at of the answers, one for each call, as it is kept."""
-    told = [*map(to_stored, read_answers(series, answers)), *[to_stored(STOPPED)] * len(series.calls)]
-    return told[: len(series.calls)]
+    """Return the compared part of each call's answer in its stored form; STOPPED for missing answers."""
+    padded = [*map(to_stored, read_answers(series, answers)), *[to_stored(STOPPED)] * len(series.calls)]
+    return padded[: len(series.calls)]
 
 
 def read_answers(series: CallSeries, answers: Sequence[Answer]) -> list[ProbeAnswer]:
-    """What is looked at of the answers that there are."""
+    """Return the compared part of each answer."""
     return [_read_one(series, args, answer) for args, answer in zip(series.calls, answers, strict=False)]
 
 
@@ -63,6 +63,6 @@ def _read_one(series: CallSeries, args: Arguments, answer: Answer) -> ProbeAnswe
 
 
 def modified_arguments(series: CallSeries, reply: Reply) -> list[str]:
-    """The names of the arguments that the call has changed."""
+    """Return the names of the arguments that the call has modified."""
     trio = zip(series.keeping, series.calls[0], reply.arguments or (), strict=True)
     return [name for name, before, after in trio if not same_value(before, after, tolerance=0.0)]

@@ -1,7 +1,7 @@
-"""Checks: one question asked of a submission, with its points.
+"""Checks: one tested property of a submission, with its points.
 
-`Cases` compares a function with its reference on inputs from the simplest to the most general. `Untouched` sees that
-arguments are left alone. `Trial` runs any protocol: identities, statistics, closed loops.
+`Cases` compares a function with its reference on inputs from the simplest to the most general. `Untouched` tests that
+arguments stay unmodified. `Trial` runs any protocol: identities, statistics, closed loops.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from graders.core.contract.values import Arguments, Value, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
 MAX_FAULTS = 4
-#: A call that raises once in two is then seen to raise, but for one grading in four thousand.
+#: Calls of a random function: one that raises every second time passes one grading in four thousand.
 RANDOM_CALLS = 12
 
 
 class Rejection(Exception):
-    """A check's finding against the submission, with what was given, expected and obtained.
+    """A check's finding against the submission, with inputs, expected and obtained values.
 
     `message` is French. `inputs` maps argument names to values; `expected` and `got` may be values or French text.
-    `call`, where it is known, is the one call that shows it: a function and its arguments.
+    `call`, where known, is the single call that shows the failure: a function and its arguments.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class Rejection(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Check(ABC):
-    """One check. `functions` are those that it judges; `points` count out of 20; `hint` is a question in French."""
+    """One check. `functions` are those that it tests; `points` count out of 20; `hint` is a question in French."""
 
     id: str
     title: str
@@ -74,22 +74,22 @@ class Check(ABC):
     functions: tuple[str, ...]
     hint: str
     requires_other_check: ClassVar[bool] = False
-    """True when its points are earned only beside another check on the same functions: doing nothing earns nothing."""
+    """Whether its points count only if another check on the same functions passes: doing nothing earns nothing."""
     reports_call: ClassVar[bool] = False
-    """True when what it rejects is told with the call that shows it (`Rejection.call`)."""
+    """Whether its rejections hold the call that shows the failure (`Rejection.call`)."""
 
     def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
-        """What it will ask of the main program whatever is answered: drawn, before it runs, by the same bench."""
+        """Return the calls that it makes whatever the answers, drawn by its bench before it runs."""
         return ()
 
     @property
     def has_unplanned_calls(self) -> bool:
-        """Whether a right program is asked more than what is foreseen: what later checks ask must wait for that."""
+        """Whether a right program gets calls besides the planned ones, for which later checks must wait."""
         return True
 
     @property
     def launches(self) -> int:
-        """How often it is known to start the file anew, as on another map."""
+        """The number of side programs that it starts, as on another map."""
         return 0
 
     @abstractmethod
@@ -121,9 +121,9 @@ class Trial(Check):
 
 @dataclass(frozen=True, kw_only=True)
 class Untouched(Check):
-    """The functions must leave their arguments as they were. `inputs` draws the arguments of each function.
+    """The functions must not modify their arguments. `inputs` draws the arguments of each function.
 
-    Those of `chance` draw at random: they are called CHANCES times before, since one may raise in some calls alone.
+    Functions in `chance` draw random numbers: they are first called RANDOM_CALLS times, as one may raise only rarely.
     """
 
     requires_other_check: ClassVar[bool] = True
@@ -137,31 +137,31 @@ class Untouched(Check):
         return False
 
     def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
-        asked = []
+        batches = []
         for function, args in self.inputs(bench.rng).items():
             if function in self.chance:
-                asked.append(PlannedCalls(function, [args] * RANDOM_CALLS, faults=1))
-            asked.append(PlannedCalls(function, [args], return_arguments=True))
-        return asked
+                batches.append(PlannedCalls(function, [args] * RANDOM_CALLS, faults=1))
+            batches.append(PlannedCalls(function, [args], return_arguments=True))
+        return batches
 
     def run(self, bench: Bench) -> None:
-        for asked in planned_calls_of(self, bench):
-            args = asked.calls[0]
-            after = self._after(bench, asked)
-            if not asked.return_arguments:
+        for batch in planned_calls_of(self, bench):
+            args = batch.calls[0]
+            after = self._after(bench, batch)
+            if not batch.return_arguments:
                 continue
-            trio = zip(self.names[asked.function], args, after, strict=True)
+            trio = zip(self.names[batch.function], args, after, strict=True)
             changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
-            bench.observe(asked.function, ",".join(changed), ok=not changed)
+            bench.observe(batch.function, ",".join(changed), ok=not changed)
             if changed:
-                raise self._rejection(asked.function, changed[0], args, after)
+                raise self._rejection(batch.function, changed[0], args, after)
 
-    def _after(self, bench: Bench, asked: PlannedCalls) -> Arguments:
-        """The arguments as the last of the calls leaves them."""
+    def _after(self, bench: Bench, batch: PlannedCalls) -> Arguments:
+        """Return the arguments after the last of the calls."""
         after: Arguments = ()
-        for args, answer in bench.answers(asked):
+        for args, answer in bench.answers(batch):
             if isinstance(answer, StudentFault):
-                inputs = dict(zip(self.names[asked.function], args, strict=True))
+                inputs = dict(zip(self.names[batch.function], args, strict=True))
                 raise fault_rejection(answer, inputs=inputs) from answer
             after = answer.arguments or ()
         return after
@@ -179,7 +179,7 @@ class Untouched(Check):
 
 @dataclass(frozen=True)
 class Failure:
-    """One failing case: the arguments, what was expected, what came back or the fault, and why it is wrong."""
+    """One failing case: arguments, expected and obtained values, the mismatch or the fault."""
 
     args: Arguments
     expected: Value
@@ -189,20 +189,19 @@ class Failure:
 
 
 def planned_calls_of(check: Check, bench: Bench) -> Sequence[PlannedCalls]:
-    """What was drawn for a check before it ran, or is drawn now."""
+    """Return the planned calls of a check, drawn before it ran or now."""
     return bench.planned_calls or check.planned_calls(bench)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
-    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to re-enact).
+    """Compare one function with its reference on every case; report the simplest failing one, shrunk.
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
     `figure(args, expected, got)` makes the data of a drawing, or None where there is nothing to draw; `got` is None
-    unless it has the expected shape, a tuple of arrays where a tuple of arrays is expected. With
-    `rows`, `expected` takes arrays of arguments too, one case a row, and answers are seen to be right or wrong at once
-    where `compare` is one of rows: what else `_judged` might hold against one is not asked.
+    unless it has the expected shape, a tuple of arrays where a tuple of arrays is expected. With `rows`, `expected`
+    accepts arrays of arguments, one case a row, and a RowComparator judges all answers at once, without `_judged`.
     """
 
     reports_call: ClassVar[bool] = True
@@ -229,27 +228,27 @@ class Cases(Check):
         return [PlannedCalls(self.function, drawn if isinstance(drawn, Rows) else tuple(drawn), faults=MAX_FAULTS)]
 
     def run(self, bench: Bench) -> None:
-        asked = planned_calls_of(self, bench)[-1]
-        blocks = bench.answer_blocks(asked)
+        batch = planned_calls_of(self, bench)[-1]
+        blocks = bench.answer_blocks(batch)
         plain = take_plain_answers(blocks) if self.rows else ()
-        at_once = judge_batch(asked, plain, self.expected, self.compare)
+        at_once = judge_batch(batch, plain, self.expected, self.compare)
         if isinstance(plain, ArrayReplies) and at_once and None not in at_once:
             bench.observe_all(self.function, plain.values, at_once)
             wrong = at_once.index(False) if False in at_once else None
-            first = None if wrong is None else self._judged(asked.calls[wrong], plain[wrong])
+            first = None if wrong is None else self._judged(batch.calls[wrong], plain[wrong])
         else:
             answers = itertools.chain(plain, itertools.chain.from_iterable(blocks))
-            first = self._judged_in_turn(bench, asked, answers, at_once)
+            first = self._judged_in_turn(bench, batch, answers, at_once)
         if first is not None and not bench.runner.reenacting:
             self._reject(bench, first)
 
     def _judged_in_turn(
-        self, bench: Bench, asked: PlannedCalls, answers: Iterator[Answer], at_once: Sequence[bool | None]
+        self, bench: Bench, batch: PlannedCalls, answers: Iterator[Answer], at_once: Sequence[bool | None]
     ) -> Failure | None:
-        """The first failure; what is seen at once of an answer is not asked again."""
+        """Record all observations and return the first failure; answers judged in the batch are not compared again."""
         first: Failure | None = None
         judged = itertools.chain(at_once, itertools.repeat(None))
-        for args, answer, right in zip(asked.calls, answers, judged, strict=False):
+        for args, answer, right in zip(batch.calls, answers, judged, strict=False):
             bench.last_call = (self.function, args)
             failure = self._judged(args, answer) if right is None or not (right or first) else None
             if isinstance(answer, StudentFault):
@@ -276,7 +275,7 @@ class Cases(Check):
 
         shrink_and_reject(
             bench, self.function, failure, failure.args, partial(neighbours, self.shrinkers), judge, self._rejection,
-            arguments=lambda args: args, fair=self.valid, stops=lambda one: one.fault is not None and one.fault.fatal,
+            arguments=lambda args: args, fair=self.valid, stops=lambda it: it.fault is not None and it.fault.fatal,
         )  # fmt: skip
 
     def _rejection(self, failure: Failure) -> Rejection:
@@ -285,9 +284,9 @@ class Cases(Check):
         if failure.fault:
             return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected, call=call)
         assert failure.mismatch is not None
-        given = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
-        wanted, got = render.text(failure.expected), render.text(failure.got)
-        message = f"Pour {given}, on attend {wanted} et {self.function} renvoie {got}."
+        inputs_text = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
+        expected_text, got_text = render.text(failure.expected), render.text(failure.got)
+        message = f"Pour {inputs_text}, on attend {expected_text} et {self.function} renvoie {got_text}."
         return Rejection(
             f"{message} {failure.mismatch.message}",
             inputs=inputs,
@@ -300,7 +299,7 @@ class Cases(Check):
         )
 
     def figure_data(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
-        """The data of the figure for one answer; None where there is nothing to draw."""
+        """Return the data of the figure for one answer; None where there is nothing to draw."""
         return None if self.figure is None else self.figure(args, expected, drawable_as(expected, got))
 
 
@@ -311,7 +310,7 @@ def fault_rejection(
     expected: Value = None,
     call: tuple[str, Arguments] | None = None,
 ) -> Rejection:
-    """A fault of the student's program, told as the finding of a check."""
+    """Return the rejection that reports a fault of the student's program."""
     where = "".join(f"\n  {frame}" for frame in fault.frames)
     got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
     return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome, call=call)

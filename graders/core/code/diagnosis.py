@@ -1,8 +1,7 @@
-"""Diagnosis: which known mistake gives the very outputs of this submission?
+"""Diagnosis of a submission by re-enactment: the known mistake that gives the same outputs.
 
-Every misconception of the exercise is re-enacted: run through the same checks with the same inputs. The one whose
-outputs coincide with the submission's wherever either is wrong, and which explains more failures than any other, names
-the mistake.
+Each misconception of the exercise is run through the same checks with the same inputs. The one whose outputs coincide
+with the submission's wherever either is wrong, and which explains more failures than any other, names the mistake.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ def _explain(
 def is_ruled_out(
     observations: Sequence[Observation], misconception: Misconception, seen: Sequence[Observation]
 ) -> bool:
-    """Do the checks re-enacted so far already rule the misconception out, whatever the others give?"""
+    """Whether the checks re-enacted so far already rule the misconception out."""
     judged = [o for o in observations if o.function in misconception.functions]
     pairs = _paired(judged, seen)
     differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
@@ -90,7 +89,7 @@ def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tu
 
 
 def agree(observation: Observation, other: Observation) -> bool:
-    """The same value, or the same way of failing."""
+    """Whether two observations have the same value, or the same fault."""
     if observation.fault or other.fault:
         return observation.fault == other.fault
     return observation.ok == other.ok and same_value(observation.value, other.value)
@@ -101,7 +100,7 @@ def _diagnosis(misconception: Misconception) -> Diagnosis:
 
 
 def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
-    """The diagnosis of these mistakes, of the exercise or usual slips: the first one's, which tells the others too."""
+    """Return one diagnosis of several mistakes or slips: the id of the first, the texts of all."""
     named: dict[str, Misconception | Slip] = {**SLIPS, **{one.id: one for one in misconceptions}}
     first, *others = [named[one] for one in ids]
     title = AND_ALSO.join(one.title for one in (first, *others))
@@ -112,23 +111,23 @@ def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception
 
 
 def lowercase_title(title: str) -> str:
-    """A title in the middle of a sentence: its first letter small, unless it is a symbol's or a name's."""
+    """Return a title for mid-sentence: first letter in lower case, unless in a symbol or name."""
     word = title.split(" ", 1)[0]
     return title[:1].lower() + title[1:] if word[1:].islower() or word in ("L'angle", "L'inverse") else title
 
 
 def slip_diagnosis(slips: Sequence[tuple[Sequence[str], str | None]]) -> Diagnosis | None:
-    """When no misconception of the exercise fits: the usual slip seen in most of the failed checks.
+    """Return the diagnosis of the slip seen in most of the failed checks, for when no misconception fits.
 
-    `slips` holds the functions and the slip of each failed check, None where no slip explains it. A check of several
-    functions has no say beside those of one.
+    `slips` holds the functions and the slip of each failed check, None where no slip explains it. Checks of several
+    functions count only where those of one function show no slip.
     """
     alone = [slip for functions, slip in slips if len(functions) == 1]
-    asked = alone if any(alone) else [slip for _, slip in slips]
-    counted = Counter(slip for slip in asked if slip is not None)
+    candidates = alone if any(alone) else [slip for _, slip in slips]
+    counted = Counter(slip for slip in candidates if slip is not None)
     if not counted:
         return None
     (name, times), *others = counted.most_common(2)
-    if 2 * times <= len(asked) or (others and others[0][1] == times):
+    if 2 * times <= len(candidates) or (others and others[0][1] == times):
         return None
     return combine_diagnoses([name], ())

@@ -1,4 +1,4 @@
-"""What can be drawn of a program's answer."""
+"""Conversion of a program's answer to arrays that a figure can draw."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from graders.core.contract.values import Floats, UnreadableError, Value, read_ar
 
 
 def drawable_as(expected: Value, got: Value) -> Floats | tuple[Floats, ...] | None:
-    """`drawable` in the shape of what is expected; item by item for a tuple of arrays, of which every one must be."""
+    """Return `drawable` in the shape of the expected value, item by item for a tuple of arrays; None if one fails."""
     if not isinstance(expected, tuple) or not any(isinstance(one, np.ndarray) for one in expected):
         return drawable(got, np.shape(expected))
     if not isinstance(got, tuple | list) or len(got) != len(expected):
         return None
     items = [drawable(value, np.shape(one)) for value, one in zip(got, expected, strict=True)]
-    found = tuple(one for one in items if one is not None)
-    return found if len(found) == len(items) else None
+    arrays = tuple(one for one in items if one is not None)
+    return arrays if len(arrays) == len(items) else None
 
 
 def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:
-    """The value as an array when it has the shape that a drawing needs and only sane numbers, else None."""
+    """Return the value as an array of this shape; None for another shape, or numbers beyond 1e9 or not finite."""
     try:
         array = read_array(value)
     except UnreadableError:

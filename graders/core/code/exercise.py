@@ -1,4 +1,4 @@
-"""An exercise of code as its grader's folder describes it, before the course says which functions it asks for."""
+"""Definition of an exercise of code by its grader's folder, before the course tells the requested functions."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class CodeDefinition(Definition):
 
     @property
     def judged_functions(self) -> frozenset[str]:
-        """The functions that some check judges."""
+        """The functions that some check tests."""
         return frozenset(function for check in self.checks for function in check.functions)
 
     def bind(self, functions: Sequence[str]) -> CodeGrader:
-        """The grader of an exercise that asks for `functions`.
+        """Return the grader of an exercise that asks for `functions`.
 
-        Raises MalformedExerciseError where a check or a misconception speaks of another, or no check of one of them.
+        Raises MalformedExerciseError where a check or misconception names another function, or one has no check.
         """
         odd = sorted(self.judged_functions ^ set(functions))
         if odd:
@@ -60,7 +60,7 @@ class CodeDefinition(Definition):
 
 
 def seeded_kit(module: str) -> KitMaker:
-    """The kit of a module, given a seed alone."""
+    """Return the maker of a module's kit whose only parameter is a seed."""
     return lambda rng: KitSettings(module, {"seed": int(rng.integers(2**62))})
 
 
@@ -75,12 +75,12 @@ def code(
 ) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
 
-    `kit` makes the settings of an execution; left out, they are a seed for `rng` and nothing else. `probes` are asked
-    of a submission whose checks failed, and their answers compared with the model's mutants. One that is `long` takes
-    seconds to grade any program: it is not rehearsed. One that is `heavy` takes about a second to grade a right
-    program, a fifth of it at most by being the first: only a mistake is rehearsed.
+    `kit` makes the settings of an execution; by default, a seed for `rng`. `probes` are called when checks failed, and
+    the answers compared with the model's mutants. A `long` exercise takes seconds to grade any program, and is not
+    rehearsed. A `heavy` one takes about a second to grade a right program, at most a fifth of it for warming up: only a
+    mistake is rehearsed.
 
-    Raises MalformedExerciseError when the folder does not hold together.
+    Raises MalformedExerciseError when the folder is inconsistent.
     """
     folder = Path(file).parent
     total = sum(check.points for check in checks)

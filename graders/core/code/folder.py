@@ -1,4 +1,4 @@
-"""What the folder of an exercise of code holds: the solution, the named misconceptions, the specimens."""
+"""Reading of an exercise's folder: the solution, the named misconceptions, the specimens."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ FIELDS = {"id", "functions", "title", "explanation", "question"}
 class Misconception:
     """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake.
 
-    Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
-    `line` is its place in the catalogue; `whole` says that its source is no edit of the model, `edited` that it
-    is made by edits too, `ruled` that a rule of the probes alone knows it: its outputs say too little elsewhere.
+    Several may share an id: the same mistake gives other outputs in code that, say, also forgets to wrap angles.
+    `line` is its line in the catalogue; `whole` means that its source is no edit of the model, `edited` that the
+    catalogue has edits for it too, `ruled` that only a rule of the probes recognises it.
     """
 
     id: str
@@ -42,19 +42,19 @@ class Misconception:
 
 @dataclass(frozen=True)
 class Specimen:
-    """A submission kept with the outcome that it must get."""
+    """A sample submission with its expected outcome."""
 
     outcome: Outcome
     path: Path
 
 
 def read_solution(folder: Path) -> str:
-    """The reference solution. Raises MalformedExerciseError."""
+    """Return the source of the reference solution. Raises MalformedExerciseError."""
     return _read(folder / "solution.py")
 
 
 def read_misconceptions(folder: Path, solution: str) -> Iterator[Misconception]:
-    """The catalogue, each misconception as a whole submission that makes it. Raises MalformedExerciseError."""
+    """Yield the misconceptions of the catalogue, with complete sources. Raises MalformedExerciseError."""
     text, entries = _entries(folder)
     for entry, line in zip(entries.get("misconception", ()), _lines(text, "misconception"), strict=False):
         yield from _misconceptions(folder, entry, line, solution)
@@ -74,7 +74,7 @@ def _entries(folder: Path) -> tuple[str, dict[str, Any]]:
 
 
 def _lines(text: str, table: str) -> Iterator[int]:
-    """The lines of the headers of one array of tables."""
+    """Yield the line numbers of the headers of one array of tables."""
     for header in re.finditer(rf"^[ \t]*\[\[[ \t]*{table}[ \t]*\]\]", text, re.MULTILINE):
         yield text[: header.start()].count("\n") + 1
 
@@ -84,10 +84,13 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
     if missing:
         message = f"erreur « {entry.get('id', '?')} » : il manque {', '.join(sorted(missing))}"
         raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
-    home = folder / "misconceptions"
-    file = home / f"{entry['id']}.py"
-    files = [*([file] if file.exists() or not entry.get("edits") else ()), *sorted(home.glob(f"{entry['id']}__*.py"))]
-    sources = [(f"{solution}\n\n{_read(one)}", True) for one in files]
+    sources_folder = folder / "misconceptions"
+    file = sources_folder / f"{entry['id']}.py"
+    files = [
+        *([file] if file.exists() or not entry.get("edits") else ()),
+        *sorted(sources_folder.glob(f"{entry['id']}__*.py")),
+    ]
+    sources = [(f"{solution}\n\n{_read(path)}", True) for path in files]
     if not sources:
         sources = [(_edited(folder, entry, line), False)]
     for source, whole in sources:
@@ -106,25 +109,25 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
 
 
 def _edited(folder: Path, entry: dict[str, Any], line: int) -> str:
-    """The model with the first of a mistake's edits."""
+    """Return the model with the first of a mistake's edits."""
     edited = _edits(entry, folder, line)[0].apply(_read(folder / MODEL))
     assert edited is not None, "an edit is tried when it is read"
     return edited
 
 
 def read_model(folder: Path) -> Model | None:
-    """The model program and the mistakes that are edits of it; None where an exercise has none.
+    """Return the model program with the mistakes that are edits of it; None where an exercise has no model.
 
-    Mistakes stand in the catalogue under `misconception` or, for those whose words are a usual slip's, under `slip`;
-    under `style` stand other ways of being right. Raises MalformedExerciseError for an edit of what is not there.
+    The catalogue lists mistakes under `misconception`, those with the words of a usual slip under `slip`, and other
+    correct versions under `style`. Raises MalformedExerciseError for an edit of a text that is absent.
     """
     path = folder / MODEL
     if not path.exists():
         return None
     text, entries = _entries(folder)
-    found: dict[str, list[Edit]] = {}
+    edits: dict[str, list[Edit]] = {}
     for table in ("style", "misconception", "slip"):
-        found[table] = []
+        edits[table] = []
         for entry, line in zip(entries.get(table, ()), _lines(text, table), strict=False):
             if table == "slip" and entry.get("id") not in SLIPS:
                 raise MalformedExerciseError(
@@ -132,14 +135,14 @@ def read_model(folder: Path) -> Model | None:
                     f"« {entry.get('id')} » n’est pas une étourderie connue : {', '.join(sorted(SLIPS))}",
                     line,
                 )
-            found[table] += _edits(entry, folder, line)
-    return Model(_read(path), (*found["misconception"], *found["slip"]), found["style"])
+            edits[table] += _edits(entry, folder, line)
+    return Model(_read(path), (*edits["misconception"], *edits["slip"]), edits["style"])
 
 
 def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
-    """The edits of one entry: each a list of texts, one to replace and what replaces it, and so on."""
+    """Return the edits of one entry: each is a list of alternating texts, a text and its replacement."""
     model = _read(folder / MODEL) if entry.get("edits") else ""
-    made = []
+    edits = []
     for texts in entry.get("edits", ()):
         changes = tuple(zip(texts[::2], texts[1::2], strict=True))
         edit = Edit(entry.get("id", ""), changes, frozenset(entry.get("functions", ())))
@@ -147,12 +150,12 @@ def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
             name = edit.id or "style"
             message = f"« {name} » : ce texte doit se trouver une fois, et une seule, dans {MODEL} : {texts[::2]}"
             raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
-        made.append(edit)
-    return made
+        edits.append(edit)
+    return edits
 
 
 def check_known_functions(folder: Path, misconceptions: Sequence[Misconception], functions: Sequence[str]) -> None:
-    """Misconceptions speak of the functions that are asked for. Raises MalformedExerciseError with their line."""
+    """Raise MalformedExerciseError, with its line, for a misconception of a function that is not requested."""
     for misconception in misconceptions:
         unknown = sorted(set(misconception.functions) - set(functions))
         if unknown:
@@ -161,7 +164,7 @@ def check_known_functions(folder: Path, misconceptions: Sequence[Misconception],
 
 
 def read_specimens(folder: Path) -> Iterator[Specimen]:
-    """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError for a folder that names none."""
+    """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError for an unknown outcome."""
     for path in sorted((folder / "specimens").glob("*/*.py")):
         if path.parent.name not in set(Outcome):
             raise MalformedExerciseError(

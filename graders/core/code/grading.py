@@ -30,22 +30,22 @@ from graders.core.contract.streams import stream
 from graders.core.contract.verdict import Diagnosis
 
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
-#: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
+#: Outcomes that a misconception may explain: the program runs, though it may raise on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
-#: The slip that is told beside any other mistake.
+#: The slip that is reported besides any other mistake.
 MODIFIED_ARGUMENT = "argument_modifie"
 KitMaker = Callable[[np.random.Generator], KitSettings]
 FRESH_REENACTOR = Reenactor()
-#: What a counterexample that nobody reads may cost.
+#: Budget of a counterexample that is not shown.
 NO_SHRINKING = Budget(calls=0)
 
 
 @dataclass(frozen=True)
 class CodeGrader:
-    """Grades one exercise of code, whose `functions` a submission writes; `folder` is the place of its grader.
+    """Grades submissions that define the `functions` of one exercise; `folder` is its grader's folder.
 
-    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost; `long` and
-    `heavy` are as in `code`.
+    `reenactor` re-enacts its misconceptions; `budget` bounds the shrinking of one counterexample; `long` and `heavy`
+    are as in `code`.
     """
 
     exercise: str
@@ -62,9 +62,9 @@ class CodeGrader:
     heavy: bool = False
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
-        """The verdict of a file: every check is run on the program that `programs` starts of it.
+        """Return the judgement of a file: every check runs on the program that `programs` starts from it.
 
-        Whatever the student's program does ends in the verdict; an exception that leaves this is our own fault.
+        Every fault of the student's program ends in the verdict; an exception raised here is our own fault.
         """
         started = time.perf_counter()
         kit = self.kit(stream(seed, "kit"))
@@ -91,8 +91,8 @@ class CodeGrader:
         return Judgement(verdict, figures, films)
 
     def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
-        """What names a mistake is asked of the same program where this is seen to keep nothing of what it was asked;
-        else of one launched afresh, which comes up while the checks go on."""
+        """Run the checks. A stateless program is probed in the same process; for another, a fresh launch is announced
+        at the first failure, so that it starts while the checks go on."""
         prober = self.prober
         if prober is None:
             return run_checks(self.checks, runner, kit, seed)
@@ -100,35 +100,36 @@ class CodeGrader:
         return run_checks(
             self.checks, runner, kit, seed,
             launches_if_failed=lambda: 0 if steady() else 1,
-            beside=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
+            calls_if_failed=lambda failed: prober.planned_calls(*self._asked_of(failed)) if steady() else (),
         )  # fmt: skip
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
     ) -> str | None:
-        """The id of the first check that a file fails as `grade` would, None at full marks. Nothing is simplified nor
-        named. `checks` are those of the exercise, in another order, or some of them.
+        """Return the id of the first check that a file fails, None at full marks, without shrinking or diagnosis.
+
+        `checks` are those of the exercise by default, else some of them, in any order.
         """
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=NO_SHRINKING)
-        asked = self.checks if checks is None else checks
+        chosen = self.checks if checks is None else checks
         try:
             _ = runner.program
-            found = (run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)) for check in asked)
-            return next((finding.result.id for finding in found if not finding.passed), None)
+            findings = (run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)) for check in chosen)
+            return next((finding.result.id for finding in findings if not finding.passed), None)
         except StudentFault:
-            return asked[0].id
+            return chosen[0].id
         finally:
             runner.close()
 
     def _diagnosis(self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int) -> Diagnosis | None:
-        """The name of what failed: by the probes, else by re-enacting what these do not judge, else a usual slip."""
+        """Name the mistake: by the probes, else by re-enactment for functions without probes, else as a slip."""
         pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
         failed = [check for check, _ in pairs]
-        blamed, (asked, alone) = _blamed(failed), self._asked_of(failed)
-        ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else RecognisedMistakes()
+        blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
+        ids, last, follow = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
         left = (alone if ids else blamed) - set(follow)
         ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
         if ids:
@@ -139,23 +140,23 @@ class CodeGrader:
         )
 
     def _asked_of(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
-        """The functions that are asked what names a mistake, and those that failed a check of their own."""
+        """Return the functions to probe, and those that failed a check of their own."""
         blamed = _blamed(failed)
-        asked = [function for function in self.functions if function in blamed]
-        return asked, {check.functions[0] for check in failed if len(check.functions) == 1}
+        functions = [function for function in self.functions if function in blamed]
+        return functions, {check.functions[0] for check in failed if len(check.functions) == 1}
 
     def _reenacted(
         self,
-        found: Sequence[str],
+        named_ids: Sequence[str],
         blamed: Collection[str],
         runner: Runner,
         kit: KitSettings,
         seed: int,
     ) -> Sequence[str]:
-        """What the observations say of the functions of which no mistake was found, by misconceptions that are no
+        """Name, from the observations, the mistake of blamed functions without one, among misconceptions that are no
         edit."""
-        told = {function for m in self.misconceptions if m.id in found for function in m.functions}
-        left = set() if set(found) & SLIPS.keys() else set(blamed) - told
+        explained = {function for m in self.misconceptions if m.id in named_ids for function in m.functions}
+        left = set() if set(named_ids) & SLIPS.keys() else set(blamed) - explained
         others = [m for m in self.misconceptions if not (m.edited or m.ruled) and left & set(m.functions)]
         if not others:
             return []
@@ -164,9 +165,9 @@ class CodeGrader:
         return [named.id] if named else []
 
     def rehearse(self) -> None:
-        """Grade the solution and a mistake in this process: what is imported and compiled at first use then is.
+        """Warm up: grade the solution and a mistake in this process, so that imports and compilations are done.
 
-        Not what takes long to grade whether it is the first or not: what is saved then is nothing beside it.
+        A `long` exercise is skipped, where warming up saves a negligible part.
         """
         if self.long:
             return
@@ -175,11 +176,11 @@ class CodeGrader:
             self.grade(source.encode(), LOCAL, seed=0, version="")
 
     def mistake_ids(self) -> frozenset[str]:
-        """The ids of the misconceptions."""
+        """Return the ids of the misconceptions."""
         return frozenset(misconception.id for misconception in self.misconceptions)
 
     def known_submissions(self) -> Iterator[KnownSubmission]:
-        """The solution, the catalogued mistakes, the specimens."""
+        """Yield the solution, the catalogued mistakes and the specimens, with their expected verdicts."""
         yield KnownSubmission("référence", _always(self.solution.encode()), Outcome.OK)
         for misconception in self.misconceptions:
             source = _always(misconception.source.encode())
@@ -189,15 +190,12 @@ class CodeGrader:
             yield KnownSubmission(subject, _always(specimen.path.read_bytes()), specimen.outcome)
 
     def specimens(self) -> Iterator[Specimen]:
-        """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
+        """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder)
 
 
 def _blamed(failed: Sequence[Check]) -> frozenset[str]:
-    """The functions that a failed check judges alone; where none does, all that a failed check judges.
-
-    A check of several functions does not say which is at fault when another check does.
-    """
+    """Return the functions that fail a check of their own; where there are none, all functions of failed checks."""
     alone = [check for check in failed if len(check.functions) == 1]
     return frozenset(function for check in alone or failed for function in check.functions)
 

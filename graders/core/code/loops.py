@@ -1,8 +1,8 @@
-"""Closed loops: a program is run again and again on hidden runs, each in a process of its own, until it is decided.
+"""Closed loops: a program plays hidden runs, each in a process of its own, until the result is decided.
 
-The runs are the same for everybody; only the program's own draws differ from one grading to another. A loop costs
-seconds where a check of one call costs milliseconds: it waits for the checks with which it would fail for sure
-(`after`), stops as soon as the runs left cannot change what it finds, and at the first run that exhausts a limit.
+The runs are the same for everybody; only the program's random numbers differ between gradings. A loop costs seconds, a
+check of one call milliseconds: it is skipped when a check on which it depends has failed (`after`), and stops when the
+remaining runs cannot change the result, or a run exhausts a limit.
 """
 
 from __future__ import annotations
@@ -17,14 +17,13 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, StudentFault
 
-#: Seconds of a clock after which no other run is begun, well below what a grading may take.
+#: Elapsed seconds after which no other run is started, well below the limit of a grading.
 MAX_TOTAL_SECONDS = 240.0
 
 
 @dataclass
 class Run:
-    """One run as it goes: its number from 0, the bench of its own process, the step that it has come to, and who makes
-    a film of it as far as it went."""
+    """One run: its number from 0, the bench of its own process, its current step, and the maker of its film so far."""
 
     number: int
     bench: Bench
@@ -40,13 +39,13 @@ class Run:
         return f"Essai {self.number + 1}" + (f", pas {self.step}" if self.step else "")
 
 
-#: Plays one run: returns when it succeeds; raises Rejection, or lets a StudentFault through, when it does not.
+#: Plays one run: returns when it succeeds; raises Rejection or StudentFault when it does not.
 Play = Callable[[Run], None]
 
 
 @dataclass(frozen=True)
 class FailedRun:
-    """Why a run failed, and where."""
+    """A failed run and the reason."""
 
     run: Run
     reason: Rejection | StudentFault
@@ -54,8 +53,7 @@ class FailedRun:
 
 @dataclass
 class RunTally:
-    """The runs so far: how many succeeded, why the others did not, and who makes the film that is kept of one of them:
-    only that one is made."""
+    """The runs so far: number of successes, failures, and the maker of the one film that is kept."""
 
     succeeded: int = 0
     failures: list[FailedRun] = field(default_factory=list)
@@ -68,17 +66,17 @@ class RunTally:
 
     @property
     def representative_failure(self) -> FailedRun:
-        """What is told of the failures: a fault, which its author can mend first, before a run that was lost."""
-        faults = [one for one in self.failures if isinstance(one.reason, StudentFault)]
+        """The failure to report: the first fault of the program, else the first lost run."""
+        faults = [failure for failure in self.failures if isinstance(failure.reason, StudentFault)]
         return (faults or self.failures)[0]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedLoop(Check):
-    """`needed` of the `runs` must succeed. `kits` are the settings of the process of each run, but for its seed.
+    """`needed` of the `runs` must succeed. `kit` gives the settings of each run's process, without its seed.
 
-    The film kept is that of the first run that failed, else of the last one. A mistake that is re-enacted plays no
-    run: no observation here tells one mistake from another.
+    The film is that of the first failed run, else of the last one. Re-enacted mistakes play no run: the observations
+    here do not distinguish mistakes.
     """
 
     runs: int
@@ -92,24 +90,24 @@ class ClosedLoop(Check):
         if bench.runner.reenacting:
             return
         if bench.runner.failed.intersection(self.after):
-            raise self._waits()
-        tally = self._tally(bench)
+            raise self._dependency_rejection()
+        tally = self._play_runs(bench)
         if tally.make_film is not None:
             counts = {"runs": self.runs, "needed": self.needed, "succeeded": tally.succeeded}
             bench.film({**tally.make_film(), **counts})
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
-            raise self._told(tally)
+            raise self._failure_rejection(tally)
 
-    def _tally(self, bench: Bench) -> RunTally:
-        """Play runs until it is decided."""
+    def _play_runs(self, bench: Bench) -> RunTally:
+        """Play runs until the result is decided."""
         tally, deadline = RunTally(), time.monotonic() + self.seconds
         for number in range(self.runs):
             if time.monotonic() > deadline:
                 tally.stopped = True
                 break
             run = Run(number, bench)
-            why = self._why(run)
+            why = self._failure_reason(run)
             if run.make_film is not None and not tally.failures:
                 tally.make_film = run.make_film
             if why is None:
@@ -122,8 +120,8 @@ class ClosedLoop(Check):
                 break
         return tally
 
-    def _why(self, run: Run) -> Rejection | StudentFault | None:
-        """Play a run in a process of its own; why it failed, if it did."""
+    def _failure_reason(self, run: Run) -> Rejection | StudentFault | None:
+        """Play a run in a process of its own, and return the reason of its failure, if any."""
         try:
             with run.bench.on(self.kit(run.bench, run.number)) as own:
                 run.bench = own
@@ -132,7 +130,7 @@ class ClosedLoop(Check):
             return why
         return None
 
-    def _waits(self) -> Rejection:
+    def _dependency_rejection(self) -> Rejection:
         return Rejection(
             "Ces essais en boucle ne sont pas lancés : une vérification plus simple échoue déjà, dont ils dépendent. "
             "Réussissez-la d'abord.",
@@ -141,25 +139,25 @@ class ClosedLoop(Check):
             got="une d'elles au moins échoue",
         )
 
-    def _told(self, tally: RunTally) -> Rejection:
+    def _failure_rejection(self, tally: RunTally) -> Rejection:
         if tally.stopped or not tally.failures:
-            return self._too_long(tally)
+            return self._timeout_rejection(tally)
         run, why = tally.representative_failure.run, tally.representative_failure.reason
-        told = fault_rejection(why, inputs={}) if isinstance(why, StudentFault) else why
+        rejection = fault_rejection(why, inputs={}) if isinstance(why, StudentFault) else why
         won = {0: "aucun n'est réussi", 1: "un seul est réussi"}.get(tally.succeeded, f"{tally.succeeded} sont réussis")
         count = f"Il faut {self.needed} essais réussis sur {self.runs} ; des {tally.played} joués, {won}."
-        message, *frames = told.message.split("\n")
+        message, *frames = rejection.message.split("\n")
         return Rejection(
             "\n".join((f"{run.location_text} : {message} {count}", *frames)),
-            inputs={"essai": run.number + 1, **(told.inputs or {})},
-            expected=told.expected,
-            got=told.got,
-            slip=told.slip,
-            cause=told.cause,
-            figure=told.figure,
+            inputs={"essai": run.number + 1, **(rejection.inputs or {})},
+            expected=rejection.expected,
+            got=rejection.got,
+            slip=rejection.slip,
+            cause=rejection.cause,
+            figure=rejection.figure,
         )
 
-    def _too_long(self, tally: RunTally) -> Rejection:
+    def _timeout_rejection(self, tally: RunTally) -> Rejection:
         return Rejection(
             f"Les essais ont duré plus de {self.seconds:.0f} s : {tally.played} seulement ont été joués sur "
             f"{self.runs}.",

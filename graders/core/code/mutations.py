@@ -1,7 +1,7 @@
 """Mutations: an exercise's model program, and mistakes as edits of its text, so that two of them combine.
 
-A catalogue of whole wrong programs recognises whole wrong programs. An edit is one idea: « V is taken for its
-transpose », « the reflection is not mended ». Applied together, they are the program of whoever has both.
+A catalogue of complete wrong programs recognises those programs only. An edit is one idea: « V is taken for its
+transpose », « the reflection is not mended ». Two edits applied together make the program with both mistakes.
 """
 
 from __future__ import annotations
@@ -15,9 +15,8 @@ from dataclasses import dataclass
 class Edit:
     """Texts to replace in the model, each there exactly once. `id` is a misconception's or a slip's; "" for a style.
 
-    `functions` are those that the mistake speaks of, none for a slip, which may be of any.
-
-    A style is another way of being right: it makes no mistake, but other mistakes look otherwise beside it.
+    `functions` are those that can have the mistake; empty for a slip, which any function can have. A style is another
+    correct version, in which the same mistake may give other outputs.
     """
 
     id: str
@@ -25,7 +24,7 @@ class Edit:
     functions: frozenset[str] = frozenset()
 
     def apply(self, text: str) -> str | None:
-        """The edited text; None where a text to replace is not there, as when another edit has replaced it."""
+        """Return the edited text; None where a text to replace is absent, as when another edit has replaced it."""
         for old, new in self.changes:
             if text.count(old) != 1:
                 return None
@@ -45,7 +44,7 @@ class Mutant:
     edits: tuple[Edit, ...] = ()
 
     def applies_to(self, functions: Collection[str]) -> bool:
-        """Is every mistake one that these functions may have?"""
+        """Whether each of its mistakes is one that these functions can have."""
         return all(not edit.functions or edit.functions.intersection(functions) for edit in self.edits)
 
 
@@ -58,17 +57,17 @@ class Model:
     styles: Sequence[Edit] = ()
 
     def correct_versions(self) -> Iterator[Mutant]:
-        """The model in each of its styles."""
+        """Yield the model in each of its styles."""
         texts = (self.text, *(text for style in self.styles if (text := style.apply(self.text)) is not None))
         yield from (Mutant((), text) for text in texts)
 
     def mutants(self, edits: Sequence[Edit], mistakes: int) -> Iterator[Mutant]:
-        """Every program with so many different mistakes among these edits, in each style."""
+        """Yield every program with that number of different mistakes among these edits, in each style."""
         for chosen in itertools.combinations(edits, mistakes):
             yield from self.combine(list(self.correct_versions()), chosen)
 
     def combine(self, styles: Sequence[Mutant], chosen: Sequence[Edit]) -> Iterator[Mutant]:
-        """The program that makes all these mistakes, in each style; none where two are of the same id."""
+        """Yield the program that makes all these mistakes, in each style; none where two have the same id."""
         ids = tuple(edit.id for edit in chosen)
         seen = set()
         for right in styles if len(set(ids)) == len(ids) else ():
@@ -78,7 +77,7 @@ class Model:
                 yield Mutant(ids, text, tuple(chosen))
 
     def with_one_more(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
-        """A mutant with one of these mistakes more, in each way in which it can be made."""
+        """Yield a mutant with one more of these mistakes, for each edit that applies."""
         for edit in edits:
             text = edit.apply(mutant.text) if edit.id not in mutant.ids else None
             if text is not None:
@@ -86,7 +85,7 @@ class Model:
 
 
 def _together(text: str, edits: Sequence[Edit]) -> str | None:
-    """The text with all the edits, in whichever order they can be made."""
+    """Return the text with all the edits, in the first order in which they apply; None where there is none."""
     for order in itertools.permutations(edits):
         edited: str | None = text
         for edit in order:

@@ -43,9 +43,7 @@ class PiggybackCalls:
     def store_answers(self, answers_by_batch: Mapping[PlannedCalls, Sequence[Answer]]) -> None:
         """Keep the answers if all of them are trustworthy, or those before the point where the program hangs."""
         elapsed = time.perf_counter() - self._sent_at
-        trusted = {
-            batch: answers if _are_trustworthy(answers) else () for batch, answers in answers_by_batch.items()
-        }
+        trusted = {batch: answers if _are_trustworthy(answers) else () for batch, answers in answers_by_batch.items()}
         hung = elapsed > HANG_SECONDS and any(map(_hangs, answers_by_batch.values()))
         if hung or (elapsed <= MAX_ANSWER_SECONDS and all(trusted.values())):
             self._answers = trusted

@@ -1,6 +1,6 @@
-"""Probes: what is asked of a program once a check has failed, what it shows, and the rules that read it.
+"""Probes: the inputs on which a failed program is compared with known mistakes, its answers, and the rules on them.
 
-See `prober` for how a mistake is recognised by them.
+`prober` recognises a mistake by them.
 """
 
 from __future__ import annotations
@@ -15,34 +15,34 @@ from graders.core.contract.program import Answer, KitSettings, Reply
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 TOLERANCE = 1e-7
-#: Numbers in one answer that is kept: no right one has as many.
+#: Numbers of one answer that is compared; no right answer has as many.
 MAX_ITEMS = 2000
 TOO_LARGE = "trop grand"
 
-#: From the arguments and the value that came back to what is compared.
+#: From the arguments and the returned value to the value that is compared.
 Read = Callable[[Arguments, Value], Value]
 
 
 @dataclass(frozen=True)
 class ProbeFault:
-    """A call that raised: by which exception, or which outcome."""
+    """The answer of a call that failed: the name of its exception or outcome."""
 
     name: str
 
 
-ProbeAnswer = Any  # what a probe showed: a plain value, or a Fault
+ProbeAnswer = Any  # a plain value, or a ProbeFault
 
 
-def same_probe_answer(one: ProbeAnswer, other: ProbeAnswer, tolerance: float = TOLERANCE) -> bool:
+def same_probe_answer(first: ProbeAnswer, second: ProbeAnswer, tolerance: float = TOLERANCE) -> bool:
     """The same value, or the same way of failing."""
-    if isinstance(one, ProbeFault) or isinstance(other, ProbeFault):
-        return bool(one == other) if isinstance(one, ProbeFault) and isinstance(other, ProbeFault) else False
-    return same_value(one, other, tolerance=tolerance)
+    if isinstance(first, ProbeFault) or isinstance(second, ProbeFault):
+        return bool(first == second) if isinstance(first, ProbeFault) and isinstance(second, ProbeFault) else False
+    return same_value(first, second, tolerance=tolerance)
 
 
 @dataclass(frozen=True)
 class ProbeResults:
-    """What a program showed on the probes of one function, beside what is right."""
+    """A program's answers to the probes of one function, and the right ones."""
 
     calls: Sequence[Arguments]
     got: Sequence[ProbeAnswer]
@@ -50,27 +50,25 @@ class ProbeResults:
     same: Callable[[ProbeAnswer, ProbeAnswer], bool] = same_probe_answer
 
     def wrong_indices(self) -> list[int]:
-        """Which probes were answered otherwise than the model does."""
+        """Return the indices of the probes whose answers differ from the model's."""
         return [k for k, (a, b) in enumerate(zip(self.got, self.right, strict=True)) if not self.same(a, b)]
 
 
-#: From the arguments and what was shown to a part of it.
+#: From the arguments and an answer to a part of it.
 Facet = Callable[[Arguments, ProbeAnswer], ProbeAnswer]
-#: Says which mistake (its id) the answers show, or None.
+#: From the answers to the id of the mistake that they show, or None.
 Rule = Callable[[ProbeResults], str | None]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Probes:
-    """The inputs of one function: `calls`, made in turn by one program, with `kit`.
+    """The probing calls of one function, made successively by one program with `kit`.
 
-    `read` turns a value into what is compared; `facet` shows a part of it, on which some mistakes have no bearing.
-    Only the first `compared` ones are held against the mutants' (None: all), the others are for rules alone. `given`
-    are names for the mutants alone. `last_rules` have their say when nothing else has found a name. The first call is
-    made once more after the others, to see whether the function remembers; unless it is `random`, and then every
-    mutant draws the same numbers. `same` says whether two answers are one: more loosely where a margin is granted, as
-    the same mistake then gives other numbers in another honest way of working. Nothing is asked where a check of one of
-    `unless`, and of it alone, failed.
+    `read` extracts the compared part of a value; `facet` a part of that, on which some mistakes have no effect. Only
+    the first `compared` answers are compared with the mutants' (None: all); the others serve rules. `given` are names
+    for the mutants only. `last_rules` apply when nothing else has found a name. The first call is repeated last, to
+    detect state, unless the function is `random`; every mutant then draws the same numbers. `same` compares two
+    answers, loosely where a check grants a margin. Nothing is called where a check of one of `unless` alone failed.
     """
 
     function: str
@@ -88,11 +86,13 @@ class Probes:
 
 
 def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
-    """What an answer shows."""
+    """Return the compared part of an answer."""
     if isinstance(answer, Reply):
-        shown = read(args, answer.value)
+        value = read(args, answer.value)
         return (
-            TOO_LARGE if any(isinstance(one, np.ndarray) and one.size > MAX_ITEMS for one in _items(shown)) else shown
+            TOO_LARGE
+            if any(isinstance(item, np.ndarray) and item.size > MAX_ITEMS for item in _items(value))
+            else value
         )
     return ProbeFault(answer.exception or answer.outcome.value)
 
@@ -102,7 +102,7 @@ def _items(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:
 
 
 def as_array(value: ProbeAnswer, shape: tuple[int, ...] | None = None) -> Floats | None:
-    """A seen value as an array of finite numbers (of that shape), or None."""
+    """Return a probe's answer as an array of finite numbers (of that shape), or None."""
     if isinstance(value, ProbeFault):
         return None
     try:

@@ -29,7 +29,7 @@ class CodePiece(NamedTuple):
 
 
 def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
-    """Return the pieces on which a function may depend, in their order: an over-approximation by names."""
+    """Return the pieces on which a function may depend, in their order: an over-approximation by name."""
     pieces = [_compile_piece(piece_text) for piece_text in text.split(PIECE_SEPARATOR)]
     names, reached = {function}, set[int]()
     while True:

@@ -1,4 +1,4 @@
-"""What the checks of an exercise ask a trusted program, written down so that it can be asked again."""
+"""Recording of the calls that the checks of an exercise make of a trusted program, to make them again."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from graders.core.contract.program import (
 )
 from graders.core.contract.values import Arguments, Value
 
-#: How many calls of one function are written down.
+#: Calls of one function that are recorded.
 MAX_RECORDED_CALLS = 24
 
 
 class CallRecorder:
-    """Starts trusted files, and writes down what some of their functions are asked."""
+    """Starts trusted files, and records the calls of some of their functions."""
 
     def __init__(self, functions: Collection[str]) -> None:
         self._functions = frozenset(functions)
@@ -59,8 +59,8 @@ class _Recording:
             self._recorder.note(self._kit, function, args)
         return self._program.call_many(function, noted, faults=faults)
 
-    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
-        return call_batches_sequentially(self, asked)
+    def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, batches)
 
     def stdout(self) -> str:
         return self._program.stdout()

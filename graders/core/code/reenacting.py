@@ -1,4 +1,4 @@
-"""Re-enacting a misconception: what it gives on the inputs that a submission was graded on."""
+"""Re-enactment of a misconception: its program is run on the inputs that a submission was graded on."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, StudentFault
 from graders.core.contract.streams import stream
 
-#: Says, from what was seen so far, that the checks to come need not be run.
+#: Whether, given the observations so far, the remaining checks need not be run.
 StopCondition = Callable[[Sequence[Observation]], bool]
 
 
 class Reenactment:
-    """One misconception on the inputs of one seed: what it gives is observed check by check, as far as one asks."""
+    """One misconception on the inputs of one seed, observed check by check on demand."""
 
     def __init__(self, checks: Sequence[Check], misconception: Misconception, kit: KitSettings, seed: int) -> None:
         self._runner = Runner(LOCAL, misconception.source.encode(), kit, reenacting=True)
@@ -27,7 +27,7 @@ class Reenactment:
         self._ends = [0]
 
     def observe(self, enough: StopCondition = lambda seen: False) -> Sequence[Observation]:
-        """The observations of its checks, up to the first after which there are `enough`."""
+        """Return the observations of its checks, up to the first after which they are `enough`."""
         done = 0
         while True:
             seen = self._runner.observations[: self._ends[done]]
@@ -38,13 +38,13 @@ class Reenactment:
             done += 1
 
     def _run(self, check: Check) -> None:
-        with suppress(Rejection, StudentFault):  # what it finds is not told: only what it observes counts
+        with suppress(Rejection, StudentFault):  # only its observations count
             check.run(Bench(check.id, self._runner, stream(self._seed, check.id), self._kit))
         self._ends.append(len(self._runner.observations))
 
 
 class Reenactor:
-    """Who re-enacts misconceptions for a grader. This one begins afresh each time; another may remember."""
+    """Re-enacts misconceptions for a grader, afresh each time; a subclass may cache."""
 
     def reenact(
         self, misconception: Misconception, *, checks: Sequence[Check], kit: KitSettings, seed: int

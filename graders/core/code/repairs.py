@@ -1,7 +1,7 @@
-"""Where a program makes a mistake of the catalogue: the places where undoing the mistake may be tried.
+"""Candidate repairs of a program: the locations where a mistake of the catalogue may be undone.
 
-A mistake is an edit of the model: what is wrong of it, names apart, is sought in the program, and what is right is put
-in its place. That a place looks so proves nothing: whoever asks runs the repaired program, and believes that alone.
+A mistake is an edit of the model. Its wrong part is matched in the program up to variable names, and replaced by the
+right part. A match proves nothing: the caller runs the repaired program.
 """
 
 from __future__ import annotations
@@ -24,20 +24,19 @@ from graders.core.code.ast_matching import (
 )
 from graders.core.code.mutations import Model
 
-#: What trying may cost: nodes of one place, ways to read one place, names that are guessed, ways to find it all, places
-#: looked at.
-LARGEST, WAYS, GUESSED, MOST, WORK = 80, 24, 2, 200, 4000
-#: Characters of a program that is looked at.
-LONGEST = 10_000
+#: Bounds of the search: nodes of one location, matches of one location, guessed names, combinations, visited nodes.
+MAX_NODES, MAX_MATCHES, MAX_GUESSED_NAMES, MAX_COMBINATIONS, MAX_VISITED = 80, 24, 2, 200, 4000
+#: Characters; a longer program is not searched.
+MAX_SOURCE = 10_000
 _T = TypeVar("_T")
 _SIMPLE = (ast.Assign, ast.AugAssign, ast.Return, ast.Expr)
 
 
 @dataclass(frozen=True)
 class Repair:
-    """A program in which the mistake would be undone, and the lines of the program where that changes something.
+    """A repaired program and the changed lines of the original.
 
-    `parts`: where several places change, the programs in which all of them do but one.
+    `parts`: where several locations change, the programs with all changes but one.
     """
 
     lines: tuple[int, ...]
@@ -47,15 +46,15 @@ class Repair:
 
 @dataclass(frozen=True)
 class _Difference:
-    """What is right and what is wrong, the smallest part first, then the parts that hold it, up to its statement."""
+    """Pairs (right, wrong) of nodes: the smallest differing one, then its ancestors up to the statement."""
 
     parts: tuple[tuple[ast.AST, ast.AST], ...]
 
 
 @dataclass(frozen=True)
-class _Place:
-    """A part of a program that reads as the mistake does: `names` are what it calls the model's, `rest` terms of its
-    sum that have no part in it."""
+class _Location:
+    """A node of a program that matches the mistake, under the substitution `names`; `rest` are other terms of its
+    sum."""
 
     node: ast.AST
     right: ast.AST
@@ -66,11 +65,11 @@ class _Place:
 def find_repairs(
     model: Model, mistake: str, functions: Sequence[str], source: str, spent: Callable[[], bool]
 ) -> Iterator[Repair]:
-    """Those that are found before one's patience is `spent`.
+    """Yield candidate repairs until the time is `spent`.
 
-    Nothing for a mistake that is no edit, for a program that does not compile or is very long.
+    None for a mistake that is no edit, and for a program that does not compile or is too long.
     """
-    if len(source) > LONGEST:
+    if len(source) > MAX_SOURCE:
         return
     try:
         tree = ast.parse(source)
@@ -79,54 +78,54 @@ def find_repairs(
     nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     nodes.sort(key=lambda node: node.name not in functions)
     within = [part for node in nodes for part in ast.walk(node) if _is_read(part) and _is_small(part)]
-    words = {part: _words(node) for node in nodes for part in ast.walk(node)}
+    words = {part: _variable_names(node) for node in nodes for part in ast.walk(node)}
 
     def hurried(way: Iterator[_T]) -> Iterator[_T]:
         return itertools.takewhile(lambda _: not spent(), way)
 
-    seen, left = set[str](), hurried(itertools.repeat(None, WORK))
+    seen, left = set[str](), hurried(itertools.repeat(None, MAX_VISITED))
     for differences, helpers in _edits(model, mistake):
-        for chosen in itertools.islice(_together(differences, within, helpers, left), MOST):
-            for named in hurried(_named(chosen, helpers, words[chosen[0].node])):
+        for chosen in itertools.islice(_combinations(differences, within, helpers, left), MAX_COMBINATIONS):
+            for named in hurried(_with_guessed_names(chosen, helpers, words[chosen[0].node])):
                 repair = _repaired(source, named, helpers)
                 if repair is not None and repair.text not in seen:
                     seen.add(repair.text)
                     yield repair
 
 
-def _words(function: ast.FunctionDef) -> list[str]:
-    """The names of its variables."""
-    kept = [node.arg for node in ast.walk(function) if isinstance(node, ast.arg)]
+def _variable_names(function: ast.FunctionDef) -> list[str]:
+    """Return the names of a function's variables."""
+    parameters = [node.arg for node in ast.walk(function) if isinstance(node, ast.arg)]
     stored = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
-    return list(dict.fromkeys(kept + stored))
+    return list(dict.fromkeys(parameters + stored))
 
 
-def _named(
-    places: tuple[_Place, ...], helpers: Mapping[str, ast.FunctionDef], words: Sequence[str]
-) -> Iterator[tuple[_Place, ...]]:
-    """The same places where every name of the model has a word of the program, whichever it may be."""
-    names = places[-1].names
-    read = {node.id for place in places for node in ast.walk(place.right) if isinstance(node, ast.Name)}
+def _with_guessed_names(
+    locations: tuple[_Location, ...], helpers: Mapping[str, ast.FunctionDef], words: Sequence[str]
+) -> Iterator[tuple[_Location, ...]]:
+    """Yield the same locations with every unmatched name of the model mapped to some variable of the program."""
+    names = locations[-1].names
+    read = {node.id for location in locations for node in ast.walk(location.right) if isinstance(node, ast.Name)}
     missing = sorted(read - names.keys() - helpers.keys() - MODULES)
-    if len(missing) > GUESSED:
+    if len(missing) > MAX_GUESSED_NAMES:
         return
     for chosen in itertools.permutations(words, len(missing)):
         guessed = {name: ast.Name(word, ast.Load()) for name, word in zip(missing, chosen, strict=True)}
-        yield tuple(replace(place, names={**names, **guessed}) for place in places)
+        yield tuple(replace(location, names={**names, **guessed}) for location in locations)
 
 
 def _is_small(node: ast.AST) -> bool:
-    return sum(1 for _ in itertools.islice(ast.walk(node), LARGEST + 1)) <= LARGEST
+    return sum(1 for _ in itertools.islice(ast.walk(node), MAX_NODES + 1)) <= MAX_NODES
 
 
 def _is_read(node: ast.AST) -> bool:
-    """Whether it is a simple statement, or an expression of which the value is read."""
+    """Whether a node is a simple statement, or an expression whose value is read."""
     stored = isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
     return isinstance(node, (ast.expr, *_SIMPLE)) and not stored
 
 
 def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict[str, ast.FunctionDef]]]:
-    """What differs in each way of making the mistake, and the model's own functions."""
+    """Yield, for each edit that makes the mistake, its differences and the functions of the model."""
     for edit in model.edits:
         if edit.id != mistake:
             continue
@@ -137,7 +136,7 @@ def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict
             tree = ast.parse(right.text)
             helpers = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
             differences = _merged(_differences(tree, ast.parse(wrong), ()))
-            if differences and all(one.parts for one in differences):
+            if differences and all(difference.parts for difference in differences):
                 yield differences, helpers
 
 
@@ -156,28 +155,28 @@ def _differences(right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast
 
 
 def _merged(differences: Iterable[_Difference]) -> list[_Difference]:
-    """Those of one expression are one, of what holds them both."""
-    made: list[_Difference] = []
-    for one in differences:
-        shared = [(k, _common(other, one)) for k, other in enumerate(made)]
-        place, common = next(((k, common) for k, common in shared if common), (len(made), one.parts))
-        made[place : place + 1] = [_Difference(common)]
-    return made
+    """Merge the differences within one expression into that of their common ancestor."""
+    merged: list[_Difference] = []
+    for difference in differences:
+        shared = [(k, _common(other, difference)) for k, other in enumerate(merged)]
+        index, common = next(((k, common) for k, common in shared if common), (len(merged), difference.parts))
+        merged[index : index + 1] = [_Difference(common)]
+    return merged
 
 
-def _common(one: _Difference, other: _Difference) -> tuple[tuple[ast.AST, ast.AST], ...]:
-    held = {id(right) for right, _ in other.parts}
-    return tuple(part for part in one.parts if id(part[0]) in held)
+def _common(first: _Difference, second: _Difference) -> tuple[tuple[ast.AST, ast.AST], ...]:
+    right_ids = {id(right) for right, _ in second.parts}
+    return tuple(part for part in first.parts if id(part[0]) in right_ids)
 
 
-def _together(
+def _combinations(
     differences: Sequence[_Difference],
     within: Sequence[ast.AST],
     helpers: Mapping[str, ast.FunctionDef],
     left: Iterator[None],
     names: Names | None = None,
-) -> Iterator[tuple[_Place, ...]]:
-    """Every way of finding all of the differences, what is larger first, which says more, as long as `left` lasts."""
+) -> Iterator[tuple[_Location, ...]]:
+    """Yield every combination of locations that matches all differences, larger nodes first, while `left` lasts."""
     if not differences:
         yield ()
         return
@@ -186,28 +185,28 @@ def _together(
         if not _is_small(wrong):
             continue
         for node, _ in zip(within, left, strict=False):
-            for place in itertools.islice(_reads(right, wrong, node, names or {}, helpers), WAYS):
-                for more in _together(others, within, helpers, left, place.names):
-                    yield (place, *more)
+            for location in itertools.islice(_matches(right, wrong, node, names or {}, helpers), MAX_MATCHES):
+                for more in _combinations(others, within, helpers, left, location.names):
+                    yield (location, *more)
 
 
-def _reads(
+def _matches(
     right: ast.AST, wrong: ast.AST, node: ast.AST, names: Names, helpers: Mapping[str, ast.FunctionDef]
-) -> Iterator[_Place]:
-    known = frozenset(helpers)
-    for found in match_nodes(wrong, node, names, known):
-        yield _Place(node, right, found)
+) -> Iterator[_Location]:
+    fixed_names = frozenset(helpers)
+    for names_found in match_nodes(wrong, node, names, fixed_names):
+        yield _Location(node, right, names_found)
     if isinstance(wrong, ast.expr) and isinstance(node, ast.expr):
         mine, theirs = signed_terms(wrong), signed_terms(node)
         if 1 < len(mine) < len(theirs) <= MAX_PERMUTED_TERMS + 2:
             for chosen in itertools.permutations(range(len(theirs)), len(mine)):
                 rest = join_terms([theirs[k] for k in range(len(theirs)) if k not in chosen])
-                for found in match_terms(mine, [theirs[k] for k in chosen], names, known):
-                    yield _Place(node, right, found, rest)
+                for names_found in match_terms(mine, [theirs[k] for k in chosen], names, fixed_names):
+                    yield _Location(node, right, names_found, rest)
 
 
-class _InTheirNames(ast.NodeTransformer):
-    """The model's text in the words of a program; `missing` where it has no word for one."""
+class _NameTranslator(ast.NodeTransformer):
+    """Translates nodes of the model into the names of a program; `missing` where a name has no translation."""
 
     def __init__(self, names: Names, helpers: Mapping[str, ast.FunctionDef]) -> None:
         self._names, self._helpers = names, helpers
@@ -227,38 +226,38 @@ def _renamed(helper: str) -> str:
     return f"_model_{helper}"
 
 
-def _repaired(source: str, places: Sequence[_Place], helpers: Mapping[str, ast.FunctionDef]) -> Repair | None:
-    """The program with what is right in all of these places; None where it has no words for it, or they overlap."""
+def _repaired(source: str, locations: Sequence[_Location], helpers: Mapping[str, ast.FunctionDef]) -> Repair | None:
+    """Return the program repaired at all of these locations; None where a name is missing, or they overlap."""
     pieces, used = [], set[str]()
-    for place in places:
-        words = _InTheirNames(place.names, helpers)
-        text = ast.unparse(ast.fix_missing_locations(words.visit(ast.parse(ast.unparse(place.right)))))
+    for location in locations:
+        words = _NameTranslator(location.names, helpers)
+        text = ast.unparse(ast.fix_missing_locations(words.visit(ast.parse(ast.unparse(location.right)))))
         if words.missing:
             return None
         used |= words.used
-        if isinstance(place.node, ast.expr):
-            text = f"({text})" if place.rest is None else f"({ast.unparse(place.rest)} + ({text}))"
-        pieces.append((*_span(source, place.node), text))
+        if isinstance(location.node, ast.expr):
+            text = f"({text})" if location.rest is None else f"({ast.unparse(location.rest)} + ({text}))"
+        pieces.append((*_span(source, location.node), text))
     pieces.sort()
     if any(before[1] > after[0] for before, after in itertools.pairwise(pieces)):
         return None
-    more = "".join(f"\n\n{_helper(helpers, name)}" for name in _needed(helpers, used))
-    lines = tuple(sorted({place.node.lineno for place in places}))  # type: ignore[attr-defined]
+    more = "".join(f"\n\n{_helper(helpers, name)}" for name in _called_helpers(helpers, used))
+    lines = tuple(sorted({location.node.lineno for location in locations}))  # type: ignore[attr-defined]
     without = itertools.combinations(pieces, len(pieces) - 1) if len(pieces) > 1 else ()
     text, *parts = (f"{_replaced(source, chosen)}{more}\n" for chosen in (pieces, *without))
-    return _sound(Repair(lines, text, tuple(parts)))
+    return _if_valid(Repair(lines, text, tuple(parts)))
 
 
 def _replaced(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
-    """`pieces` are in order, and apart: a beginning, an end, and what stands there instead."""
+    """Replace ordered, disjoint byte ranges of a source: (start, end, text)."""
     data = source.encode()
     for start, end, text in reversed(pieces):
         data = data[:start] + text.encode() + data[end:]
     return data.decode()
 
 
-def _sound(repair: Repair) -> Repair | None:
-    """None where it is no program: what was put there may not stand there."""
+def _if_valid(repair: Repair) -> Repair | None:
+    """Return the repair if it is syntactically valid, else None."""
     try:
         ast.parse(repair.text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -267,22 +266,22 @@ def _sound(repair: Repair) -> Repair | None:
 
 
 def _span(source: str, node: ast.AST) -> tuple[int, int]:
-    """Where a node stands in the bytes of its source."""
+    """Return the range of a node in the bytes of its source."""
     starts = [0, *itertools.accumulate(len(line) for line in source.encode().splitlines(keepends=True))]
     begin = starts[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
     return begin, starts[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
 
 
-def _needed(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> list[str]:
-    """These functions of the model, and those that they call."""
-    waiting, found = sorted(used), list[str]()
+def _called_helpers(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> list[str]:
+    """Return these functions of the model and, transitively, those that they call."""
+    waiting, needed = sorted(used), list[str]()
     while waiting:
         name = waiting.pop()
-        if name not in found:
-            found.append(name)
+        if name not in needed:
+            needed.append(name)
             called = {node.id for node in ast.walk(helpers[name]) if isinstance(node, ast.Name)}
             waiting += sorted(called & helpers.keys())
-    return found
+    return needed
 
 
 def _helper(helpers: Mapping[str, ast.FunctionDef], name: str) -> str:

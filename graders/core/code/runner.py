@@ -1,4 +1,4 @@
-"""The runner: keeps a program alive over the checks of one grading, and what was seen of it."""
+"""The runner: keeps a student's program alive over the checks of one grading, and collects the observations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from graders.core.contract.program import (
 )
 from graders.core.contract.values import Arguments, Value
 
-#: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
+#: Launches of the main program; launches of side programs, one for each other map or run of a closed loop.
 MAX_LAUNCHES = 12
 MAX_SIDE_PROGRAMS = 64
 DEFAULT_BUDGET = Budget()
@@ -35,7 +35,7 @@ DEFAULT_BUDGET = Budget()
 
 @dataclass(slots=True)
 class Observation:
-    """What a function gave on one graded input (a value, or the name of the fault), and whether that was right."""
+    """The result of a function on one graded input (a value, or the name of the fault), and whether it is right."""
 
     check: str
     index: int
@@ -46,11 +46,11 @@ class Observation:
 
 
 class Runner:
-    """Keeps a program alive over the checks of one grading; a program that died is started anew.
+    """Keeps a program alive over the checks of one grading, and restarts one that died.
 
-    A function that exhausted a limit or killed its process is not called again. `reenacting` says that only the
-    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are. `failed` are the ids
-    of the checks that have failed so far, for those that depend on them.
+    A function that exhausted a limit or killed its process is not called again. With `reenacting`, only observations
+    are needed, and no counterexample is shrunk. `budget` bounds the shrinking of each counterexample. `failed` are the
+    ids of the checks that have failed so far.
     """
 
     def __init__(
@@ -64,276 +64,281 @@ class Runner:
     ) -> None:
         self.reenacting = reenacting
         self.budget = budget
-        self._begun, self._told = time.perf_counter(), 0
+        self._started_at, self._answer_count = time.perf_counter(), 0
         self._programs = programs
         self._source = source
         self._kit = kit
         self._launches = 0
-        self._others = self._expected = 0
+        self._side_programs = self._announced = 0
         self._program: Program | None = None
-        self._dead: dict[str, StudentFault] = {}
-        self._ahead = CallPipeline()
-        self._beside = PiggybackCalls()
-        self._seen: list[Observation] = []
-        self._unwritten: list[Callable[[], Iterable[Observation]]] = []
+        self._dead_functions: dict[str, StudentFault] = {}
+        self._pipeline = CallPipeline()
+        self._piggybacked = PiggybackCalls()
+        self._observations: list[Observation] = []
+        self._deferred: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
         self.failed: set[str] = set()
         self.stdout = ""
 
     @property
     def observations(self) -> list[Observation]:
-        """What was observed so far, in its order."""
-        unwritten, self._unwritten = self._unwritten, []
-        for written in unwritten:
-            self._seen += written()
-        return self._seen
+        """All observations so far, in order."""
+        deferred, self._deferred = self._deferred, []
+        for make_observations in deferred:
+            self._observations += make_observations()
+        return self._observations
 
-    def observe(self, written: Callable[[], Iterable[Observation]]) -> None:
-        """Observations that are written down once somebody reads them: of a right program nobody does."""
-        self._unwritten.append(written)
+    def observe(self, make_observations: Callable[[], Iterable[Observation]]) -> None:
+        """Add observations that are made when they are first read: those of a right program never are."""
+        self._deferred.append(make_observations)
 
     @property
     def program(self) -> Program:
         """The program on the main map. Raises StudentFault when its file does not load."""
-        return self._program or self._launched()
+        return self._program or self._launch()
 
-    def _launched(self, ahead: Sequence[PlannedCalls] = ()) -> Program:
+    def _launch(self, ahead: Sequence[PlannedCalls] = ()) -> Program:
         self._launches += 1
         self._program = self._start(self._kit, self._launches, MAX_LAUNCHES, ahead)
         return self._program
 
-    def _start(self, kit: KitSettings, launches: int, most: int, ahead: Sequence[PlannedCalls] = ()) -> Program:
-        if launches > most:
+    def _start(self, kit: KitSettings, launches: int, max_launches: int, ahead: Sequence[PlannedCalls] = ()) -> Program:
+        if launches > max_launches:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
         return self._programs.open(self._source, kit, ahead)
 
     @property
     def seconds_per_call(self) -> float:
-        """Seconds that a call has taken so far, with all that was done of its answer."""
-        return (time.perf_counter() - self._begun) / max(1, self._told)
+        """Mean seconds of a call so far, with the handling of its answer."""
+        return (time.perf_counter() - self._started_at) / max(1, self._answer_count)
 
-    def answer_batches(self, asked: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
-        """The answers of the main program to all of these calls, which are asked together, as far as there are any.
+    def answer_batches(self, batches: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
+        """Return the answers of the main program to several batches, sent in one exchange.
 
-        A function that is not called again gives none. What is to be asked beside goes with them, after them.
+        [] for a function that is no longer called. Queued piggyback calls follow in the same exchange.
         """
-        beside = self._beside.take_queued(self.seconds_per_call)
-        self.plan([*asked, *beside])
-        told = [list(self.answers(one)) if self.is_callable(one.function) else [] for one in asked]
-        self._take_beside(beside)
-        return told
+        queued = self._piggybacked.take_queued(self.seconds_per_call)
+        self.plan([*batches, *queued])
+        answers = [list(self.answers(batch)) if self.is_callable(batch.function) else [] for batch in batches]
+        self._store_piggybacked(queued)
+        return answers
 
-    def piggyback(self, asked: Sequence[PlannedCalls]) -> None:
-        """Has these asked with the next exchange, whenever that is: see `Beside`."""
-        self._beside.queue(asked)
+    def piggyback(self, batches: Sequence[PlannedCalls]) -> None:
+        """Queue these batches for the next exchange: see `PiggybackCalls`."""
+        self._piggybacked.queue(batches)
 
-    def piggybacked_answers(self, asked: PlannedCalls) -> Sequence[Answer] | None:
-        """The answers to what was to be asked beside others; None where it must be asked of a program of its own.
+    def piggybacked_answers(self, batch: PlannedCalls) -> Sequence[Answer] | None:
+        """Return the answers to a piggyback batch; None where a fresh launch must be asked.
 
-        It is the last thing that the main program is asked, at the latest: what it prints meanwhile is not shown.
+        Batches that are still queued are sent now, as the last calls of the main program; their prints are not shown.
         """
-        beside = [one for one in self._beside.take_queued(self.seconds_per_call) if self.is_callable(one.function)]
-        if beside and self._program is not None:
+        queued = [
+            queued_batch
+            for queued_batch in self._piggybacked.take_queued(self.seconds_per_call)
+            if self.is_callable(queued_batch.function)
+        ]
+        if queued and self._program is not None:
             self.freeze_stdout()
             printed = self.stdout
-            self.plan(beside)
-            self._asked_with_the_rest(beside[0])
-            self._take_beside(beside)
+            self.plan(queued)
+            self._send_with_rest(queued[0])
+            self._store_piggybacked(queued)
             self.close()
             self.stdout = printed
-        return self._beside.answers(asked)
+        return self._piggybacked.answers(batch)
 
-    def _take_beside(self, asked: Sequence[PlannedCalls]) -> None:
-        """No fault here costs a function anything."""
-        if asked:
-            self._beside.store_answers(
-                {one: concatenate_blocks(self._unmourned(one)) for one in asked if self.is_callable(one.function)}
+    def _store_piggybacked(self, batches: Sequence[PlannedCalls]) -> None:
+        """Store the answers to piggyback batches; their faults do not count against a function."""
+        if batches:
+            self._piggybacked.store_answers(
+                {
+                    batch: concatenate_blocks(self._receive_blocks(batch))
+                    for batch in batches
+                    if self.is_callable(batch.function)
+                }
             )
 
-    def _unmourned(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
-        ready = self._ahead.ready_blocks(asked)
-        while ready or self._ahead.is_pending(asked):
+    def _receive_blocks(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        ready = self._pipeline.ready_blocks(batch)
+        while ready or self._pipeline.is_pending(batch):
             if ready:
                 yield ready.popleft()
             else:
-                self._take_in()
+                self._receive_block()
 
     def plan(self, plan: Sequence[PlannedCalls]) -> None:
-        """What the next checks will ask of the main program, in this order and nothing else in between."""
-        self._settle()
-        self._ahead.set_plan(plan)
+        """Set the next calls of the main program, in this order and without others in between."""
+        self._drain()
+        self._pipeline.set_plan(plan)
 
     def start(self, plan: Sequence[PlannedCalls]) -> None:
-        """Start the main program, with what is asked of it first. Raises StudentFault when its file does not load."""
-        self._ahead.set_plan(plan)
-        self._ahead.send(self._launched(plan), plan)
+        """Start the main program together with its first calls. Raises StudentFault when its file does not load."""
+        self._pipeline.set_plan(plan)
+        self._pipeline.send(self._launch(plan), plan)
 
-    def answers(self, asked: PlannedCalls) -> Iterator[Answer]:
-        """The answers of the main program to what may have been foreseen, as the calls made now would give them."""
-        return itertools.chain.from_iterable(self.answer_blocks(asked))
+    def answers(self, batch: PlannedCalls) -> Iterator[Answer]:
+        """Yield the answers of the main program to a batch, planned or not."""
+        return itertools.chain.from_iterable(self.answer_blocks(batch))
 
-    def answer_blocks(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
-        """As `answers`, with those together that have come together; a fatal one is alone.
-
-        Nothing is waited for beyond the answer to the last of the calls.
-        """
-        if self._refused(asked.function) or not self._ahead.is_planned(asked):
-            yield from self._asked_now(asked)
+    def answer_blocks(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        """Yield the answers in blocks as they arrive; a fatal fault is alone. Return after the last call's answer."""
+        if self._refusal(batch.function) or not self._pipeline.is_planned(batch):
+            yield from self._call_now(batch)
             return
         try:
-            ready = self._ahead.ready_blocks(asked)
-            ready = self._asked_with_the_rest(asked) if ready is None else ready
+            ready = self._pipeline.ready_blocks(batch)
+            ready = self._send_with_rest(batch) if ready is None else ready
         except StudentFault as fault:
-            self._mourn(None, asked.function, fault)
+            self._record_fault(None, batch.function, fault)
             yield (fault,)
             return
-        left = len(asked.calls)
-        while left and (ready or self._ahead.is_pending(asked)):
+        left = len(batch.calls)
+        while left and (ready or self._pipeline.is_pending(batch)):
             if not ready:
-                self._take_in()
+                self._receive_block()
                 continue
             answers = ready.popleft()
             if last := fatal_fault(answers):
-                self._dead[asked.function] = last
-            self._told += len(answers)
+                self._dead_functions[batch.function] = last
+            self._answer_count += len(answers)
             left -= len(answers)
             yield answers
 
-    def _asked_now(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
-        if not asked.return_arguments:
-            yield from self._asked_alone(asked)
+    def _call_now(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        if not batch.return_arguments:
+            yield from self._call_unplanned(batch)
             return
-        for args in asked.calls:
+        for args in batch.calls:
             try:
-                yield (self.call(None, asked.function, args, keep=True),)
+                yield (self.call(None, batch.function, args, keep=True),)
             except StudentFault as fault:
                 yield (fault,)
 
-    def _asked_alone(self, asked: PlannedCalls) -> Iterator[Sequence[Answer]]:
-        refused = self._refused(asked.function)
-        if refused is not None:
-            yield (refused,)
+    def _call_unplanned(self, batch: PlannedCalls) -> Iterator[Sequence[Answer]]:
+        refusal = self._refusal(batch.function)
+        if refusal is not None:
+            yield (refusal,)
             return
-        self._settle()
+        self._drain()
         try:
-            given = self.program.call_batches([asked])
+            blocks = self.program.call_batches([batch])
         except StudentFault as fault:
-            given = iter([(0, (fault,))])
-        for _, answers in given:
-            self._told += len(answers)
+            blocks = iter([(0, (fault,))])
+        for _, answers in blocks:
+            self._answer_count += len(answers)
             if last := fatal_fault(answers):
-                self._mourn(None, asked.function, last)
+                self._record_fault(None, batch.function, last)
             yield answers
 
-    def _asked_with_the_rest(self, asked: PlannedCalls) -> deque[Sequence[Answer]]:
-        self._settle()
-        together = self._ahead.batches_from(asked, self._dead)
-        self._ahead.send(self._program or self._launched(together), together)
-        ready = self._ahead.ready_blocks(asked)
+    def _send_with_rest(self, batch: PlannedCalls) -> deque[Sequence[Answer]]:
+        self._drain()
+        batches = self._pipeline.batches_from(batch, self._dead_functions)
+        self._pipeline.send(self._program or self._launch(batches), batches)
+        ready = self._pipeline.ready_blocks(batch)
         assert ready is not None, "it was asked"
         return ready
 
-    def _settle(self) -> None:
-        """Have all answers in that are on their way: nothing else can be asked before."""
-        while self._ahead.has_pending:
-            self._take_in()
+    def _drain(self) -> None:
+        """Receive all pending answers, so that another request can be sent."""
+        while self._pipeline.has_pending:
+            self._receive_block()
 
-    def _take_in(self) -> None:
-        if self._ahead.receive_block():
+    def _receive_block(self) -> None:
+        if self._pipeline.receive_block():
             self.close()
 
     def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
-        """Call a function of a program (None: of the main one)."""
-        refused = self._refused(function)
-        if refused is not None:
-            raise refused
+        """Call a function of a program (None: the main one). Raises StudentFault."""
+        refusal = self._refusal(function)
+        if refusal is not None:
+            raise refusal
         if program is None:
-            self._settle()
-        self._told += 1
+            self._drain()
+        self._answer_count += 1
         try:
             return (program or self.program).call(function, *args, return_arguments=keep)
         except StudentFault as fault:
-            self._mourn(program, function, fault)
+            self._record_fault(program, function, fault)
             raise
 
     def call_many(
         self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
     ) -> Iterator[Answer]:
-        """As `Program.call_many`, of a program (None: of the main one)."""
-        refused = self._refused(function)
-        if refused is not None:
-            return iter((refused,))
+        """Yield the answers of `Program.call_many` of a program (None: the main one)."""
+        refusal = self._refusal(function)
+        if refusal is not None:
+            return iter((refusal,))
         return self.watch_answers(program, function, self._answers(program, function, calls, faults))
 
     def watch_answers(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
-        """The same answers; what they say of the program's end is noted."""
+        """Yield the same answers, and record their fatal faults."""
         for answer in answers:
             self.note(program, function, answer)
             yield answer
 
     def note(self, program: Program | None, function: str, answer: Answer) -> None:
-        """What an answer of a program says of its end."""
-        self._told += 1
+        """Count an answer of a program, and record a fatal fault."""
+        self._answer_count += 1
         if isinstance(answer, StudentFault):
-            self._mourn(program, function, answer)
+            self._record_fault(program, function, answer)
 
     def is_callable(self, function: str) -> bool:
-        """Whether a function is still called."""
-        return function not in self._dead
+        """Whether a function may still be called."""
+        return function not in self._dead_functions
 
     def _answers(
         self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
     ) -> Iterator[Answer]:
         if program is None:
-            self._settle()
+            self._drain()
         try:
             return (program or self.program).call_many(function, calls, faults=faults)
         except StudentFault as fault:
             return iter((fault,))
 
-    def _refused(self, function: str) -> StudentFault | None:
-        """The fault that answers for a function that is not called again."""
-        before = self._dead.get(function)
+    def _refusal(self, function: str) -> StudentFault | None:
+        """Return the fault that stands for calls of a function that is no longer called; None if it still is."""
+        before = self._dead_functions.get(function)
         if before is None:
             return None
         return StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
 
-    def _mourn(self, program: Program | None, function: str, fault: StudentFault) -> None:
+    def _record_fault(self, program: Program | None, function: str, fault: StudentFault) -> None:
         if fault.fatal:
-            self._dead[function] = fault
-            self._drop(program)
+            self._dead_functions[function] = fault
+            self._close_main(program)
 
-    def _drop(self, program: Program | None) -> None:
+    def _close_main(self, program: Program | None) -> None:
         if self._program is not None and program in (None, self._program):
             self.close()
 
     def announce_launches(self, launches: int) -> None:
-        """The file is about to be started so many times more."""
-        self._expected += launches
-        if self._expected and isinstance(self._programs, PreparablePrograms):
-            self._programs.prepare(self._source, self._kit, self._expected)
+        """Announce further launches of the file, so that they can be prepared."""
+        self._announced += launches
+        if self._announced and isinstance(self._programs, PreparablePrograms):
+            self._programs.prepare(self._source, self._kit, self._announced)
 
     @contextmanager
     def side_program(self, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Iterator[Program]:
-        """The same file started on another map, for as long as the block lasts; what is asked `ahead` goes with it."""
-        self._others += 1
-        self._expected = max(0, self._expected - 1)
-        program = self._start(kit, self._others, MAX_SIDE_PROGRAMS, ahead)
+        """Yield the same file started on another map, closed after the block; the batches `ahead` travel with it."""
+        self._side_programs += 1
+        self._announced = max(0, self._announced - 1)
+        program = self._start(kit, self._side_programs, MAX_SIDE_PROGRAMS, ahead)
         try:
             yield program
         finally:
             program.close()
 
     def freeze_stdout(self) -> None:
-        """What is printed from here on is not shown, unless nothing was before."""
-        self._settle()
+        """Show no later prints of the program, unless it has printed nothing so far."""
+        self._drain()
         if self._program is not None:
             self.stdout = self.stdout or self._program.stdout()
 
     def close(self) -> None:
-        """Keep what was printed and give the main program back."""
+        """Keep the printed text and close the main program."""
         if self._program is not None:
-            self._ahead.discard_pending()
+            self._pipeline.discard_pending()
             self.stdout = self.stdout or self._program.stdout()
             self._program.close()
             self._program = None

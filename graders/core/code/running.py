@@ -1,4 +1,4 @@
-"""Running the checks of an exercise on one program: what each of them finds, in words."""
+"""Running of an exercise's checks on one program, and their findings in words."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ def run_checks(
     seed: int,
     *,
     launches_if_failed: Callable[[], int] = lambda: 0,
-    beside: Callable[[Sequence[Check]], Sequence[PlannedCalls]] = lambda failed: (),
+    calls_if_failed: Callable[[Sequence[Check]], Sequence[PlannedCalls]] = lambda failed: (),
 ) -> list[Finding]:
-    """What each of the checks finds of the runner's program, with the same draws for the same seed.
+    """Return the finding of each check on the runner's program; the same draws for the same seed.
 
-    Once one has failed, the file is about to be started so many times more. What is asked `beside` of the same program,
-    once it is known which checks have failed, goes with what simplifies these.
+    `launches_if_failed` gives the further launches to announce at the first failure; `calls_if_failed`, the batches to
+    piggyback on the exchanges that shrink counterexamples.
     """
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
-    found: list[Finding | PendingShrink] = []
+    results: list[Finding | PendingShrink] = []
     for begins, ends in _spans(checks):
-        plan = _foreseen(checks[begins:ends], benches[begins:ends])
+        plan = _plan_calls(checks[begins:ends], benches[begins:ends])
         if begins:
             runner.plan(plan)
         else:
@@ -44,25 +44,25 @@ def run_checks(
                 return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
             runner.announce_launches(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
-            found.append(_found(check, bench))
-            if isinstance(found[-1], PendingShrink) or not found[-1].passed:
+            results.append(_run_unshrunk(check, bench))
+            if isinstance(results[-1], PendingShrink) or not results[-1].passed:
                 if not runner.failed:
                     runner.announce_launches(launches_if_failed())
                 runner.failed.add(check.id)
     if runner.failed:
-        runner.piggyback(beside([check for check in checks if check.id in runner.failed]))
-    if failed := [one for one in found if isinstance(one, PendingShrink)]:
+        runner.piggyback(calls_if_failed([check for check in checks if check.id in runner.failed]))
+    if failed := [result for result in results if isinstance(result, PendingShrink)]:
         runner.freeze_stdout()
         shrink_all(runner, failed, runner.answer_batches)
     findings = [
-        _told(check, one, bench) if isinstance(one, PendingShrink) else one
-        for check, one, bench in zip(checks, found, benches, strict=True)
+        _shrunk_finding(check, result, bench) if isinstance(result, PendingShrink) else result
+        for check, result, bench in zip(checks, results, benches, strict=True)
     ]
     return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
 
 
 def _spans(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
-    """Checks in a row whose questions can go together: none but the last asks more than what is foreseen of it."""
+    """Yield ranges of checks whose planned calls can be sent together: only the last has unplanned calls."""
     begins = 0
     for ends, check in enumerate(checks, 1):
         if check.has_unplanned_calls or ends == len(checks):
@@ -70,10 +70,10 @@ def _spans(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
             begins = ends
 
 
-def _foreseen(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[PlannedCalls]:
+def _plan_calls(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[PlannedCalls]:
     for check, bench in zip(checks, benches, strict=True):
         bench.planned_calls = check.planned_calls(bench)
-    return [asked for bench in benches for asked in bench.planned_calls]
+    return [batch for bench in benches for batch in bench.planned_calls]
 
 
 def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]) -> Finding:
@@ -92,28 +92,28 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
 
 
 def run_check(check: Check, bench: Bench) -> Finding:
-    """Run one check and put what it found in words."""
-    return _judged(check, lambda: run_and_shrink(check.run, bench), bench)
+    """Run one check, with shrinking, and return its finding."""
+    return _finding_of_run(check, lambda: run_and_shrink(check.run, bench), bench)
 
 
-def _found(check: Check, bench: Bench) -> Finding | PendingShrink:
-    """As `run_check`, of one that does not simplify what it fails on."""
+def _run_unshrunk(check: Check, bench: Bench) -> Finding | PendingShrink:
+    """Run one check; return its finding, or the pending shrink of its counterexample."""
     try:
-        return _judged(check, lambda: check.run(bench), bench)
+        return _finding_of_run(check, lambda: check.run(bench), bench)
     except PendingShrink as unsimplified:
         return unsimplified
 
 
-def _told(check: Check, unsimplified: PendingShrink, bench: Bench) -> Finding:
-    """What a check that has failed holds against the program, on the simplest input that was found."""
+def _shrunk_finding(check: Check, unsimplified: PendingShrink, bench: Bench) -> Finding:
+    """Return the finding of a failed check on the simplest input that was found."""
 
-    def tell() -> None:
+    def raise_rejection() -> None:
         raise unsimplified.rejection()
 
-    return _judged(check, tell, bench)
+    return _finding_of_run(check, raise_rejection, bench)
 
 
-def _judged(check: Check, run: Callable[[], None], bench: Bench) -> Finding:
+def _finding_of_run(check: Check, run: Callable[[], None], bench: Bench) -> Finding:
     try:
         run()
     except Rejection as rejection:

@@ -1,7 +1,7 @@
-"""Simplifying what several checks have failed on: what each of them asks next travels together.
+"""Shrinking of the counterexamples of several failed checks, in shared exchanges with the program.
 
-A check that has failed says what it looks for; it is looked for once all checks have been run, so that what is asked
-meanwhile costs none of them anything, and so that as few exchanges as possible are waited for.
+It starts once all checks have run, so that it costs none of them anything (a limit, a dead process), and the searches
+of all checks send their next calls together.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from graders.core.contract.values import Arguments
 
 CaseT = TypeVar("CaseT")
 FailureT = TypeVar("FailureT")
-#: Inputs that are asked together, of a program that answers in no time; seconds of calls that a slow one is asked.
+#: Inputs of one search in one exchange; seconds that the calls of one exchange may be expected to take.
 MAX_PREFETCHED, MAX_BATCH_SECONDS = 24, 0.02
 
 
 class FailureReason(Protocol):
-    """Why an answer is held against a submission: a mismatch, or a fault."""
+    """Why an answer fails a check: a mismatch, or a fault."""
 
     @property
     def mismatch(self) -> Mismatch | None: ...
@@ -34,7 +34,7 @@ class FailureReason(Protocol):
 
 
 def fails_alike(first: FailureReason, other: FailureReason) -> bool:
-    """A shrunk case must fail as the first one did: by the same exception or limit, or by a value of the same cause."""
+    """Whether a shrunk case fails as the first one did: same exception or limit, or wrong value of the same cause."""
     if first.fault or other.fault:
         return _end(first.fault) == _end(other.fault)
     assert first.mismatch is not None
@@ -47,27 +47,29 @@ def _end(fault: StudentFault | None) -> tuple[Outcome, str | None] | None:
 
 
 class PendingShrink(Exception):
-    """A check has failed on an input that may be simplified: `search` seeks a simpler one, which `function` is called
-    on with the `arguments` of it, and `told` says what is shown of the simplest."""
+    """Raised by a check that has failed on an input which may be shrunk by `search`.
+
+    `arguments` gives the arguments of `function` for a case; `to_rejection`, the rejection for the simplest failure.
+    """
 
     def __init__(
         self,
         function: str,
         arguments: Callable[[Any], Arguments],
         search: ShrinkSearch[Any, Answer, Any],
-        told: Callable[[Any], Exception],
+        to_rejection: Callable[[Any], Exception],
     ) -> None:
         super().__init__(function)
-        self.function, self.search, self._arguments, self._told = function, search, arguments, told
+        self.function, self.search, self._arguments, self._to_rejection = function, search, arguments, to_rejection
 
-    def next_calls(self, most: int) -> PlannedCalls | None:
-        """What is to be asked next; None when the simplest is found."""
-        cases = self.search.questions(most)
+    def next_calls(self, limit: int) -> PlannedCalls | None:
+        """Return the next calls of the search, at most `limit`; None when it is over."""
+        cases = self.search.questions(limit)
         return PlannedCalls(self.function, list(map(self._arguments, cases))) if cases else None
 
     def rejection(self) -> Exception:
-        """What is held against the program, on the simplest input found."""
-        return self._told(self.search.simplest)
+        """Return the rejection for the simplest input found."""
+        return self._to_rejection(self.search.simplest)
 
 
 def shrink_and_reject(
@@ -77,24 +79,23 @@ def shrink_and_reject(
     case: CaseT,
     neighbours: Callable[[CaseT], Iterator[CaseT]],
     judge: Callable[[CaseT, Answer], FailureT | None],
-    told: Callable[[FailureT], Exception],
+    to_rejection: Callable[[FailureT], Exception],
     *,
     arguments: Callable[[CaseT], Arguments],
     stops: Callable[[FailureT], bool],
     fair: Callable[[CaseT], bool] = lambda case: True,
     costly: bool = False,
 ) -> NoReturn:
-    """Raises what `told` says of the simplest failure that is found, `failure` being the one on `case`; see `Search`.
+    """Raise the rejection of the simplest failure found from `failure` on `case`; see `ShrinkSearch`.
 
-    On the main program it is looked for once all checks are run; on another, which goes with its check, at once. A
-    re-enacted mistake has nobody to show a simple case to. Where it is `costly` to make a simpler case, none is made
-    that may not be needed.
+    On the main program, PendingShrink is raised and the search waits until all checks have run; on a side program it
+    runs now. A re-enacted mistake is not shrunk. With `costly`, simpler cases are made one by one, when needed.
     """
     if bench.runner.reenacting or stops(failure):
-        raise told(failure)
+        raise to_rejection(failure)
     budget, ahead = bench.runner.budget, 1 if costly else MAX_PREFETCHED
     search = ShrinkSearch(failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead)
-    unsimplified = PendingShrink(function, arguments, search, told)
+    unsimplified = PendingShrink(function, arguments, search, to_rejection)
     if bench.program is None:
         raise unsimplified
     shrink_all(bench.runner, [unsimplified], bench.answer_batches)
@@ -103,23 +104,23 @@ def shrink_and_reject(
 
 def shrink_all(
     runner: Runner,
-    failed: Sequence[PendingShrink],
-    answered: Callable[[Sequence[PlannedCalls]], Sequence[Sequence[Answer]]],
+    all_pending: Sequence[PendingShrink],
+    answer_batches: Callable[[Sequence[PlannedCalls]], Sequence[Sequence[Answer]]],
 ) -> None:
-    """Looks for the simplest input of each, as far as their budgets go; `answered` has several calls made."""
-    for one in failed:
-        one.search.seconds *= len(failed)  # they share their time
+    """Run the searches of several failed checks within their budgets; `answer_batches` makes the calls."""
+    for pending in all_pending:
+        pending.search.seconds *= len(all_pending)  # they share their time
     while True:
-        most = max(1, min(MAX_PREFETCHED, int(MAX_BATCH_SECONDS / runner.seconds_per_call)))
-        due = [(one, asked) for one in failed if (asked := one.next_calls(most)) is not None]
+        limit = max(1, min(MAX_PREFETCHED, int(MAX_BATCH_SECONDS / runner.seconds_per_call)))
+        due = [(pending, calls) for pending in all_pending if (calls := pending.next_calls(limit)) is not None]
         if not due:
             return
-        for (one, _), answers in zip(due, answered([asked for _, asked in due]), strict=True):
-            one.search.take(answers)
+        for (pending, _), answers in zip(due, answer_batches([calls for _, calls in due]), strict=True):
+            pending.search.take(answers)
 
 
 def run_and_shrink(run: Callable[[Bench], None], bench: Bench) -> None:
-    """Runs a check by itself: what it fails on is simplified before it raises what it finds."""
+    """Run one check alone; its counterexample is shrunk before its rejection is raised."""
     try:
         run(bench)
     except PendingShrink as unsimplified:

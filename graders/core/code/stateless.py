@@ -1,10 +1,8 @@
-"""Programs that are seen, in their text, to keep nothing from one call to the next: what they answer depends on what
-they are given and on nothing else.
+"""Static check that a program keeps no state between calls, so that its answers depend on the arguments only.
 
-Such a program need not be launched afresh to be asked what must not depend on what it was asked before. Whatever is not
-seen here to be harmless is not: a program is believed to remember as long as its text leaves any doubt. What may be
-written is what no state can be kept in: functions, the numbers that they share, arithmetic, loops, and functions of
-numpy and math that give the same for the same arguments.
+A stateless program needs no fresh launch before its probes. The check is an allow-list, and in doubt a program counts
+as stateful. Allowed are functions, shared numeric constants, arithmetic, loops, and deterministic functions of numpy
+and math.
 """
 
 from __future__ import annotations
@@ -18,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-#: A longer text is not looked at.
-LONGEST = 10_000
+#: Characters; a longer text counts as stateful.
+MAX_SOURCE = 10_000
 _MODULES = {"numpy": np, "math": math}
 
-#: What a function may be made of. Neither `try`, which may hide that time ran out, nor what has other scopes.
+#: Allowed nodes of a function. Not `try`, which may hide a timeout, nor nodes with other scopes.
 _ALLOWED = (
     *(
         ast.FunctionDef,
@@ -39,9 +37,9 @@ _ALLOWED = (
     *(ast.comprehension, ast.ListComp, ast.GeneratorExp, ast.BoolOp, ast.BinOp, ast.UnaryOp, ast.IfExp, ast.Compare),
     *(ast.Call, ast.Constant, ast.Attribute, ast.Subscript, ast.Slice, ast.Starred, ast.Name, ast.List, ast.Tuple),
 )
-#: And a number that functions share.
+#: Allowed nodes of a shared constant.
 _CONSTANT = frozenset((ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.Name, ast.Attribute))
-#: Fields of these that hold no part of the program: names, signs, and what is no code.
+#: Fields of these nodes without child nodes to check: names, operators, contexts.
 _NO_PART = frozenset(("arg", "attr", "ctx", "id", "is_async", "kind", "name", "op", "ops", "simple", "type_comment"))
 _PARTS = {kind: tuple(name for name in kind._fields if name not in _NO_PART) for kind in _ALLOWED} | {ast.Constant: ()}
 _BUILTINS = frozenset(
@@ -50,10 +48,10 @@ _BUILTINS = frozenset(
     ArithmeticError IndexError TypeError ValueError ZeroDivisionError
     """.split()  # noqa: SIM905
 )
-#: What no program may call its own: it may then mean the other.
+#: Names that no program may redefine.
 _HIDDEN = frozenset(("__builtins__", *vars(builtins))) - _BUILTINS
-#: By whatever they are read of: numpy, math, arrays, lists and numbers. None gives memory that was not written before
-#: (`empty`), what others share (`base`), chance, or anything of the machine.
+#: Allowed attributes of any object: numpy, math, arrays, lists, numbers. None gives uninitialised memory (`empty`),
+#: shared memory (`base`), random numbers, or anything of the machine.
 _ATTRIBUTES = frozenset(
     """
     T abs absolute acos add all angle any append arange arccos arcsin arctan arctan2 argmax argmin argsort array
@@ -66,21 +64,21 @@ _ATTRIBUTES = frozenset(
     swapaxes tan tanh tau tile tolist trace transpose trunc var vdot vstack where zeros zeros_like
     """.split()  # noqa: SIM905
 )
-#: An argument by which numpy leaves places of its result unwritten.
+#: A keyword argument by which numpy leaves a part of its result uninitialised.
 _UNWRITTEN = "where"
 
 
-def is_stateless(source: bytes, given: Mapping[str, Any]) -> bool:
-    """Whether no call of a program can be seen in its later ones; `given` are the names that it finds in its kit."""
-    if len(source) > LONGEST or "__drivers__" in given:
+def is_stateless(source: bytes, kit_names: Mapping[str, Any]) -> bool:
+    """Whether the calls of a program cannot influence later ones; `kit_names` are the names of its kit."""
+    if len(source) > MAX_SOURCE or "__drivers__" in kit_names:
         return False
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
-    known = {name for name, value in given.items() if any(value is module for module in _MODULES.values())}
-    shared = set(_BUILTINS - given.keys()) | known
-    hidden = given.keys() - known | _HIDDEN
+    module_names = {name for name, value in kit_names.items() if any(value is module for module in _MODULES.values())}
+    shared = set(_BUILTINS - kit_names.keys()) | module_names
+    hidden = kit_names.keys() - module_names | _HIDDEN
     for statement in tree.body:
         bound = _bound(statement, shared)
         if bound is None or not bound.isdisjoint(hidden):
@@ -91,16 +89,20 @@ def is_stateless(source: bytes, given: Mapping[str, Any]) -> bool:
 
 
 def _bound(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:
-    """The names that a statement of the module gives; None of one that may do something else."""
+    """Return the names that a top-level statement binds; None where it may do something else."""
     match statement:
         case ast.FunctionDef():
             return {statement.name}
         case ast.Expr(value=ast.Constant()):
             return set()
-        case ast.Import(names=names) if all(one.name in _MODULES for one in names):
-            return {one.asname or one.name for one in names}
+        case ast.Import(names=names) if all(alias.name in _MODULES for alias in names):
+            return {alias.asname or alias.name for alias in names}
         case ast.ImportFrom(module=module, names=names, level=0) if module in _MODULES:
-            return {one.asname or one.name for one in names} if {one.name for one in names} <= _ATTRIBUTES else None
+            return (
+                {alias.asname or alias.name for alias in names}
+                if {alias.name for alias in names} <= _ATTRIBUTES
+                else None
+            )
         case ast.Assign(targets=[ast.Name(id=name)], value=value):
             return {name} if _is_harmless(value, shared, (), _CONSTANT) else None
     return None
@@ -109,7 +111,7 @@ def _bound(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:
 def _is_harmless(
     tree: ast.AST, shared: AbstractSet[str], hidden: Collection[str], kinds: Collection[type] = _PARTS.keys()
 ) -> bool:
-    """Whether a function works with its own names and with those that are shared only; `hidden` are others' names."""
+    """Whether a tree reads its own and the `shared` names only, and binds none of the `hidden` ones."""
     read, own = set[str](), set[str]()
     waiting: list[Any] = [tree]
     while waiting:
@@ -124,14 +126,14 @@ def _is_harmless(
         for name in _PARTS[kind]:
             part = getattr(node, name)
             if type(part) is list:
-                waiting += [one for one in part if one is not None]
+                waiting += [child for child in part if child is not None]
             elif part is not None:
                 waiting.append(part)
     return own.isdisjoint(hidden) and read <= own | shared
 
 
 def _nothing(node: Any) -> bool:
-    """There is nothing more to be seen of it."""
+    """No further condition."""
     return True
 
 
@@ -144,13 +146,15 @@ def _keyword(node: Any) -> bool:
 
 
 def _function(node: Any) -> bool:
-    """What is decorated may be kept by who decorates it; a default that is no constant is shared by all calls."""
+    """No decorator, which may keep the function; no mutable default, which all calls share."""
     defaults = (*node.args.defaults, *node.args.kw_defaults)
-    return not getattr(node, "decorator_list", ()) and all(one is None or type(one) is ast.Constant for one in defaults)
+    return not getattr(node, "decorator_list", ()) and all(
+        default is None or type(default) is ast.Constant for default in defaults
+    )
 
 
 def _comparison(node: Any) -> bool:
-    """Which objects are the same one is nobody's business."""
+    """Identity is compared with None only."""
     pairs = zip(node.ops, node.comparators, strict=True)
     return all(_is_none(other) for sign, other in pairs if isinstance(sign, ast.Is | ast.IsNot))
 

@@ -1,8 +1,8 @@
-"""What a program answered, in a form that can be kept, compared up to the tolerance of the graders, and looked up.
+"""Answers of a program in a form that is stored, compared up to the graders' tolerance, and looked up.
 
-Equality up to a tolerance is not transitive, so that no rounding can stand for it: values are kept as they are. What
-narrows a search is a `structure`, which equal answers share, and a `projection`, which moves less than `NEAR` between
-answers that are the same.
+Equality up to a tolerance is not transitive, so that no rounding can stand for it: values are stored exactly. A lookup
+is narrowed by the `structure_hash`, common to equal answers, and by the `projection`, which differs by less than
+`PROJECTION_TOLERANCE` between equal answers.
 """
 
 from __future__ import annotations
@@ -19,64 +19,67 @@ import numpy as np
 from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault
 from graders.core.contract.values import Floats, UnreadableError, read_array, same_value
 
-#: Numbers in an array, a word for what is no number, or several of these.
+#: An array of numbers, a word for anything else, or a tuple of these.
 StoredAnswer: TypeAlias = "Floats | str | tuple[StoredAnswer, ...]"
 
-#: Numbers and words of one answer that are kept: no right one of the course has as many.
+#: Numbers and words of one stored answer; no right answer of the course has as many.
 MAX_ITEMS = 2000
-#: The same of all answers of a program together: those that come after are too large.
+#: The same for all answers of a program together; later answers count as too large.
 MAX_TOTAL_ITEMS = 10_000
 #: Characters of a word; a digest beyond.
 MAX_WORD = 200
 TOO_LARGE = "trop grand"
-#: How far apart the projections of two answers that are the same may be, which is less than twice the tolerance.
+#: Bound of the distance between the projections of equal answers: less than twice the tolerance.
 PROJECTION_TOLERANCE = 1e-6
-#: What stands in a projection for what is no finite number.
+#: Substitutes of numbers that are not finite, in a projection.
 _ODD = {"nan": 3.0, "inf": 1000.0, "-inf": -1000.0}
 
 
 class _TooLarge(Exception):
-    """More than is kept of one answer."""
+    """An answer exceeds the stored size."""
 
 
-def to_stored(shown: ProbeAnswer) -> StoredAnswer:
-    """An answer as it is kept; it never raises for what a program returned."""
+def to_stored(answer: ProbeAnswer) -> StoredAnswer:
+    """Return the stored form of an answer; never raises for a value of a program."""
     try:
-        return _plain(shown, [MAX_ITEMS])
+        return _plain(answer, [MAX_ITEMS])
     except _TooLarge:
         return TOO_LARGE
 
 
-def truncate_answers(answers: Sequence[StoredAnswer], most: int = MAX_TOTAL_ITEMS) -> tuple[StoredAnswer, ...]:
-    """The same answers, as far as all of them together may be kept."""
-    kept: list[StoredAnswer] = []
+def truncate_answers(answers: Sequence[StoredAnswer], max_items: int = MAX_TOTAL_ITEMS) -> tuple[StoredAnswer, ...]:
+    """Return the answers, with TOO_LARGE in place of those beyond the total size."""
+    stored: list[StoredAnswer] = []
     for answer in answers:
-        most -= 1 + sum(array.size for array in _arrays(answer))
-        kept.append(answer if most >= 0 else TOO_LARGE)
-    return tuple(kept)
+        max_items -= 1 + sum(array.size for array in _arrays(answer))
+        stored.append(answer if max_items >= 0 else TOO_LARGE)
+    return tuple(stored)
 
 
-def _plain(shown: ProbeAnswer, room: list[int]) -> StoredAnswer:
-    _take(room, 1)
-    if isinstance(shown, ProbeFault):
-        return _word(f"faute {shown.name}")
-    if shown is None or isinstance(shown, str):
-        return "rien" if shown is None else _word(f"texte {shown}")
-    if isinstance(shown, dict):
-        return (_word("dictionnaire " + ", ".join(map(str, shown))), *(_plain(one, room) for one in shown.values()))
+def _plain(answer: ProbeAnswer, budget: list[int]) -> StoredAnswer:
+    _take(budget, 1)
+    if isinstance(answer, ProbeFault):
+        return _word(f"faute {answer.name}")
+    if answer is None or isinstance(answer, str):
+        return "rien" if answer is None else _word(f"texte {answer}")
+    if isinstance(answer, dict):
+        return (
+            _word("dictionnaire " + ", ".join(map(str, answer))),
+            *(_plain(item, budget) for item in answer.values()),
+        )
     try:
-        array = read_array(shown)
+        array = read_array(answer)
     except UnreadableError:
-        if isinstance(shown, list | tuple):
-            return tuple(_plain(one, room) for one in shown)
-        return _word(f"{type(shown).__name__} {shown!r}" if isinstance(shown, complex) else type(shown).__name__)
-    _take(room, array.size)
+        if isinstance(answer, list | tuple):
+            return tuple(_plain(item, budget) for item in answer)
+        return _word(f"{type(answer).__name__} {answer!r}" if isinstance(answer, complex) else type(answer).__name__)
+    _take(budget, array.size)
     return array
 
 
-def _take(room: list[int], items: int) -> None:
-    room[0] -= items
-    if room[0] < 0:
+def _take(budget: list[int], items: int) -> None:
+    budget[0] -= items
+    if budget[0] < 0:
         raise _TooLarge
 
 
@@ -86,27 +89,27 @@ def _word(text: str) -> str:
     return f"{text[:MAX_WORD]}… {hashlib.sha256(text.encode(errors='replace')).hexdigest()}"
 
 
-def same_answer(one: StoredAnswer, other: StoredAnswer, tolerance: float = TOLERANCE) -> bool:
-    """The same answer, numbers up to the tolerance."""
-    if isinstance(one, str) or isinstance(other, str):
-        return isinstance(one, str) and isinstance(other, str) and one == other
-    if isinstance(one, tuple) or isinstance(other, tuple):
-        return isinstance(one, tuple) and isinstance(other, tuple) and same_answers(one, other, tolerance)
-    return same_value(one, other, tolerance=tolerance)
+def same_answer(first: StoredAnswer, second: StoredAnswer, tolerance: float = TOLERANCE) -> bool:
+    """Whether two answers are equal, numbers up to the tolerance."""
+    if isinstance(first, str) or isinstance(second, str):
+        return isinstance(first, str) and isinstance(second, str) and first == second
+    if isinstance(first, tuple) or isinstance(second, tuple):
+        return isinstance(first, tuple) and isinstance(second, tuple) and same_answers(first, second, tolerance)
+    return same_value(first, second, tolerance=tolerance)
 
 
-def same_answers(one: Sequence[StoredAnswer], other: Sequence[StoredAnswer], tolerance: float = TOLERANCE) -> bool:
-    """The same answers in the same order."""
-    return len(one) == len(other) and all(same_answer(a, b, tolerance) for a, b in zip(one, other, strict=True))
+def same_answers(first: Sequence[StoredAnswer], second: Sequence[StoredAnswer], tolerance: float = TOLERANCE) -> bool:
+    """Whether two sequences of answers are equal, numbers up to the tolerance."""
+    return len(first) == len(second) and all(same_answer(a, b, tolerance) for a, b in zip(first, second, strict=True))
 
 
 def structure_hash(answers: Sequence[StoredAnswer]) -> str:
-    """What answers that are the same have in common: their words, and the shapes of their arrays. 64 characters."""
+    """Return a hash of the words and array shapes of the answers, equal for equal answers: 64 characters."""
     return hashlib.sha256(json.dumps(_jsonable(tuple(answers), values=False)).encode(errors="replace")).hexdigest()
 
 
 def projection(answers: Sequence[StoredAnswer]) -> float:
-    """One number for all that the answers hold; of answers that are the same, less than `NEAR` apart.
+    """Map the answers to one number; for equal answers, less than `PROJECTION_TOLERANCE` apart.
 
     asinh moves by less than √2 times the tolerance between two numbers that are the same, and so does a mean of them.
     """
@@ -122,19 +125,19 @@ def projection(answers: Sequence[StoredAnswer]) -> float:
 
 def _arrays(value: StoredAnswer) -> Iterator[Floats]:
     if isinstance(value, tuple):
-        for one in value:
-            yield from _arrays(one)
+        for item in value:
+            yield from _arrays(item)
     elif isinstance(value, np.ndarray):
         yield value
 
 
 def serialize_answers(answers: Sequence[StoredAnswer]) -> bytes:
-    """The answers as bytes, every number whole."""
+    """Return the answers as compressed JSON, numbers exactly."""
     return zlib.compress(json.dumps(_jsonable(tuple(answers), values=True)).encode(errors="replace"), 1)
 
 
 def deserialize_answers(data: bytes) -> tuple[StoredAnswer, ...]:
-    """What `packed` made."""
+    """Return the answers that `serialize_answers` encoded."""
     read = _read(json.loads(zlib.decompress(data)))
     assert isinstance(read, tuple), "answers are packed as a list"
     return read
@@ -144,9 +147,9 @@ def _jsonable(value: StoredAnswer, *, values: bool) -> Any:
     if isinstance(value, str):
         return value
     if isinstance(value, tuple):
-        return [_jsonable(one, values=values) for one in value]
-    held = base64.b64encode(value.astype("<f8").tobytes()).decode() if values else ""
-    return {"shape": list(value.shape), "values": held}
+        return [_jsonable(item, values=values) for item in value]
+    encoded = base64.b64encode(value.astype("<f8").tobytes()).decode() if values else ""
+    return {"shape": list(value.shape), "values": encoded}
 
 
 def _read(value: Any) -> StoredAnswer:

@@ -164,6 +164,6 @@ def worst_difference(expected: Floats, got: Floats) -> str:
     with np.errstate(invalid="ignore", over="ignore"):
         gaps = np.nan_to_num(np.abs(got - expected), nan=np.inf)
     where = np.unravel_index(int(np.argmax(gaps)), gaps.shape) if gaps.ndim else ()
-    place = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
+    position = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
     wanted, obtained = render.number(float(expected[where])), render.number(float(got[where]))
-    return f"L'écart le plus grand est{place} : {obtained} au lieu de {wanted}."
+    return f"L'écart le plus grand est{position} : {obtained} au lieu de {wanted}."

@@ -74,24 +74,24 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         self._deadline: float | None = None
         self._questions: list[_Tried[CaseT, AnswerT, FailureT]] = []
 
-    def questions(self, most: int = 1 << 30) -> list[CaseT]:
+    def questions(self, limit: int = 1 << 30) -> list[CaseT]:
         """What is to be asked next, `most` inputs at most; none when the search is over."""
         if self._deadline is None:
             self._deadline = self._budget.clock() + self.seconds
         due = self._due()
         if due is None:
             return []
-        most = min(most, self._ahead, self._budget.calls - self._spent)
+        limit = min(limit, self._ahead, self._budget.calls - self._spent)
         if self._asked >= ASKED_FOR_ONE * self._budget.calls:
-            most = 1
-        self._questions = self._likely(max(1, most))
+            limit = 1
+        self._questions = self._likely(max(1, limit))
         self._asked += len(self._questions)
-        return [one.case for one in self._questions]
+        return [question.case for question in self._questions]
 
     def take(self, answers: Sequence[AnswerT]) -> None:
         """The answers to these questions, in their order; where the first is lacking, the search is over."""
-        for one, answer in zip(self._questions, answers, strict=False):
-            one.answers = (answer,)
+        for question, answer in zip(self._questions, answers, strict=False):
+            question.answers = (answer,)
         self._over = self._over or not answers
 
     def _due(self) -> _Tried[CaseT, AnswerT, FailureT] | None:
@@ -118,12 +118,12 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         assert self._deadline is not None
         return self._spent < self._budget.calls and self._budget.clock() <= self._deadline
 
-    def _likely(self, most: int) -> list[_Tried[CaseT, AnswerT, FailureT]]:
+    def _likely(self, limit: int) -> list[_Tried[CaseT, AnswerT, FailureT]]:
         """The inputs that are the most likely to be come to from here and are not known: first the one that is."""
         numbers, looked = itertools.count(), itertools.count()
         ways = [(-1.0, next(numbers), self._here, self._at)]
-        found: list[_Tried[CaseT, AnswerT, FailureT]] = []
-        while ways and len(found) < most and next(looked) < LOOKED_AT_FOR_ONE * most:
+        candidates: list[_Tried[CaseT, AnswerT, FailureT]] = []
+        while ways and len(candidates) < limit and next(looked) < LOOKED_AT_FOR_ONE * limit:
             chance, _, parent, k = heapq.heappop(ways)
             candidate = self._simpler(parent, k)
             if candidate is None:
@@ -132,14 +132,14 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
             if not self._is_fair(candidate):
                 fails = 0.0
             elif not candidate.answers:
-                found.append(candidate)
+                candidates.append(candidate)
             else:
                 fails = 0.0 if self._failure(candidate) is None else 1.0
             if -chance * fails >= LEAST:
                 heapq.heappush(ways, (chance * fails, next(numbers), candidate, 0))
             if -chance * (1.0 - fails) >= LEAST:
                 heapq.heappush(ways, (chance * (1.0 - fails), next(numbers), parent, k + 1))
-        return found
+        return candidates
 
     def _tried(self, case: CaseT, passed: int) -> _Tried[CaseT, AnswerT, FailureT]:
         return _Tried(case, passed, iter(self._neighbours(case)))
@@ -155,12 +155,12 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
                 return None
         return simpler[k]
 
-    def _is_fair(self, one: _Tried[CaseT, AnswerT, FailureT]) -> bool:
-        if one.fair is None:
-            one.fair = self._fair(one.case)
-        return one.fair
+    def _is_fair(self, tried: _Tried[CaseT, AnswerT, FailureT]) -> bool:
+        if tried.fair is None:
+            tried.fair = self._fair(tried.case)
+        return tried.fair
 
-    def _failure(self, one: _Tried[CaseT, AnswerT, FailureT]) -> FailureT | None:
-        if not one.failures:
-            one.failures = (self._judge(one.case, one.answers[0]),)
-        return one.failures[0]
+    def _failure(self, tried: _Tried[CaseT, AnswerT, FailureT]) -> FailureT | None:
+        if not tried.failures:
+            tried.failures = (self._judge(tried.case, tried.answers[0]),)
+        return tried.failures[0]

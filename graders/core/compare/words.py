@@ -36,16 +36,16 @@ class _Room:
 
     def taken(self, values: Iterable[T]) -> Iterator[T]:
         """The values of one level as far as there is room."""
-        for place, value in enumerate(values):
-            if place >= self.level or self.items <= 0 or self.characters <= 0:
+        for index, value in enumerate(values):
+            if index >= self.level or self.items <= 0 or self.characters <= 0:
                 self.cut = True
                 return
             self.items -= 1
             yield value
 
-    def text(self, text: str, most: int = MAX_TEXT) -> str:
-        self.cut = self.cut or len(text) > most
-        text = _cut(text, most)
+    def text(self, text: str, max_length: int = MAX_TEXT) -> str:
+        self.cut = self.cut or len(text) > max_length
+        text = _cut(text, max_length)
         self.characters -= len(text)
         return text
 
@@ -119,8 +119,8 @@ def _scalar(value: Value, room: _Room) -> Any:
     return room.text(str(value))
 
 
-def _cut(text: str, most: int = MAX_TEXT) -> str:
-    return text if len(text) <= most else text[: most - 1] + MORE
+def _cut(text: str, max_length: int = MAX_TEXT) -> str:
+    return text if len(text) <= max_length else text[: max_length - 1] + MORE
 
 
 def number(value: complex, digits: int = 6) -> str:

@@ -28,7 +28,7 @@ def json_size(value: Any) -> int:
     return len(json.dumps(value, allow_nan=False))
 
 
-def limit_size(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
+def limit_size(judgement: Judgement, max_bytes: int = VERDICT_BYTES) -> Judgement:
     """The same judgement within `most` bytes: the heaviest of its values, messages, figures and prints are cut.
 
     All parts above one level are cut to that level, which is as high as may be, so that the light ones stay whole.
@@ -39,11 +39,11 @@ def limit_size(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
         judgement = replace(judgement, films=films)
     verdict = judgement.verdict
     whole = json_size(verdict.to_json()) + json_size(judgement.figures)
-    if whole <= most:
+    if whole <= max_bytes:
         return judgement
     parts = [*_values(verdict.checks), *judgement.figures.values(), verdict.stdout]
     weights = [json_size(part) for part in parts]
-    level = _level(weights, most - (whole - sum(weights)) - _WORDS * len(parts))
+    level = _level(weights, max_bytes - (whole - sum(weights)) - _WORDS * len(parts))
     figures = {name: data for name, data in judgement.figures.items() if json_size(data) <= level}
     checks = [_lighter(check, level, figures) for check in verdict.checks]
     return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures, films)
@@ -51,8 +51,8 @@ def limit_size(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
 
 def _level(weights: Sequence[int], room: int) -> int:
     """The highest level for which the weights, each cut to it, fit into the room together."""
-    for place, heaviest in enumerate(ordered := sorted(weights)):
-        share = max(room, 0) // (len(ordered) - place)
+    for index, heaviest in enumerate(ordered := sorted(weights)):
+        share = max(room, 0) // (len(ordered) - index)
         if heaviest > share:
             return share
         room -= heaviest
@@ -61,8 +61,12 @@ def _level(weights: Sequence[int], room: int) -> int:
 
 def _values(checks: Sequence[CheckResult]) -> list[Any]:
     """What may be heavy in the lines of a verdict."""
-    shown = [check.counterexample for check in checks if check.counterexample is not None]
-    values = [value for one in shown for value in (*one.inputs.values(), one.expected, one.got)]
+    counterexamples = [check.counterexample for check in checks if check.counterexample is not None]
+    values = [
+        value
+        for counterexample in counterexamples
+        for value in (*counterexample.inputs.values(), counterexample.expected, counterexample.got)
+    ]
     return [check.message for check in checks] + values
 
 
@@ -92,7 +96,7 @@ def _shorter(text: str, level: int) -> str:
     """The beginning of a text, within `level` bytes but for the words that say how long it was."""
     if json_size(text) <= level:
         return text
-    kept = text[: max(level, 0) // 12]  # a character takes 12 bytes at most, and most of them one
-    while (more := text[: 2 * len(kept) + 1]) != kept and json_size(more) <= level:
-        kept = more
-    return f"{kept}… (coupé ici : {len(text)} caractères en tout)"
+    shortened = text[: max(level, 0) // 12]  # a character takes 12 bytes at most, and most of them one
+    while (more := text[: 2 * len(shortened) + 1]) != shortened and json_size(more) <= level:
+        shortened = more
+    return f"{shortened}… (coupé ici : {len(text)} caractères en tout)"

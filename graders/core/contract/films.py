@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 FILM_BYTES = 192 * 1024
 
 
-def film_to_json(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
+def film_to_json(data: FigureData, max_bytes: int = FILM_BYTES) -> FigureData | None:
     """The same as strict JSON holds it, arrays as lists; None where it is heavier than `most` bytes.
 
     Numbers that are not finite are None: a film shows what there is to see. What no film can be made of is our error,
@@ -31,20 +31,20 @@ def film_to_json(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
     except (TypeError, ValueError, RecursionError):
         log.exception("a film is not made of plain values")
         return None
-    return json.loads(text) if len(text) <= most else None
+    return json.loads(text) if len(text) <= max_bytes else None
 
 
-def drop_heaviest_films(films: Mapping[str, FigureData], most: int = FILM_BYTES) -> dict[str, FigureData]:
+def drop_heaviest_films(films: Mapping[str, FigureData], max_bytes: int = FILM_BYTES) -> dict[str, FigureData]:
     """As many of the films as `most` bytes hold: what is beyond is left out, the heaviest first."""
     weights = {check: len(json.dumps(film, allow_nan=False)) for check, film in films.items()}
     left = sum(weights.values())
-    kept = dict(films)
+    remaining = dict(films)
     for check in sorted(weights, key=lambda check: -weights[check]):
-        if left <= most:
+        if left <= max_bytes:
             break
-        del kept[check]
+        del remaining[check]
         left -= weights[check]
-    return kept
+    return remaining
 
 
 def _dumped(data: FigureData) -> str:

@@ -72,16 +72,16 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
     home = _home(name)
     files = find_kits(home)[name]
     names = [module_name(path) for path in files]
-    places = [str(home / "kit" / name), str(home / "kit")]
+    folders = [str(home / "kit" / name), str(home / "kit")]
     with _IMPORTING:
-        sys.path[:0] = places
+        sys.path[:0] = folders
         try:
             if PLAIN in files.values():
                 _plain_kit(home.name)
             return {module: importlib.import_module(module) for module in names}
         finally:
-            for place in places:
-                sys.path.remove(place)
+            for folder in folders:
+                sys.path.remove(folder)
             for module in names:
                 sys.modules.pop(module, None)
 
@@ -112,10 +112,10 @@ def kit_names(kit: KitSettings) -> dict[str, Any]:
     """What a program finds without importing anything, with what makes the modules of its kit importable."""
     modules = _kit(kit.module)
     names = dict(modules[kit.module].configurer(**kit.parameters))
-    found = {name: value for name, value in names.items() if name not in kit.without}
+    visible = {name: value for name, value in names.items() if name not in kit.without}
     built_in = dict(vars(builtins))
-    built_in["__import__"] = _importer({**modules, NAME: SolutionModule(_home(kit.module).name, found, built_in)})
-    return found | {"__builtins__": built_in}
+    built_in["__import__"] = _importer({**modules, NAME: SolutionModule(_home(kit.module).name, visible, built_in)})
+    return visible | {"__builtins__": built_in}
 
 
 def call_function(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:
@@ -141,20 +141,20 @@ class LocalProgram:
         """
         if function not in self.functions:
             raise StudentFault(Outcome.MISSING_FUNCTION, f"la fonction {function} n'est pas définie")
-        given = tuple(map(copy_value, args))
+        arguments = tuple(map(copy_value, args))
         try:
             with np.errstate(all="ignore"):
-                value = call_function(self._names, function, given)
+                value = call_function(self._names, function, arguments)
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
-        return Reply(copy_value(_plain(value)), given if return_arguments else None)
+        return Reply(copy_value(_plain(value)), arguments if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return call_sequentially(self, function, calls, faults)
 
-    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
-        return call_batches_sequentially(self, asked)
+    def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
+        return call_batches_sequentially(self, batches)
 
     def stdout(self) -> str:
         return ""

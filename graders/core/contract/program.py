@@ -93,7 +93,7 @@ class Program(Protocol):
         """
         ...
 
-    def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+    def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
         """The answers to several of these in order, each with the number of what has asked for it.
 
         Of each, those that `call_many` would give; none after a fatal fault, which comes alone.
@@ -112,23 +112,30 @@ def flatten_blocks(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
             yield number, answer
 
 
-def call_batches_sequentially(program: Program, asked: Sequence[PlannedCalls]) -> Iterator[Block]:
+def call_batches_sequentially(program: Program, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
     """`Program.together` where nothing is won by it: each call is made when its answer is taken."""
-    for number, one in enumerate(asked):
-        for answer in call_sequentially(program, one.function, one.calls, one.faults, keeping=one.return_arguments):
+    for number, batch in enumerate(batches):
+        for answer in call_sequentially(
+            program, batch.function, batch.calls, batch.faults, return_arguments=batch.return_arguments
+        ):
             yield number, (answer,)
             if isinstance(answer, StudentFault) and answer.fatal:
                 return
 
 
 def call_sequentially(
-    program: Program, function: str, calls: Iterable[Arguments], faults: int | None = None, *, keeping: bool = False
+    program: Program,
+    function: str,
+    calls: Iterable[Arguments],
+    faults: int | None = None,
+    *,
+    return_arguments: bool = False,
 ) -> Iterator[Answer]:
     """`Program.call_many` where nothing is won by calling ahead: each call is made when its answer is taken."""
     left = faults
     for args in calls:
         try:
-            yield program.call(function, *args, return_arguments=keeping)
+            yield program.call(function, *args, return_arguments=return_arguments)
         except StudentFault as fault:
             yield fault
             left = None if left is None else left - 1

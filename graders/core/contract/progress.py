@@ -29,8 +29,8 @@ def progress(before: Verdict, now: Verdict) -> Progress | None:
     if not before.outcome.counts or not now.outcome.counts or now.outcome is Outcome.OK:
         return None
     passed = {check.id for check in before.checks if check.passed}
-    known = {check.id for check in before.checks}
-    checks = tuple(c.title for c in now.checks if c.passed and c.id in known - passed)
+    check_ids = {check.id for check in before.checks}
+    checks = tuple(c.title for c in now.checks if c.passed and c.id in check_ids - passed)
     lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed)
     named = now.diagnosis.titles if now.diagnosis else ()
     earlier = before.diagnosis.titles if before.diagnosis else ()

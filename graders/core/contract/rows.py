@@ -34,11 +34,11 @@ class Rows(Sequence[Arguments]):
         return len(self.columns[0])
 
     @overload
-    def __getitem__(self, place: int) -> Arguments: ...
+    def __getitem__(self, index: int) -> Arguments: ...
     @overload
-    def __getitem__(self, place: slice) -> Sequence[Arguments]: ...
-    def __getitem__(self, place: int | slice) -> Arguments | Sequence[Arguments]:
-        return self._calls[place]
+    def __getitem__(self, index: slice) -> Sequence[Arguments]: ...
+    def __getitem__(self, index: int | slice) -> Arguments | Sequence[Arguments]:
+        return self._calls[index]
 
     def __iter__(self) -> Iterator[Arguments]:
         return iter(self._calls)
@@ -58,11 +58,11 @@ class ArrayReplies(Sequence[Answer]):
         return len(self.values)
 
     @overload
-    def __getitem__(self, place: int) -> Answer: ...
+    def __getitem__(self, index: int) -> Answer: ...
     @overload
-    def __getitem__(self, place: slice) -> Sequence[Answer]: ...
-    def __getitem__(self, place: int | slice) -> Answer | Sequence[Answer]:
-        return self._answers[place]
+    def __getitem__(self, index: slice) -> Sequence[Answer]: ...
+    def __getitem__(self, index: int | slice) -> Answer | Sequence[Answer]:
+        return self._answers[index]
 
     def __iter__(self) -> Iterator[Answer]:
         return iter(self._answers)
@@ -76,8 +76,8 @@ def as_rows(calls: Sequence[Arguments]) -> Sequence[Arguments]:
 
 
 def _are_alike(column: Sequence[Value]) -> bool:
-    arrays = all(type(one) is np.ndarray and one.dtype == np.float64 and one.ndim for one in column)
-    return arrays and len({one.shape for one in column}) == 1
+    arrays = all(type(value) is np.ndarray and value.dtype == np.float64 and value.ndim for value in column)
+    return arrays and len({value.shape for value in column}) == 1
 
 
 def split_rows(values: Floats) -> list[Value]:

@@ -119,8 +119,8 @@ class Diagnosis:
         return tuple(self.title.split(AND_ALSO))
 
     def to_json(self) -> dict[str, Any]:
-        told = {"id": self.id, "title": self.title, "explanation": self.explanation}
-        return told if self.source is None else {**told, "source": self.source}
+        members = {"id": self.id, "title": self.title, "explanation": self.explanation}
+        return members if self.source is None else {**members, "source": self.source}
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:

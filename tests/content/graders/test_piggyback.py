@@ -1,4 +1,4 @@
-"""Probes that are asked of the program that the checks were run on, beside what simplifies what these failed on."""
+"""Probes that travel with the exchanges that shrink counterexamples, on the program of the checks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from graders.core.code import piggyback as beside_
+from graders.core.code import piggyback
 from graders.core.code.grading import CodeGrader
 from graders.core.code.piggyback import HANG_SECONDS, MAX_ANSWER_SECONDS, MAX_EXPECTED_SECONDS, PiggybackCalls
 from graders.core.compare.shrinking import Budget
@@ -35,20 +35,20 @@ def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_
     sources = [one.source for one in grader.misconceptions]
     spared = 0
     for source in sources:
-        beside, afresh = Watched(), Watched()
-        one, other = judged(source, beside, grader), judged(KEEPS + source, afresh, grader)
+        calls, afresh = Watched(), Watched()
+        one, other = judged(source, calls, grader), judged(KEEPS + source, afresh, grader)
         assert told(one) == told(other)
-        assert beside.launches <= afresh.launches
-        spared += afresh.launches - beside.launches
+        assert calls.launches <= afresh.launches
+        spared += afresh.launches - calls.launches
     assert spared >= 0.8 * len(sources)
 
 
 def test_a_mistake_that_is_named_by_the_same_process_costs_no_exchange_of_its_own() -> None:
     source = POSES.misconceptions[0].source
-    beside, afresh = Watched(), Watched()
-    assert told(judged(source, beside)) == told(judged(KEEPS + source, afresh))
-    assert (beside.launches, afresh.launches) == (1, 2)
-    assert beside.exchanges == afresh.exchanges - 1
+    calls, afresh = Watched(), Watched()
+    assert told(judged(source, calls)) == told(judged(KEEPS + source, afresh))
+    assert (calls.launches, afresh.launches) == (1, 2)
+    assert calls.exchanges == afresh.exchanges - 1
 
 
 def test_what_only_identities_fail_on_is_asked_of_the_same_process_though_nothing_is_simplified() -> None:
@@ -56,11 +56,11 @@ def test_what_only_identities_fail_on_is_asked_of_the_same_process_though_nothin
     source = POSES.solution + "\ndef relatif(a, b):\n    return np.array([0.0, 0.0, 0.0])\n"
     others = tuple(check for check in POSES.checks if check.id in ("composer_exemples", "identites", "arguments"))
     grader = replace(POSES, checks=others)
-    beside, afresh = Watched(), Watched()
-    one = grader.grade(source.encode(), beside, seed=5, version="v").verdict
+    calls, afresh = Watched(), Watched()
+    one = grader.grade(source.encode(), calls, seed=5, version="v").verdict
     other = grader.grade((KEEPS + source).encode(), afresh, seed=5, version="v").verdict
     assert told(one) == told(other)
-    assert (beside.launches, afresh.launches) == (1, 2)
+    assert (calls.launches, afresh.launches) == (1, 2)
 
 
 @pytest.mark.parametrize("deadly", [1, 5, 27])
@@ -81,33 +81,33 @@ REPLIES = tuple(Reply(0.5) for _ in range(10))
 
 
 def test_what_would_take_long_is_not_asked_beside_anything() -> None:
-    """The time that it takes is that of the simplification."""
-    beside = PiggybackCalls()
-    beside.queue([FIRST, SECOND])
-    assert beside.take_queued(pace=1.01 * MAX_EXPECTED_SECONDS / 20) == ()
-    assert beside.take_queued(pace=0.99 * MAX_EXPECTED_SECONDS / 20) == [FIRST, SECOND]
-    assert beside.take_queued(pace=0.0) == (), "once"
+    """Their time would be taken from the search for a simple counterexample."""
+    calls = PiggybackCalls()
+    calls.queue([FIRST, SECOND])
+    assert calls.take_queued(seconds_per_call=1.01 * MAX_EXPECTED_SECONDS / 20) == ()
+    assert calls.take_queued(seconds_per_call=0.99 * MAX_EXPECTED_SECONDS / 20) == [FIRST, SECOND]
+    assert calls.take_queued(seconds_per_call=0.0) == (), "once"
 
 
-def taken(
+def stored_after(
     seconds: float, last: StudentFault, monkeypatch: pytest.MonkeyPatch
 ) -> list[tuple[Reply | StudentFault, ...] | None]:
-    """What is told of three series, of which the second has ended so after so many seconds."""
+    """Return the stored answers of three batches, of which the second ended with a fault after some seconds."""
     now = 100.0
-    monkeypatch.setattr(beside_.time, "perf_counter", lambda: now)
-    beside = PiggybackCalls()
-    beside.queue([FIRST, SECOND, LAST])
-    beside.take_queued(0.0)
+    monkeypatch.setattr(piggyback.time, "perf_counter", lambda: now)
+    calls = PiggybackCalls()
+    calls.queue([FIRST, SECOND, LAST])
+    calls.take_queued(0.0)
     now += seconds
-    beside.store_answers({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
-    return [None if told is None else tuple(told) for told in map(beside.answers, (FIRST, SECOND, LAST))]
+    calls.store_answers({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
+    return [None if told is None else tuple(told) for told in map(calls.answers, (FIRST, SECOND, LAST))]
 
 
 def test_who_hangs_for_long_is_waited_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
     hung = StudentFault(Outcome.TIMEOUT, "Trop long.", fatal=True)
     died = StudentFault(Outcome.RUNTIME_ERROR, "Mort.", fatal=True)
-    assert taken(1.1 * HANG_SECONDS, hung, monkeypatch) == [REPLIES, (), ()]
-    assert taken(1.1 * HANG_SECONDS, died, monkeypatch) == [None] * 3
-    assert taken(0.9 * MAX_ANSWER_SECONDS, hung, monkeypatch) == [None] * 3, (
+    assert stored_after(1.1 * HANG_SECONDS, hung, monkeypatch) == [REPLIES, (), ()]
+    assert stored_after(1.1 * HANG_SECONDS, died, monkeypatch) == [None] * 3
+    assert stored_after(0.9 * MAX_ANSWER_SECONDS, hung, monkeypatch) == [None] * 3, (
         "under limits of its own it may have come to an end"
     )
