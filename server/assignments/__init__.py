@@ -1,1 +1,1 @@
-"""Assignments: what a class is to do, by when, by which rules, for whom they differ. See README.md in this folder."""
+"""Assignments of a class: exercises, dates and rules, exemptions, sittings of tests. See README.md in this folder."""

@@ -1,1 +1,1 @@
-"""What was changed of marks, dates and rights in a class: who, when, what, before and after."""
+"""The audit log of a class: every change of marks, dates and rights, with its author."""

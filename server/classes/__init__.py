@@ -1,1 +1,1 @@
-"""Classes: who learns and teaches together, how one joins, and their lists. See README.md in this folder."""
+"""Classes: their members, join codes and lists of students. See README.md in this folder."""

@@ -1,7 +1,7 @@
-"""Codes by which one joins a class: read from a wall, typed on a phone.
+"""Join codes of classes, read from a wall and typed on a phone.
 
-Capital consonants: neither a letter that is taken for a digit, nor a word by accident. 20⁸ of them, tried a few times a
-minute (`service.Classes`), and good for a while: none is guessed.
+Capital consonants, without letters that look like digits or words by accident. There are 20⁸ codes, which expire, and
+tries are rate limited (`service.ClassService`), so that none is guessed.
 """
 
 import secrets
@@ -17,7 +17,7 @@ def new_code() -> str:
 
 
 def parse_code(text: str) -> str | None:
-    """The code that was typed, in whatever case, with or without spaces and dashes; None for what can be none."""
+    """Parse a typed code, in any case, with or without spaces and dashes; None where the text is no code."""
     if len(text) > 4 * CODE_LENGTH:
         return None
     code = "".join(letter for letter in text.upper() if letter not in " -–—_.\u00a0\t\r\n")
@@ -25,5 +25,5 @@ def parse_code(text: str) -> str | None:
 
 
 def format_code(code: str) -> str:
-    """As it is read aloud: BCDF-GHJK."""
+    """Format a code for reading: BCDF-GHJK."""
     return f"{code[:HALF]}-{code[HALF:]}"

@@ -1,4 +1,4 @@
-"""A class made after another: for other students, or for the same in another edition of its module."""
+"""Copy a class, for other students or into another edition of its module."""
 
 from __future__ import annotations
 
@@ -13,24 +13,21 @@ from server.identity.models import Account
 def copy_class(
     db: Session, original: SchoolClass, by: Account, name: str, *, module: str, with_students: bool = False
 ) -> SchoolClass:
-    """The same in this edition of its module: rules, who teaches; a code of its own. Raises Invalid.
-
-    Of the students only those who are in the class now, where they are wanted: they know who has taken them along.
-    """
-    made = create_class(db, by, name, module)
-    made.approval = original.approval
+    """Copy a class with its rules and staff, its active students on request, and a new join code. Raises Invalid."""
+    copy = create_class(db, by, name, module)
+    copy.approval = original.approval
     for member in repository.load_members(db, original.id):
-        taken = member.membership.is_staff or with_students
-        if taken and member.status is Status.active and member.id != by.id:
-            db.add(_seat_in(made, member.membership))
+        is_copied = member.membership.is_staff or with_students
+        if is_copied and member.status is Status.active and member.id != by.id:
+            db.add(_copy_membership(copy, member.membership))
     db.flush()
-    return made
+    return copy
 
 
-def _seat_in(made: SchoolClass, there: Membership) -> Membership:
-    """What somebody is in a class, for another one; of staff, the seat alone."""
-    seat = Membership(class_id=made.id, account_id=there.account_id, role=there.role)
-    if not there.is_staff:
-        seat.family_name, seat.given_name, seat.email = there.family_name, there.given_name, there.email
-        seat.groups = list(there.groups)
-    return seat
+def _copy_membership(target: SchoolClass, original: Membership) -> Membership:
+    """Copy a membership into another class; of staff, the role alone."""
+    copy = Membership(class_id=target.id, account_id=original.account_id, role=original.role)
+    if not original.is_staff:
+        copy.family_name, copy.given_name, copy.email = original.family_name, original.given_name, original.email
+        copy.groups = list(original.groups)
+    return copy

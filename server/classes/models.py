@@ -1,4 +1,4 @@
-"""Classes and their members. Nobody is ever removed from a class: who goes has left, and their work is kept."""
+"""Classes and their members. A membership is never deleted: a member who leaves keeps it with status `left`."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -15,7 +15,7 @@ CODE_LENGTH = 8
 
 
 class ClassRole(StrEnum):
-    """What a member is in a class."""
+    """The role of a member in a class."""
 
     student = "student"
     assistant = "assistant"
@@ -23,7 +23,7 @@ class ClassRole(StrEnum):
 
 
 class Status(StrEnum):
-    """`pending`: has asked to join, and waits for a teacher's approval."""
+    """`pending`: asked to join, and awaits a teacher's approval."""
 
     active = "active"
     pending = "pending"
@@ -31,7 +31,7 @@ class Status(StrEnum):
 
 
 class SchoolClass(Base):
-    """Those who learn a module together. Without a join code, or past its end, nobody joins by themselves."""
+    """A class that learns a module. Without a join code, or past its expiry, nobody joins by themselves."""
 
     __tablename__ = "school_class"
 

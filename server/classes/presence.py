@@ -1,4 +1,4 @@
-"""When members were last there: noted every few minutes, so that reading a page does not write each time."""
+"""When members were last seen: recorded every few minutes, so that reading a page does not write each time."""
 
 from threading import Lock
 from uuid import UUID
@@ -15,24 +15,24 @@ MAX_CACHED_ACCOUNTS = 10_000
 
 
 class PresenceRecorder:
-    """For several threads; each process of the service knows whom it has looked at lately."""
+    """Records presence from several threads; each process caches the accounts that it checked recently."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._lately: TTLCache[UUID, bool] = TTLCache(MAX_CACHED_ACCOUNTS, PRESENCE_INTERVAL.total_seconds())
+        self._recent: TTLCache[UUID, bool] = TTLCache(MAX_CACHED_ACCOUNTS, PRESENCE_INTERVAL.total_seconds())
         self._lock = Lock()
 
     def record(self, db: Session, account: Account | None) -> None:
-        """That this account looks at a page, through `db`, which only reads."""
-        if account is None or not self._is_new(account.id):
+        """Record that this account reads a page; `db` is a read-only session."""
+        if account is None or not self._is_due(account.id):
             return
         if repository.is_presence_stale(db, account.id, utc_now() - PRESENCE_INTERVAL):
-            with self._database.write() as writing:
-                record_presence(writing, account.id)
+            with self._database.write() as write_db:
+                record_presence(write_db, account.id)
 
-    def _is_new(self, account_id: UUID) -> bool:
+    def _is_due(self, account_id: UUID) -> bool:
         with self._lock:
-            if account_id in self._lately:
+            if account_id in self._recent:
                 return False
-            self._lately[account_id] = True
+            self._recent[account_id] = True
             return True

@@ -1,8 +1,8 @@
 """Queries on classes and their members."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
-from typing import Any
+from typing import TypeVarTuple
 from uuid import UUID
 
 from sqlalchemy import Row, Select, and_, delete, func, select, update
@@ -10,9 +10,10 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import ActiveStudent, JoinedClass, Member, StudentRecord, display_name, name_sort_key
-from server.database import ask, one_of, prepared, rows_of, table_of
+from server.database import ask, prepared
 from server.identity.models import Account
 
+Ts = TypeVarTuple("Ts")
 STAFF = (ClassRole.assistant, ClassRole.teacher)
 
 
@@ -21,12 +22,12 @@ def find_class(db: Session, class_id: UUID) -> SchoolClass | None:
 
 
 def lock_class(db: Session, class_id: UUID) -> None:
-    """Until the commit, nobody else changes the class or its list who locks it first."""
+    """Lock a class until the commit, before changing it or its list."""
     db.execute(select(SchoolClass.id).where(SchoolClass.id == class_id).with_for_update())
 
 
 def find_class_by_code(db: Session, code: str, now: datetime) -> SchoolClass | None:
-    """The class that one joins by this code, where it is still good."""
+    """Return the class that one may join now by this code."""
     query = select(SchoolClass).where(
         SchoolClass.join_code == code, SchoolClass.join_code_until > now, SchoolClass.archived_at.is_(None)
     )
@@ -38,7 +39,7 @@ def code_is_taken(db: Session, code: str) -> bool:
 
 
 def load_joined_classes(db: Session, account_id: UUID) -> Sequence[JoinedClass]:
-    """The classes that an account is in, or asks to be in, with what it is there."""
+    """Load the classes that an account is in, or asks to join, with its memberships."""
     query = (
         select(SchoolClass, Membership)
         .join(Membership, Membership.class_id == SchoolClass.id)
@@ -49,17 +50,17 @@ def load_joined_classes(db: Session, account_id: UUID) -> Sequence[JoinedClass]:
 
 
 def load_visible_classes(db: Session, account: Account) -> Sequence[tuple[SchoolClass, Membership | None]]:
-    """The same; for an administrator every other class too, where they are nothing."""
-    mine = [(one.school_class, one.membership) for one in load_joined_classes(db, account.id)]
+    """Load an account's classes with its memberships; for an administrator all other classes too, without any."""
+    joined = [(row.school_class, row.membership) for row in load_joined_classes(db, account.id)]
     if not account.is_administrator:
-        return mine
-    known = {school_class.id for school_class, _ in mine}
-    every = db.execute(select(SchoolClass).order_by(SchoolClass.name, SchoolClass.id)).scalars()
-    return [*mine, *((one, None) for one in every if one.id not in known)]
+        return joined
+    joined_ids = {school_class.id for school_class, _ in joined}
+    classes = db.execute(select(SchoolClass).order_by(SchoolClass.name, SchoolClass.id)).scalars()
+    return [*joined, *((school_class, None) for school_class in classes if school_class.id not in joined_ids)]
 
 
 def load_all_joined_classes(db: Session, account_id: UUID) -> Sequence[JoinedClass]:
-    """Those that it has left too."""
+    """Load an account's classes, those that it has left included."""
     query = select(SchoolClass, Membership).join(Membership, Membership.class_id == SchoolClass.id)
     query = query.where(Membership.account_id == account_id).order_by(Membership.joined_at)
     return [JoinedClass(*row) for row in db.execute(query)]
@@ -69,85 +70,53 @@ def find_membership(db: Session, class_id: UUID, account_id: UUID) -> Membership
     return db.get(Membership, (class_id, account_id))
 
 
-@prepared
-def _seen_by(class_id: UUID, account_id: UUID) -> Select[SchoolClass, Membership | None]:
-    seat = and_(Membership.class_id == SchoolClass.id, Membership.account_id == account_id)
-    return select(SchoolClass, Membership).outerjoin(Membership, seat).where(SchoolClass.id == class_id)
-
-
 def load_class_and_membership(
     db: Session, class_id: UUID, account_id: UUID
 ) -> Row[SchoolClass, Membership | None] | None:
-    """A class, and what an account is in it, in one question."""
-    return db.execute(*_seen_by(class_id, account_id)).one_or_none()
+    """Load a class with an account's membership of it, in one query."""
+    own = and_(Membership.class_id == SchoolClass.id, Membership.account_id == account_id)
+    query = select(SchoolClass, Membership).outerjoin(Membership, own).where(SchoolClass.id == class_id)
+    return db.execute(query).one_or_none()
 
 
-@prepared
+def load_members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
+    """Load all members of a class, former ones included, or some of them, sorted by name."""
+    query = _members(class_id)
+    return _load_sorted(db, query if only is None else query.where(Membership.account_id.in_(only)))
+
+
+def load_staff(db: Session, class_id: UUID) -> Sequence[Member]:
+    """Load the members that assist or teach, or did, sorted by name."""
+    return _load_sorted(db, _members(class_id).where(Membership.role.in_(STAFF)))
+
+
 def _members(class_id: UUID) -> Select[Membership, Account]:
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
     return query.where(Membership.class_id == class_id)
 
 
-@prepared
-def _some(class_id: UUID, accounts: Collection[UUID]) -> Select[Membership, Account]:
-    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    return query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
-
-
-@prepared
-def _staff(class_id: UUID) -> Select[Membership, Account]:
-    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    return query.where(Membership.class_id == class_id, one_of(Membership.role, STAFF))
-
-
-def load_members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
-    """All that ever were, or some, in the order of a list of names."""
-    return _listed(db, *(_members(class_id) if only is None else _some(class_id, only)))
-
-
-@prepared
-def _everyone(class_id: UUID) -> Select[*tuple[Any, ...]]:
-    query = select(*table_of(Membership).c, *table_of(Account).c).select_from(Membership)
-    return query.join(Account, Account.id == Membership.account_id).where(Membership.class_id == class_id)
-
-
-def everyone(db: Session, class_id: UUID) -> Sequence[Member]:
-    """All members for who only looks at them: what is given back is not the session's."""
-    seats = list(rows_of(Membership, ask(db, *_everyone(class_id))))
-    accounts = rows_of(Account, (rest for _, rest in seats))
-    return _in_order(Member(seat, account) for (seat, _), (account, _) in zip(seats, accounts, strict=True))
-
-
-def load_staff(db: Session, class_id: UUID) -> Sequence[Member]:
-    """The members that help or teach there, and those that did."""
-    return _listed(db, *_staff(class_id))
-
-
-@prepared
-def _learners(class_id: UUID) -> Select[UUID, str | None, str | None, str, list[str], datetime | None]:
-    seat, account = table_of(Membership), table_of(Account)
-    names = (seat.c.given_name, seat.c.family_name, account.c.name)
-    query = select(seat.c.account_id, *names, seat.c.groups, seat.c.last_seen_at)
-    query = query.join(account, account.c.id == seat.c.account_id).where(seat.c.class_id == class_id)
-    return query.where(seat.c.role == ClassRole.student, seat.c.status == Status.active)
+def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
+    members = (Member(*row) for row in db.execute(query))
+    return sorted(members, key=lambda member: (*member.sort_key, str(member.id)))
 
 
 def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]:
-    """The students of now, in the order of a list of names."""
-    found = []
-    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)).all():
-        learner = ActiveStudent(identity, display_name(given, family, own), tuple(groups), seen_at)
-        found.append((name_sort_key(family, learner.name), str(identity), learner))
-    return [learner for *_, learner in sorted(found, key=lambda one: one[:2])]
+    """Load the active students of a class, sorted by name."""
+    names = (Membership.given_name, Membership.family_name, Account.name)
+    query = select(Membership.account_id, *names, Membership.groups, Membership.last_seen_at)
+    students = []
+    for account_id, given, family, own, groups, seen_at in db.execute(_active(query, class_id)):
+        student = ActiveStudent(account_id, display_name(given, family, own), tuple(groups), seen_at)
+        students.append((name_sort_key(family, student.name), str(account_id), student))
+    return [student for *_, student in sorted(students, key=lambda row: row[:2])]
 
 
 def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[StudentRecord]:
-    """Load the active students of a class, or some of them, in the order of a list of names."""
-    seat = Membership
-    columns = (seat.account_id, seat.family_name, seat.given_name, Account.name, seat.email, Account.login, seat.groups)
-    query = select(*columns).join(Account, Account.id == seat.account_id)
-    query = query.where(seat.class_id == class_id, seat.role == ClassRole.student, seat.status == Status.active)
-    rows = db.execute(query if only is None else query.where(seat.account_id.in_(only)))
+    """Load the records of the active students of a class, or of some of them, sorted by name."""
+    row = Membership
+    columns = (row.account_id, row.family_name, row.given_name, Account.name, row.email, Account.login, row.groups)
+    query = _active(select(*columns), class_id)
+    rows = db.execute(query if only is None else query.where(row.account_id.in_(only)))
     students = (
         StudentRecord(account_id, display_name(given, family, own), family, given, email, login or "", tuple(groups))
         for account_id, family, given, own, email, login, groups in rows
@@ -155,31 +124,20 @@ def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = N
     return sorted(students, key=lambda student: (*student.sort_key, str(student.id)))
 
 
-def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:
-    return _in_order(Member(*row) for row in db.execute(query, values))
-
-
-def _in_order(found: Iterable[Member]) -> Sequence[Member]:
-    return sorted(found, key=lambda member: (*member.sort_key, str(member.id)))
-
-
-@prepared
-def _counts(classes: Collection[UUID]) -> Select[UUID, str, int]:
-    return (
-        select(Membership.class_id, Membership.status, func.count())
-        .where(
-            Membership.class_id.in_(classes),
-            Membership.role == ClassRole.student,
-            one_of(Membership.status, (Status.active, Status.pending)),
-        )
-        .group_by(Membership.class_id, Membership.status)
-    )
+def _active(query: Select[*Ts], class_id: UUID) -> Select[*Ts]:
+    """Restrict a query on memberships and accounts to the active students of a class."""
+    query = query.join(Account, Account.id == Membership.account_id).where(Membership.class_id == class_id)
+    return query.where(Membership.role == ClassRole.student, Membership.status == Status.active)
 
 
 def count_students(db: Session, classes: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
-    """How many students each class has, and how many ask to join it."""
-    found = {(class_id, status): count for class_id, status, count in ask(db, *_counts(classes))}
-    return {one: (found.get((one, Status.active), 0), found.get((one, Status.pending), 0)) for one in classes}
+    """Count the active students and the pending requests of each class."""
+    query = select(Membership.class_id, Membership.status, func.count()).where(
+        Membership.class_id.in_(classes), Membership.role == ClassRole.student
+    )
+    rows = db.execute(query.group_by(Membership.class_id, Membership.status))
+    counts = {(class_id, status): count for class_id, status, count in rows}
+    return {key: (counts.get((key, Status.active), 0), counts.get((key, Status.pending), 0)) for key in classes}
 
 
 def count_other_teachers(db: Session, class_id: UUID, account_id: UUID) -> int:
@@ -194,13 +152,13 @@ def count_other_teachers(db: Session, class_id: UUID, account_id: UUID) -> int:
 
 
 def filter_staff(db: Session, accounts: Collection[UUID]) -> frozenset[UUID]:
-    """Those of these accounts that help or teach in some class."""
+    """Return those of these accounts that assist or teach in some class."""
     query = select(Membership.account_id).where(Membership.account_id.in_(accounts), Membership.role.in_(STAFF))
     return frozenset(db.execute(query).scalars())
 
 
 def load_student_ids_of_teacher(db: Session, teacher_id: UUID) -> frozenset[UUID]:
-    """The students whom a teacher or an assistant has in some class already."""
+    """Load the active students of all classes of a teacher."""
     taught = select(Membership.class_id).where(
         Membership.account_id == teacher_id, Membership.role == ClassRole.teacher, Membership.status == Status.active
     )
@@ -211,40 +169,42 @@ def load_student_ids_of_teacher(db: Session, teacher_id: UUID) -> frozenset[UUID
 
 
 def load_accounts_by_login(db: Session, logins: Collection[str]) -> Mapping[str, Account]:
-    """The accounts that have these logins, some hundred at a time: databases bound how much one asks."""
-    found: dict[str, Account] = {}
-    wanted = list(logins)
-    for start in range(0, len(wanted), 500):
-        query = select(Account).where(Account.login.in_(wanted[start : start + 500]))
-        found.update({account.login: account for account in db.execute(query).scalars() if account.login})
-    return found
+    """Load accounts by login, in chunks: databases bound the number of parameters."""
+    accounts: dict[str, Account] = {}
+    ordered = list(logins)
+    for start in range(0, len(ordered), 500):
+        query = select(Account).where(Account.login.in_(ordered[start : start + 500]))
+        accounts.update({account.login: account for account in db.execute(query).scalars() if account.login})
+    return accounts
 
 
-def move_memberships(db: Session, old: UUID, new: UUID) -> None:
-    """Gives an account the memberships of a guest; where both have one, the account keeps its own, made good."""
-    mine = {one.class_id: one for one in db.execute(_of(new)).scalars()}
-    for one in db.execute(_of(old)).scalars().all():
-        own = mine.get(one.class_id)
-        if own is None:
+def move_memberships(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Move a guest's memberships to an account; where both have one, the account's own becomes active if the guest's
+    is."""
+    own = {membership.class_id: membership for membership in _load_memberships(db, account_id)}
+    for membership in _load_memberships(db, guest_id):
+        existing = own.get(membership.class_id)
+        if existing is None:
             db.execute(
                 update(Membership)
-                .where(Membership.class_id == one.class_id, Membership.account_id == old)
-                .values(account_id=new)
+                .where(Membership.class_id == membership.class_id, Membership.account_id == guest_id)
+                .values(account_id=account_id)
                 .execution_options(synchronize_session=False)
             )
-        elif own.status != Status.active and one.status == Status.active:
-            own.status, own.left_at = Status.active, None
+        elif existing.status != Status.active and membership.status == Status.active:
+            existing.status, existing.left_at = Status.active, None
     db.flush()
-    db.execute(delete(Membership).where(Membership.account_id == old).execution_options(synchronize_session=False))
+    statement = delete(Membership).where(Membership.account_id == guest_id)
+    db.execute(statement.execution_options(synchronize_session=False))
     db.expire_all()
 
 
-def _of(account_id: UUID) -> Select[Membership]:
-    return select(Membership).where(Membership.account_id == account_id)
+def _load_memberships(db: Session, account_id: UUID) -> Sequence[Membership]:
+    return db.execute(select(Membership).where(Membership.account_id == account_id)).scalars().all()
 
 
 def update_last_seen(db: Session, account_id: UUID, now: datetime, unless_since: datetime) -> None:
-    """Notes that a member was there, where nothing was noted since `unless_since`."""
+    """Update when a member was last seen, unless it was updated since `unless_since`."""
     db.execute(
         update(Membership)
         .where(
@@ -267,7 +227,7 @@ def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
 
 
 def load_presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
-    """Of each class that an account is in: when it was last seen there, when the class was archived."""
+    """Load, for each class of an active member, when they were last seen there and when it was archived."""
     return ask(db, *_presence(account_id)).all()
 
 

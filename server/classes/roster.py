@@ -1,4 +1,4 @@
-"""The lines of a school's list: who is in a class. Read from rows, each with its place and what is wrong with it."""
+"""Parse the rows of a school's list of students, with the line number and the problem of each rejected row."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.classes.sheets import SheetRow, read_rows
 from server.identity.schemas import is_valid_login, normalise_login
 
 COLUMNS = ("nom", "prenom", "email", "identifiant", "groupe")
-#: What schools' programs call them, folded as `folded` does.
+#: Column names of schools' programs, normalised by `normalise_name`.
 COLUMN_ALIASES: Mapping[str, str] = {
     **{name: name for name in COLUMNS},
     "nom de famille": "nom", "nom eleve": "nom", "last name": "nom", "surname": "nom",
@@ -35,7 +35,7 @@ NO_HEADER = (
 
 @dataclass(frozen=True)
 class RosterLine:
-    """One person of a list. What is empty says nothing: what is known already stays."""
+    """One person of a list. An empty field keeps the known value."""
 
     line: int
     family_name: str = ""
@@ -51,7 +51,7 @@ class RosterLine:
 
 @dataclass(frozen=True)
 class RejectedLine:
-    """`name` and `login` are those of the line, as far as they could be read."""
+    """A line that was refused, with its name and login as far as they could be read."""
 
     line: int
     reason: str
@@ -61,7 +61,7 @@ class RejectedLine:
 
 @dataclass(frozen=True)
 class Roster:
-    """What was read of a list. `has_groups`: it has a column for them, so that an empty cell means none."""
+    """A parsed list. `has_groups`: it has a column for groups, so that an empty cell means none."""
 
     rows: tuple[SheetRow, ...]
     lines: tuple[RosterLine, ...]
@@ -71,20 +71,20 @@ class Roster:
 
 
 def normalise_name(text: str) -> str:
-    """Without accents, case and signs: what makes two spellings of a name the same."""
-    return _kept(text) if len(text) <= NAME_LENGTH else _folded(text)
+    """Fold accents, case and punctuation, so that two spellings of a name compare equal."""
+    return _cached_fold(text) if len(text) <= NAME_LENGTH else _fold(text)
 
 
-def _folded(text: str) -> str:
+def _fold(text: str) -> str:
     plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
     return " ".join(re.findall(r"\w+", plain.casefold().replace("_", " ")))
 
 
-_kept = lru_cache(maxsize=8192)(_folded)
+_cached_fold = lru_cache(maxsize=8192)(_fold)
 
 
 def read_roster(content: bytes) -> Roster:
-    """Raises Invalid where it is no list at all, or Crowded; what is wrong with a line is told with the line."""
+    """Parse a file. Raises Invalid where it is no list at all, or Overloaded; bad lines are rejected one by one."""
     rows = read_rows(content)
     if not rows:
         raise Invalid("Cette liste est vide.")
@@ -96,7 +96,7 @@ def read_roster(content: bytes) -> Roster:
         line = _line(row, columns)
         try:
             _check(line, row, columns)
-            _once(line, seen)
+            _require_unique(line, seen)
         except Invalid as problem:
             rejected.append(RejectedLine(row.line, problem.detail, line.name, line.login))
         else:
@@ -106,14 +106,14 @@ def read_roster(content: bytes) -> Roster:
 
 
 def _columns(header: SheetRow) -> Sequence[str]:
-    """For each of the header's cells the name of the column, or an empty text."""
+    """Return the column name of each header cell, empty where unknown."""
     columns = [COLUMN_ALIASES.get(normalise_name(cell), "") for cell in header.cells]
-    known = [column for column in columns if column]
-    if not {"nom", "prenom"} & set(known):
+    named = [column for column in columns if column]
+    if not {"nom", "prenom"} & set(named):
         raise Invalid(NO_HEADER)
-    twice = next((name for name in known if known.count(name) > 1), None)
-    if twice:
-        raise Invalid(f"Ligne {header.line} : deux colonnes donnent « {twice} ».")
+    duplicate = next((name for name in named if named.count(name) > 1), None)
+    if duplicate:
+        raise Invalid(f"Ligne {header.line} : deux colonnes donnent « {duplicate} ».")
     return columns
 
 
@@ -130,7 +130,7 @@ def _line(row: SheetRow, columns: Sequence[str]) -> RosterLine:
 
 
 def _check(line: RosterLine, row: SheetRow, columns: Sequence[str]) -> None:
-    """Raises Invalid."""
+    """Raise Invalid for a malformed line."""
     if any(cell.strip() for cell in row.cells[len(columns) :]):
         raise Invalid("cette ligne a plus de cases que la première.")
     if not line.name:
@@ -147,7 +147,7 @@ def _check(line: RosterLine, row: SheetRow, columns: Sequence[str]) -> None:
 
 
 def parse_groups(text: str) -> tuple[str, ...]:
-    """Labels, separated by commas, semicolons or bars; each once. Raises Invalid."""
+    """Parse labels separated by commas, semicolons or bars, without duplicates. Raises Invalid."""
     return check_groups(_labels(text))
 
 
@@ -156,14 +156,14 @@ def _labels(text: str) -> tuple[str, ...]:
 
 
 def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:
-    """Raises Invalid where they are too many, or too long."""
+    """Return the labels. Raises Invalid where they are too many, or too long."""
     if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH or not label.isprintable() for label in labels):
         raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
     return labels
 
 
-def _once(line: RosterLine, seen: dict[str, int]) -> None:
-    """One person stands once in a list. Raises Invalid."""
+def _require_unique(line: RosterLine, seen: dict[str, int]) -> None:
+    """Raise Invalid for a person who stands in the list twice."""
     keys = [f"identifiant « {line.login} »"] if line.login else []
     keys += [f"adresse « {line.email} »"] if line.email else []
     if not keys:

@@ -1,4 +1,4 @@
-"""What goes into the room, and what comes out of it."""
+"""Inputs and results of the class services."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClas
 from server.classes.roster import normalise_name
 from server.identity.models import Account
 
-#: For how long a join code may be asked for; the first is what a new class gets.
+#: The lifetimes of join codes to choose from; the first is that of a new class.
 CODE_LIFETIMES: Mapping[str, timedelta] = {
     "mois": timedelta(days=30),
     "semaine": timedelta(days=7),
@@ -25,17 +25,17 @@ DEFAULT_CODE_LIFETIME = "mois"
 
 
 def display_name(given: str | None, family: str | None, own: str) -> str:
-    """As the school's list has it; else as the account does."""
+    """Return the name in the school's list, else the account's own name."""
     return " ".join(filter(None, (given, family))) or own
 
 
 def name_sort_key(family: str | None, name: str) -> tuple[str, str]:
-    """As a list of names is sorted: by family name, accents apart. An account's own name ends with it."""
+    """Return the key that sorts by family name, without accents; an account's own name ends with it."""
     return normalise_name(family or name.rsplit(maxsplit=1)[-1]), normalise_name(name)
 
 
 class ActiveStudent(NamedTuple):
-    """Who sits in a class as a student now; `seen_at`: when they were last there."""
+    """An active student of a class; `seen_at`: when they were last seen there."""
 
     id: UUID
     name: str
@@ -45,7 +45,7 @@ class ActiveStudent(NamedTuple):
 
 @dataclass(frozen=True)
 class StudentRecord:
-    """Who sits in a class as a student now, with all that its list says of them, and their account's login."""
+    """An active student of a class with the fields of its list, and the account's login."""
 
     id: UUID
     name: str
@@ -62,7 +62,7 @@ class StudentRecord:
 
 @dataclass(frozen=True)
 class Member:
-    """A membership, with the account that it is of."""
+    """A membership with its account."""
 
     membership: Membership
     account: Account
@@ -94,7 +94,7 @@ class Member:
 
 @dataclass(frozen=True)
 class JoinedClass:
-    """A class, and what somebody is in it."""
+    """A class with an account's membership of it."""
 
     school_class: SchoolClass
     membership: Membership
@@ -102,25 +102,25 @@ class JoinedClass:
 
 @dataclass(frozen=True)
 class GuestName:
-    """What a guest says of who they are, for the class's list."""
+    """The name that a guest gives, for the class's list."""
 
     given: str
     family: str
 
 
 def validate_class_name(text: str) -> str:
-    """Raises Invalid."""
+    """Return the name with single spaces. Raises Invalid."""
     return _name(text, "Donnez à la classe un nom de 1 à 100 caractères.")
 
 
 def validate_guest_name(given: str, family: str) -> GuestName:
-    """Raises Invalid."""
-    wanted = GuestName(
+    """Return the names with single spaces. Raises Invalid."""
+    name = GuestName(
         _name(given, "Indiquez votre prénom (100 caractères au plus)."),
         _name(family, "Indiquez votre nom (100 caractères au plus)."),
     )
-    _name(f"{wanted.given} {wanted.family}", "Ce nom est trop long : 100 caractères au plus en tout.")
-    return wanted
+    _name(f"{name.given} {name.family}", "Ce nom est trop long : 100 caractères au plus en tout.")
+    return name
 
 
 def _name(text: str, problem: str) -> str:
@@ -130,8 +130,8 @@ def _name(text: str, problem: str) -> str:
     return name
 
 
-def code_expiry(lasting: str, now: datetime) -> datetime:
-    """Raises Invalid."""
-    if lasting not in CODE_LIFETIMES:
+def code_expiry(lifetime: str, now: datetime) -> datetime:
+    """Return when a join code of this lifetime expires. Raises Invalid."""
+    if lifetime not in CODE_LIFETIMES:
         raise Invalid("Cette durée n’est pas proposée.")
-    return now + CODE_LIFETIMES[lasting]
+    return now + CODE_LIFETIMES[lifetime]

@@ -1,6 +1,6 @@
-"""A program: the first sheet of a spreadsheet, from standard input to standard output, as JSON lists of texts.
+"""A program that converts the first sheet of a spreadsheet on standard input to JSON lists of texts.
 
-A few kilobytes may hold a sheet of a billion cells: this process has bounds of its own, and ends by itself beyond them.
+A few kilobytes may hold a sheet of a billion cells: the process has its own resource limits, and ends beyond them.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import Any
 
 MAX_LINES, MAX_COLUMNS = 2000, 50
-MAX_TEXT = 1024 * 1024  # characters in all: one that is stored once may stand in every cell
-MEMORY = 512 * 1024 * 1024  # of addresses, what Python takes to begin with among them
+MAX_TEXT = 1024 * 1024  # characters in all: a text stored once may stand in every cell
+MEMORY = 512 * 1024 * 1024  # of address space, the interpreter included
 SECONDS = 5
 
 
@@ -26,14 +26,14 @@ def limit_resources() -> None:
 
 
 def cell_text(cell: Any) -> str:
-    """A number that is whole is written without decimals: an identifier of digits is one, for a spreadsheet."""
+    """Return a cell as text; whole numbers without decimals, since spreadsheets store numeric identifiers as floats."""
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 2**53:
         return str(int(cell))
     return str(cell)
 
 
 def read_first_sheet(content: bytes) -> list[list[str]]:
-    """One line more and one column more than are allowed, where there are: whoever asked refuses them."""
+    """Return the first sheet, with one line and one column beyond the bounds so that the caller can refuse them."""
     from python_calamine import CalamineWorkbook
 
     workbook = CalamineWorkbook.from_filelike(io.BytesIO(content))

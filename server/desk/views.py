@@ -145,7 +145,7 @@ def qr(address: str) -> str:
 def people_page(db: Session, course: Course, place: ClassAccess, account: Account, base: str, group: str) -> PeoplePage:
     """`group`, where it is not empty, keeps the students of this group alone."""
     school_class = place.school_class
-    everyone = repository.everyone(db, school_class.id)
+    everyone = repository.load_members(db, school_class.id)
     students = [one for one in everyone if one.role is ClassRole.student]
     active = [one for one in students if one.status is Status.active]
     labels = group_counts(one.groups for one in active)

@@ -1,1 +1,1 @@
-"""Who one is: accounts, guests, sessions, tokens, invitations."""
+"""Accounts, guests, browser sessions, API tokens, invitations and passwords."""

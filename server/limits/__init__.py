@@ -1,1 +1,1 @@
-"""How often something may be done: buckets of tokens, kept in the database."""
+"""Rate limits: token buckets stored in the database."""

@@ -1,1 +1,1 @@
-"""Whether an account may see or do something, asked everywhere in one way. See README.md in this folder."""
+"""Authorisation: whether an account may see or do something, decided in one place. See README.md in this folder."""
