@@ -1,6 +1,6 @@
-"""The file of a backup: a ZIP of its contents and of a manifest, which says how many rows of what were saved.
+"""A backup file: a ZIP of the data and of a manifest with the number of rows and the digest of each table.
 
-It is never there half written, and its owner alone may read it: it holds the hashes of passwords.
+It is written atomically, and only its owner may read it: it holds password hashes.
 """
 
 import hashlib
@@ -19,12 +19,12 @@ OWNER_ALONE = 0o600
 
 
 class BackupError(Exception):
-    """A backup that cannot be made, read or restored; its message is French and for the administrator."""
+    """A backup that cannot be made, read or restored; its message is French, for the administrator."""
 
 
 @dataclass(frozen=True)
 class TableDigest:
-    """What was saved of one table; `digest` is of its rows in the order of their keys."""
+    """Number of rows of a saved table, and the digest of its rows in key order."""
 
     rows: int
     digest: str
@@ -32,7 +32,7 @@ class TableDigest:
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a backup holds. `engine` is `sqlite` or `postgresql`, `revision` the one of the schema."""
+    """Contents of a backup. `engine` is `sqlite` or `postgresql`; `revision` is that of the schema."""
 
     engine: str
     revision: str
@@ -46,21 +46,23 @@ class Manifest:
 
     @property
     def digest(self) -> str:
-        """Of all the tables together."""
+        """The digest of all tables."""
         lines = "".join(f"{name} {saved.rows} {saved.digest}\n" for name, saved in sorted(self.tables.items()))
         return hashlib.sha256(lines.encode()).hexdigest()
 
     def to_json(self) -> dict[str, Any]:
         return {**asdict(self), "rows": self.rows, "digest": self.digest}
 
-    def differences(self, found: Mapping[str, TableDigest]) -> list[str]:
-        """The tables that are not what they were."""
-        return sorted(name for name in self.tables.keys() | found.keys() if self.tables.get(name) != found.get(name))
+    def differences(self, restored: Mapping[str, TableDigest]) -> list[str]:
+        """Return the tables that differ from the saved ones."""
+        return sorted(
+            name for name in self.tables.keys() | restored.keys() if self.tables.get(name) != restored.get(name)
+        )
 
 
 @contextmanager
 def create_archive(path: Path) -> Iterator[zipfile.ZipFile]:
-    """A new archive, which has its name only once it is whole. Raises BackupError where there is a file already."""
+    """Create an archive, renamed to `path` once complete. Raises BackupError where the file exists."""
     if path.exists():
         raise BackupError(f"{path} existe déjà : choisissez un autre nom.")
     unfinished = path.with_name(f"{path.name}.part")
@@ -85,7 +87,7 @@ def write_manifest(archive: zipfile.ZipFile, manifest: Manifest) -> None:
 
 @contextmanager
 def open_archive(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
-    """Raises BackupError where it is no backup, or a damaged one."""
+    """Open a backup and its manifest. Raises BackupError where it is none, or damaged."""
     try:
         with zipfile.ZipFile(path) as archive:
             yield archive, _manifest(archive, path)
@@ -98,14 +100,16 @@ def open_archive(path: Path) -> Iterator[tuple[zipfile.ZipFile, Manifest]]:
 def _manifest(archive: zipfile.ZipFile, path: Path) -> Manifest:
     try:
         content = json.loads(archive.read(MANIFEST))
-        tables = {name: TableDigest(int(one["rows"]), str(one["digest"])) for name, one in content["tables"].items()}
+        tables = {
+            name: TableDigest(int(table["rows"]), str(table["digest"])) for name, table in content["tables"].items()
+        }
         engine, revision, made_at = (str(content[name]) for name in ("engine", "revision", "made_at"))
         manifest = Manifest(engine, revision, made_at, tables, int(content["format"]))
-        right = manifest.digest == content["digest"]
+        digest_matches = manifest.digest == content["digest"]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BackupError(f"{path} n’est pas une sauvegarde de Balise.") from error
     if manifest.format != FORMAT:
         raise BackupError(f"{path} vient d’une autre version de Balise (format {manifest.format}).")
-    if not right:
+    if not digest_matches:
         raise BackupError(f"{path} est abîmé : son manifeste ne dit pas ce qu’il disait.")
     return manifest

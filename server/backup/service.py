@@ -1,4 +1,4 @@
-"""Making a backup, and restoring one, whatever the database."""
+"""Making, verifying and restoring backups of any supported database."""
 
 from collections.abc import Collection
 from contextlib import closing
@@ -14,10 +14,10 @@ from server.database import Database, utc_now
 from server.database.migrate import is_known_revision
 
 
-def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
-    """Saves the database as it is now, others writing or not, then restores that elsewhere to check it.
+def back_up(settings: Settings, path: Path, table_names: Collection[str]) -> Manifest:
+    """Save a snapshot of the database while others write, then verify it by a restoration elsewhere.
 
-    `known`: the tables that are ours. Raises BackupError; no file is left then.
+    `table_names`: Balise's tables. Raises BackupError, and then leaves no file.
     """
     made_at = utc_now().isoformat(timespec="seconds")
     with create_archive(path) as archive:
@@ -26,7 +26,7 @@ def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
             manifest = sqlite.save(archive, file, made_at)
         else:
             with closing(Database(settings.url)) as database:
-                manifest = postgres.save(archive, database, known, made_at)
+                manifest = postgres.save(archive, database, table_names, made_at)
         write_manifest(archive, manifest)
     try:
         verify(settings, path)
@@ -37,9 +37,9 @@ def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
 
 
 def verify(settings: Settings, path: Path) -> Manifest:
-    """Restores a backup where nobody sees it, and compares. Raises BackupError."""
+    """Restore a backup aside and compare. Raises BackupError."""
     with open_archive(path) as (archive, manifest):
-        _require_fitting(settings, manifest)
+        _require_compatible(settings, manifest)
         if manifest.engine == "sqlite":
             sqlite.verify(archive, manifest, path.parent)
         else:
@@ -49,21 +49,21 @@ def verify(settings: Settings, path: Path) -> Manifest:
 
 
 def restore(
-    settings: Settings, path: Path, known: Collection[str], *, replace: bool, now: datetime
+    settings: Settings, path: Path, table_names: Collection[str], *, replace: bool, now: datetime
 ) -> tuple[Manifest, Path | None]:
-    """Puts a backup in the place of the database, which nobody may be using; where the old file is now, of SQLite.
+    """Replace the database, which nobody may be using; return the manifest and where an old SQLite file was kept.
 
     Raises BackupError, and then nothing has changed.
     """
     with open_archive(path) as (archive, manifest):
-        _require_fitting(settings, manifest)
+        _require_compatible(settings, manifest)
         file = _sqlite_file(settings)
         if file is not None:
             if file.exists() and not replace:
                 raise BackupError(f"{file} existe déjà : --replace le remplace, et le garde à côté.")
             return manifest, sqlite.restore(archive, manifest, file, f".avant-{now:%Y%m%d-%H%M%S}")
         with closing(Database(settings.url)) as database:
-            postgres.restore(archive, manifest, database, known, replace=replace)
+            postgres.restore(archive, manifest, database, table_names, replace=replace)
         return manifest, None
 
 
@@ -72,11 +72,11 @@ def _sqlite_file(settings: Settings) -> Path | None:
     return Path(url.database or "") if url.get_backend_name() == "sqlite" else None
 
 
-def _require_fitting(settings: Settings, manifest: Manifest) -> None:
-    here = "postgresql" if _sqlite_file(settings) is None else "sqlite"
-    if manifest.engine != here:
+def _require_compatible(settings: Settings, manifest: Manifest) -> None:
+    configured_engine = "postgresql" if _sqlite_file(settings) is None else "sqlite"
+    if manifest.engine != configured_engine:
         raise BackupError(
-            f"cette sauvegarde est d’une base {manifest.engine}, et BALISE_DATABASE_URL en dit une {here}."
+            f"cette sauvegarde est d’une base {manifest.engine}, et BALISE_DATABASE_URL en dit une {configured_engine}."
         )
     if not is_known_revision(manifest.revision):
         raise BackupError(

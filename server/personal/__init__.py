@@ -1,1 +1,1 @@
-"""What is kept of a person: taken away as an archive, or erased."""
+"""Personal data of an account: export as an archive, and erasure."""

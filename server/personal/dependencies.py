@@ -1,4 +1,4 @@
-"""What the application has been built with, for the routes."""
+"""Dependencies of routes."""
 
 from typing import Annotated
 

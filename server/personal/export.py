@@ -1,4 +1,4 @@
-"""A person's data as files: an account in JSON, and each attempt as it was sent, with what was found."""
+"""A person's data as files: the account in JSON, and each attempt as submitted, with its gradings."""
 
 import json
 from collections.abc import Collection, Iterator
@@ -33,7 +33,7 @@ from server.polls import repository as polls
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
 
-AT_ONCE = 500
+BATCH_SIZE = 500
 READ_ME = """Vos données sur Balise
 ======================
 
@@ -59,9 +59,9 @@ File = tuple[str, bytes]
 
 
 def export_files(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
-    """Path and content of each; one transaction a file, so that a slow reader holds nothing open.
+    """Yield path and content of each file; one transaction a file, so that a slow download holds none open.
 
-    What the account sends or erases meanwhile may be in it or not.
+    Concurrent submissions and deletions may be included or not.
     """
     yield "LISEZ-MOI.txt", READ_ME.encode()
     with database.read() as db:
@@ -77,10 +77,10 @@ def export_files(database: Database, course: Course, account_id: UUID) -> Iterat
     last: UUID | None = None
     while True:
         with database.read() as db:
-            names = repository.submission_ids(db, account_id, after=last, most=AT_ONCE)
+            names = repository.submission_ids(db, account_id, after=last, limit=BATCH_SIZE)
         for name in names:
             yield from _attempt(database, course, name)
-        if len(names) < AT_ONCE:
+        if len(names) < BATCH_SIZE:
             return
         last = names[-1]
 
@@ -90,9 +90,13 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
         submission = submissions.by_id(db, name)
         if submission is None:
             return
-        known = feedback.load_holds(db, submission.account_id, submission.exercise)
-        held = known.test_holding(submission.created_at) is not None
-        history = [] if held else [_grading(submission, one, known) for one in gradings.list_gradings(db, name)]
+        feedback_rules = feedback.load_holds(db, submission.account_id, submission.exercise)
+        held = feedback_rules.test_holding(submission.created_at) is not None
+        history = (
+            []
+            if held
+            else [_grading(submission, grading, feedback_rules) for grading in gradings.list_gradings(db, name)]
+        )
     sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
     folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
     exercise = course.exercises.get(submission.exercise)
@@ -103,12 +107,12 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
     yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
 
 
-def _grading(submission: Submission, grading: Grading, known: FeedbackHolds) -> dict[str, Any]:
+def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackHolds) -> dict[str, Any]:
     return {
         "counts": grading.id == submission.grading_id,
         "started_at": _time(grading.started_at),
         "finished_at": _time(grading.finished_at),
-        "verdict": known.redact(Verdict.from_json(grading.verdict)).to_json(),
+        "verdict": feedback_rules.redact(Verdict.from_json(grading.verdict)).to_json(),
     }
 
 
@@ -121,48 +125,58 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "login": account.login,
         "role": account.role,
         "created_at": _time(account.created_at),
-        "sessions": [{"created_at": _time(one.created_at), "expires_at": _time(one.expires_at)} for one in sessions],
+        "sessions": [
+            {"created_at": _time(session.created_at), "expires_at": _time(session.expires_at)} for session in sessions
+        ],
         "api_tokens": [
             {
-                "label": one.label,
-                "created_at": _time(one.created_at),
-                "expires_at": _time(one.expires_at),
-                "last_used_at": _time(one.last_used_at),
+                "label": token.label,
+                "created_at": _time(token.created_at),
+                "expires_at": _time(token.expires_at),
+                "last_used_at": _time(token.last_used_at),
             }
-            for one in tokens
+            for token in tokens
         ],
     }
 
 
 def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
     sums = gradebook.load_visible_standings(db, account_id)
-    unnamed = {name for name, known in feedback.load_all_holds(db, account_id).items() if known.diagnosis is not None}
+    hidden_diagnoses = {
+        name
+        for name, feedback_rules in feedback.load_all_holds(db, account_id).items()
+        if feedback_rules.diagnosis is not None
+    }
     return {
         "standings": [
             {
                 "exercise": name,
-                **{key: _plain(value) for key, value in asdict(one).items() if _told(key, name, unnamed)},
+                **{
+                    key: _plain(value)
+                    for key, value in asdict(standing).items()
+                    if _is_visible(key, name, hidden_diagnoses)
+                },
             }
-            for name, one in sorted(sums.items())
+            for name, standing in sorted(sums.items())
         ],
         "deals": [
-            {"exercise": one.exercise, "seed": one.seed, "created_at": _time(one.created_at)}
-            for one in repository.variants_of(db, account_id)
+            {"exercise": variant.exercise, "seed": variant.seed, "created_at": _time(variant.created_at)}
+            for variant in repository.variants_of(db, account_id)
         ],
         "lesson_answers": [
             {
-                "question": one.poll,
-                "first": one.answer,
-                "last": one.last,
-                "tries": one.tries,
-                "answered_at": _time(one.answered_at),
-                "last_at": _time(one.last_at),
+                "question": poll_answer.poll,
+                "first": poll_answer.answer,
+                "last": poll_answer.last,
+                "tries": poll_answer.tries,
+                "answered_at": _time(poll_answer.answered_at),
+                "last_at": _time(poll_answer.last_at),
             }
-            for one in polls.all_of(db, account_id)
+            for poll_answer in polls.all_of(db, account_id)
         ],
         "solutions_opened": [
-            {"exercise": one.exercise, "opened_at": _time(one.opened_at)}
-            for one in repository.solution_openings_by(db, account_id)
+            {"exercise": opening.exercise, "opened_at": _time(opening.opened_at)}
+            for opening in repository.solution_openings_by(db, account_id)
         ],
         "solutions_opened_to_classes": [
             {"exercise": opening.exercise, "class": name, "opened_at": _time(opening.opened_at)}
@@ -171,9 +185,9 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
     }
 
 
-def _told(key: str, exercise: str, unnamed: Collection[str]) -> bool:
+def _is_visible(key: str, exercise: str, hidden_diagnoses: Collection[str]) -> bool:
     """An assignment may hold diagnoses back."""
-    return key != "last_diagnosis" or exercise not in unnamed
+    return key != "last_diagnosis" or exercise not in hidden_diagnoses
 
 
 def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
@@ -181,15 +195,19 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
         "sittings": [
             {
                 "title": title,
-                "began_at": _time(one.began_at),
-                "handed_in_at": _time(one.handed_in_at),
-                "ended_by": one.ended_by,
+                "began_at": _time(sitting.began_at),
+                "handed_in_at": _time(sitting.handed_in_at),
+                "ended_by": sitting.ended_by,
             }
-            for one, title in sitting_repository.load_account_sittings(db, account_id)
+            for sitting, title in sitting_repository.load_account_sittings(db, account_id)
         ],
         "saved": [
-            {"exercise": one.exercise, "saved_at": _time(one.saved_at), "text": one.source.decode(errors="replace")}
-            for one in sitting_repository.load_all_saved_work(db, account_id)
+            {
+                "exercise": work.exercise,
+                "saved_at": _time(work.saved_at),
+                "text": work.source.decode(errors="replace"),
+            }
+            for work in sitting_repository.load_all_saved_work(db, account_id)
         ],
     }
 
@@ -197,23 +215,25 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
 def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     return [
         {
-            "class": one.school_class.name,
-            "module": one.school_class.module,
-            "role": one.membership.role,
-            "status": one.membership.status,
-            "family_name": one.membership.family_name,
-            "given_name": one.membership.given_name,
-            "email": one.membership.email,
-            "groups": one.membership.groups,
-            "joined_at": _time(one.membership.joined_at),
-            "left_at": _time(one.membership.left_at),
-            "last_seen_at": _time(one.membership.last_seen_at),
+            "class": joined_class.school_class.name,
+            "module": joined_class.school_class.module,
+            "role": joined_class.membership.role,
+            "status": joined_class.membership.status,
+            "family_name": joined_class.membership.family_name,
+            "given_name": joined_class.membership.given_name,
+            "email": joined_class.membership.email,
+            "groups": joined_class.membership.groups,
+            "joined_at": _time(joined_class.membership.joined_at),
+            "left_at": _time(joined_class.membership.left_at),
+            "last_seen_at": _time(joined_class.membership.last_seen_at),
             "exemptions": [
                 {"assignment": title, **{name: _plain(value) for name, value in exemption_effects(exemption).items()}}
-                for title, exemption in assignments.load_student_exemptions(db, account_id, one.school_class.id)
+                for title, exemption in assignments.load_student_exemptions(
+                    db, account_id, joined_class.school_class.id
+                )
             ],
         }
-        for one in classes.load_all_joined_classes(db, account_id)
+        for joined_class in classes.load_all_joined_classes(db, account_id)
     ]
 
 
@@ -222,32 +242,37 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
     return {
         "threads": [_thread(talk) for talk in own.conversations],
         "written_on_work_of_others": [
-            {"exercise": exercise, "text": one.text, "at": _time(one.created_at)}
-            for one, exercise in own.staff_messages
+            {"exercise": exercise, "text": message.text, "at": _time(message.created_at)}
+            for message, exercise in own.staff_messages
         ],
         "phrases": [
-            {"text": one.text, "exercise": one.exercise, "misconception": one.misconception, "uses": one.uses}
-            for one in own.phrases
+            {
+                "text": phrase.text,
+                "exercise": phrase.exercise,
+                "misconception": phrase.misconception,
+                "uses": phrase.uses,
+            }
+            for phrase in own.phrases
         ],
         "words_to_you_and_others": [
             {
-                "exercise": one.note.exercise,
-                "text": one.note.text,
-                "link": one.note.link,
-                "at": _time(one.note.created_at),
-                "seen_at": _time(one.seen_at),
+                "exercise": note_copy.note.exercise,
+                "text": note_copy.note.text,
+                "link": note_copy.note.link,
+                "at": _time(note_copy.note.created_at),
+                "seen_at": _time(note_copy.seen_at),
             }
-            for one in own.received_notes
+            for note_copy in own.received_notes
         ],
         "words_of_yours": [
-            {"exercise": one.exercise, "text": one.text, "link": one.link, "at": _time(one.created_at)}
-            for one in own.sent_notes
+            {"exercise": note.exercise, "text": note.text, "link": note.link, "at": _time(note.created_at)}
+            for note in own.sent_notes
         ],
     }
 
 
 def _thread(talk: Conversation) -> dict[str, Any]:
-    """Who has answered is not named: their name is their own."""
+    """Convert a thread; authors of answers are not named: their names are their own data."""
     thread = talk.thread
     return {
         "exercise": thread.exercise,
@@ -284,42 +309,42 @@ def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
     held = gradebook.load_withholding_times(db, account_id)
     since = min(held.values(), default=None)
     about = [
-        {**_event(one, name), "reason": _reason(one)}
-        for one, name in audit.load_events_about(db, account_id)
-        if since is None or one.at < since or one.what not in OF_MARKS
+        {**_event(event, name), "reason": _reason(event)}
+        for event, name in audit.load_events_about(db, account_id)
+        if since is None or event.at < since or event.what not in OF_MARKS
     ]
-    by = [{**_event(one, name), "reason": one.reason} for one, name in audit.load_events_by(db, account_id)]
+    by = [{**_event(event, name), "reason": event.reason} for event, name in audit.load_events_by(db, account_id)]
     return {
         "overrides": [
-            _override(one, name)
-            for one, name in marks.list_overrides_on(db, account_id)
-            if one.exercise not in held or one.at < held[one.exercise]
+            _override(override, name)
+            for override, name in marks.list_overrides_on(db, account_id)
+            if override.exercise not in held or override.at < held[override.exercise]
         ],
-        "overrides_you_set": [_override(one, name) for one, name in marks.list_overrides_by(db, account_id)],
+        "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
         "changes_about_you": about,
         "changes_you_made": by,
     }
 
 
-def _override(one: Override, name: str) -> dict[str, Any]:
+def _override(override: Override, name: str) -> dict[str, Any]:
     return {
         "class": name,
-        "exercise": one.exercise,
-        "points": one.points,
-        "excused": one.excused,
-        "reason": one.reason,
-        "at": _time(one.at),
-        "withdrawn_at": _time(one.withdrawn_at),
+        "exercise": override.exercise,
+        "points": override.points,
+        "excused": override.excused,
+        "reason": override.reason,
+        "at": _time(override.at),
+        "withdrawn_at": _time(override.withdrawn_at),
     }
 
 
-def _event(one: AuditEvent, name: str) -> dict[str, Any]:
-    told = {"what": one.what, "about": one.about, "before": one.before, "after": one.after}
-    return {"class": name, "at": _time(one.at), **told}
+def _event(event: AuditEvent, name: str) -> dict[str, Any]:
+    change = {"what": event.what, "about": event.about, "before": event.before, "after": event.after}
+    return {"class": name, "at": _time(event.at), **change}
 
 
-def _reason(one: AuditEvent) -> str:
-    return "" if one.what in PRIVATE else one.reason
+def _reason(event: AuditEvent) -> str:
+    return "" if event.what in PRIVATE else event.reason
 
 
 def _plain(value: Any) -> Any:

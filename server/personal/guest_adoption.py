@@ -1,4 +1,4 @@
-"""What follows a guest into the account that the same person has opened."""
+"""Transfer of a guest's data to the account that the same person has opened."""
 
 from uuid import UUID
 
@@ -14,8 +14,10 @@ from server.polls import repository as polls
 
 
 def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Attempts, deals, answers to lessons, what is said of them, tests, classes, exemptions, marks. Inside the
-    caller's transaction."""
+    """Move attempts, variants, poll answers, comments, sittings, memberships, exemptions and marks.
+
+    Runs inside the caller's transaction.
+    """
     comments.adopt(db, guest_id, account_id)
     gradebook.adopt_attempts(db, guest_id, account_id)
     sittings.adopt(db, guest_id, account_id)

@@ -1,4 +1,4 @@
-"""Queries on all that hangs on an account."""
+"""Queries on everything that belongs to an account."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -26,46 +26,46 @@ def solution_openings_by(db: Session, account_id: UUID) -> Sequence[SolutionOpen
 
 
 def class_openings_by(db: Session, account_id: UUID) -> Sequence[tuple[ClassOpening, str]]:
-    """Each with the name of its class."""
+    """Load openings of solutions to classes, each with the name of its class."""
     query = select(ClassOpening, SchoolClass.name).join(SchoolClass, SchoolClass.id == ClassOpening.class_id)
     query = query.where(ClassOpening.opened_by == account_id).order_by(ClassOpening.opened_at)
     return [(opening, name) for opening, name in db.execute(query)]
 
 
-def submission_ids(db: Session, account_id: UUID, *, after: UUID | None, most: int) -> Sequence[UUID]:
-    """The names of some of an account's submissions, in the order of their names."""
-    query = select(Submission.id).where(_sent_by(account_id))
+def submission_ids(db: Session, account_id: UUID, *, after: UUID | None, limit: int) -> Sequence[UUID]:
+    """Load a page of an account's submission ids, by keyset pagination."""
+    query = select(Submission.id).where(_by_account(account_id))
     query = query if after is None else query.where(Submission.id > after)
-    return db.execute(query.order_by(Submission.id).limit(most)).scalars().all()
+    return db.execute(query.order_by(Submission.id).limit(limit)).scalars().all()
 
 
-def delete_submissions(db: Session, account_id: UUID, most: int) -> int:
-    """Some of an account's submissions with their gradings; how many."""
-    some = select(Submission.id).where(_sent_by(account_id)).limit(most)
-    return len(db.execute(delete(Submission).where(Submission.id.in_(some)).returning(Submission.id)).all())
+def delete_submissions(db: Session, account_id: UUID, limit: int) -> int:
+    """Delete up to `limit` submissions with their gradings; return how many."""
+    candidates = select(Submission.id).where(_by_account(account_id)).limit(limit)
+    return len(db.execute(delete(Submission).where(Submission.id.in_(candidates)).returning(Submission.id)).all())
 
 
-def _sent_by(account_id: UUID) -> ColumnElement[bool]:
+def _by_account(account_id: UUID) -> ColumnElement[bool]:
     return Submission.account_id == account_id
 
 
-def unreachable_guest_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
-    """Some of the guests from before that time whom no browser and no token leads to any more."""
+def unreachable_guest_ids(db: Session, before: datetime, limit: int) -> Sequence[UUID]:
+    """Load guests created before a time whom no session and no token leads to any more."""
     query = select(Account.id).where(
         Account.role == Role.guest,
         Account.created_at < before,
         ~exists().where(BrowserSession.account_id == Account.id),
         ~exists().where(ApiToken.account_id == Account.id),
     )
-    return db.execute(query.limit(most)).scalars().all()
+    return db.execute(query.limit(limit)).scalars().all()
 
 
-def delete_idle_guests(db: Session, before: datetime, most: int) -> int:
-    """Some of the guests from before that time who have sent and answered nothing and are in no class; how many."""
-    some = select(Account.id).where(_idle_guest(before)).limit(most).with_for_update(skip_locked=True)
-    found = db.execute(some).scalars().all()
-    gone = delete(Account).where(Account.id.in_(found), _idle_guest(before)).returning(Account.id)
-    return len(db.execute(gone).all())
+def delete_idle_guests(db: Session, before: datetime, limit: int) -> int:
+    """Delete guests created before a time who have no work and no class; return how many."""
+    candidates = select(Account.id).where(_idle_guest(before)).limit(limit).with_for_update(skip_locked=True)
+    account_ids = db.execute(candidates).scalars().all()
+    deleted = delete(Account).where(Account.id.in_(account_ids), _idle_guest(before)).returning(Account.id)
+    return len(db.execute(deleted).all())
 
 
 def count_idle_guests(db: Session, before: datetime) -> int:
@@ -82,41 +82,41 @@ def _idle_guest(before: datetime) -> ColumnElement[bool]:
     )
 
 
-def inactive_student_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
-    """Some of the students of whom nothing was heard since, whatever they are in."""
-    query = select(Account.id).where(Account.role == Role.student, _silent(before), ~_staff())
-    return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
+def inactive_student_ids(db: Session, before: datetime, limit: int) -> Sequence[UUID]:
+    """Load students without any activity since a time, whatever their classes."""
+    query = select(Account.id).where(Account.role == Role.student, _is_inactive(before), ~_is_staff())
+    return db.execute(query.order_by(Account.created_at, Account.id).limit(limit)).scalars().all()
 
 
-def departed_student_ids(db: Session, before: datetime, most: int) -> Sequence[UUID]:
-    """Some of those whom a class's list has made an account, who had left every class by then, and were silent since.
+def departed_student_ids(db: Session, before: datetime, limit: int) -> Sequence[UUID]:
+    """Load inactive students whose account a class list created and whose classes had all ended by then.
 
     A class ends for a student when they leave it, or when it is archived.
     """
-    mine = Membership.account_id == Account.id
-    made_by_a_list = exists().where(mine, Membership.created_by_list)
-    goes_on = or_(
+    own_membership = Membership.account_id == Account.id
+    created_by_roster = exists().where(own_membership, Membership.created_by_list)
+    ongoing = or_(
         and_(
             Membership.status != Status.left,
             or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= before),
         ),
         and_(Membership.status == Status.left, Membership.left_at >= before),
     )
-    in_a_class = exists().where(mine, SchoolClass.id == Membership.class_id, goes_on)
+    in_ongoing_class = exists().where(own_membership, SchoolClass.id == Membership.class_id, ongoing)
     query = select(Account.id).where(
-        Account.role == Role.student, made_by_a_list, ~in_a_class, _silent(before), ~_staff()
+        Account.role == Role.student, created_by_roster, ~in_ongoing_class, _is_inactive(before), ~_is_staff()
     )
-    return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
+    return db.execute(query.order_by(Account.created_at, Account.id).limit(limit)).scalars().all()
 
 
 def accounts_by_name(db: Session, accounts: Sequence[UUID]) -> Sequence[Account]:
-    """These accounts, by their names."""
+    """Load these accounts, ordered by name."""
     query = select(Account).where(Account.id.in_(accounts)).order_by(Account.name, Account.id)
     return db.execute(query).scalars().all()
 
 
-def _silent(before: datetime) -> ColumnElement[bool]:
-    """Nothing was sent, nobody logged in, no token was made or used, and no class was visited since."""
+def _is_inactive(before: datetime) -> ColumnElement[bool]:
+    """Nothing submitted, no login, no token made or used, no class visited since then."""
     return and_(
         Account.created_at < before,
         ~exists().where(Submission.account_id == Account.id, Submission.created_at >= before),
@@ -129,8 +129,8 @@ def _silent(before: datetime) -> ColumnElement[bool]:
     )
 
 
-def _staff() -> ColumnElement[bool]:
-    """Who helps or teaches somewhere is kept, whatever their account is."""
+def _is_staff() -> ColumnElement[bool]:
+    """Assistants and teachers of a class are kept, whatever the role of their account."""
     return exists().where(
         Membership.account_id == Account.id,
         Membership.role.in_((ClassRole.assistant, ClassRole.teacher)),

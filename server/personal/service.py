@@ -1,4 +1,4 @@
-"""A person takes their data away, or has them erased."""
+"""Export and erasure of a person's data."""
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime, timedelta
@@ -15,81 +15,84 @@ from server.personal import repository
 from server.personal.export import export_files
 from server.personal.zip_stream import stream_zip
 
-ERASED_AT_ONCE = 100  # who waits for a verdict meanwhile waits for no more than these
+ERASE_BATCH = 100  # bounds how long a transaction delays others
 GUEST_GRACE = timedelta(days=1)
-GUESTS_AT_ONCE = 200  # the service starts only then
-PURGED_AT_ONCE = 200
+GUEST_BATCH = 200  # the service starts only after the first batch
+PURGE_BATCH = 200
 TOO_MANY_EXPORTS = "Vous venez de télécharger vos données : réessayez dans {seconds} s."
 
 
 class PersonalData:
-    """For several threads: each entry opens its own short transactions."""
+    """Thread-safe: each method opens its own short transactions."""
 
     def __init__(self, database: Database, settings: Settings, course: Course) -> None:
         self._database, self._settings, self._course = database, settings, course
 
     def export(self, account: Account) -> Iterator[bytes]:
-        """The pieces of a ZIP of all that is kept of this person. Raises TooMany, before the first of them."""
+        """Yield the chunks of a ZIP of all data of this person. Raises RateLimited before the first one."""
         with self._database.write() as db:
             limits.take_token(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
         return stream_zip(export_files(self._database, self._course, account.id), utc_now())
 
     def erase(self, account_id: UUID) -> None:
-        """Everything that hangs on the account, then the account: interrupted, it can be asked for again.
+        """Erase everything that belongs to the account, then the account; after an interruption it can be repeated.
 
-        A solution that its teacher has opened to all stays open, without their name. So does a class's log, without
-        the names and without the reasons of what was changed about this person.
+        Solutions that a teacher has opened stay open, without their name. Audit logs of classes stay, without names and
+        without the reasons of changes about this person.
         """
-        erased = ERASED_AT_ONCE
-        while erased == ERASED_AT_ONCE:
+        erased = ERASE_BATCH
+        while erased == ERASE_BATCH:
             with self._database.write() as db:
-                erased = repository.delete_submissions(db, account_id, ERASED_AT_ONCE)
+                erased = repository.delete_submissions(db, account_id, ERASE_BATCH)
         with self._database.write() as db:
             audit.erase_reasons(db, account_id)
             identity.delete_account(db, account_id)
 
     def erase_lost_guests(self, now: datetime) -> int:
-        """Erases some of the guests that nothing leads to any more, and some who have done nothing; how many."""
+        """Erase a batch of unreachable guests, and of idle ones; return how many."""
         with self._database.read() as db:
-            lost = repository.unreachable_guest_ids(db, now - GUEST_GRACE, most=GUESTS_AT_ONCE)
-        for account_id in lost:
+            guest_ids = repository.unreachable_guest_ids(db, now - GUEST_GRACE, limit=GUEST_BATCH)
+        for account_id in guest_ids:
             self.erase(account_id)
         if not self._settings.guest_days:
-            return len(lost)
-        return len(lost) + self._forget_some_idle(now - timedelta(days=self._settings.guest_days))
+            return len(guest_ids)
+        return len(guest_ids) + self._erase_idle_batch(now - timedelta(days=self._settings.guest_days))
 
     def count_idle_guests(self, before: datetime) -> int:
-        """The guests from before that time without any work."""
+        """Count the guests created before a time who have no work."""
         with self._database.read() as db:
             return repository.count_idle_guests(db, before)
 
     def erase_idle_guests(self, before: datetime) -> int:
-        """Erases all of them; how many."""
-        total = erased = self._forget_some_idle(before)
-        while erased == GUESTS_AT_ONCE:
-            total += (erased := self._forget_some_idle(before))
+        """Erase all of them; return how many."""
+        total = erased = self._erase_idle_batch(before)
+        while erased == GUEST_BATCH:
+            total += (erased := self._erase_idle_batch(before))
         return total
 
-    def _forget_some_idle(self, before: datetime) -> int:
-        """Who sends a first file in this very moment keeps it: it is asked again in the transaction that erases."""
+    def _erase_idle_batch(self, before: datetime) -> int:
+        """Erase a batch; a guest who submits meanwhile is kept, as the transaction checks again."""
         with self._database.write() as db:
-            return repository.delete_idle_guests(db, before, most=GUESTS_AT_ONCE)
+            return repository.delete_idle_guests(db, before, limit=GUEST_BATCH)
 
     def find_expired_students(self, now: datetime) -> Sequence[Account]:
-        """Some of the students whom the establishment's settings keep no longer: those of left_days and silent_days."""
+        """Load a batch of students past the retention settings `left_days` and `silent_days`."""
         settings = self._settings
         rules = (
             (settings.left_days, repository.departed_student_ids),
             (settings.silent_days, repository.inactive_student_ids),
         )
         with self._database.read() as db:
-            found = [
-                one for days, find in rules if days for one in find(db, now - timedelta(days=days), PURGED_AT_ONCE)
+            account_ids = [
+                account_id
+                for days, find in rules
+                if days
+                for account_id in find(db, now - timedelta(days=days), PURGE_BATCH)
             ]
-            return repository.accounts_by_name(db, found[:PURGED_AT_ONCE])
+            return repository.accounts_by_name(db, account_ids[:PURGE_BATCH])
 
     def erase_expired_students(self, now: datetime) -> Sequence[Account]:
-        """Erases them; who they were. Those that are left are for the next time."""
+        """Erase a batch of them; return who they were."""
         erased = self.find_expired_students(now)
         for account in erased:
             self.erase(account.id)
@@ -97,7 +100,7 @@ class PersonalData:
 
 
 def archive_headers(now: datetime) -> dict[str, str]:
-    """How it is sent, under which name; it is compressed already."""
+    """Return the headers of the archive, which is compressed already."""
     return {
         "Content-Disposition": f'attachment; filename="balise-mes-donnees-{now:%Y-%m-%d}.zip"',
         "Content-Encoding": "identity",

@@ -1,41 +1,41 @@
-"""An archive that is sent while it is made: what is in memory is one file of it and one piece."""
+"""A ZIP archive sent while it is made: memory holds one file and one chunk."""
 
 import zipfile
 from collections.abc import Iterable, Iterator
 from datetime import datetime
 
-PIECE = 64 * 1024
+CHUNK_BYTES = 64 * 1024
 
 
-class _Tray:
-    """Where the archive is written, and from where it is taken away. Nobody can seek in it."""
+class _ZipBuffer:
+    """Write-only, not seekable target of the archive, emptied chunk by chunk."""
 
     def __init__(self) -> None:
-        self._pieces: list[bytes] = []
+        self._chunks: list[bytes] = []
         self.size = 0
 
     def write(self, data: bytes) -> int:
-        self._pieces.append(bytes(data))
+        self._chunks.append(bytes(data))
         self.size += len(data)
         return len(data)
 
     def flush(self) -> None:
-        """Nothing waits."""
+        """Nothing is pending."""
 
-    def emptied(self) -> bytes:
-        content = b"".join(self._pieces)
-        self._pieces, self.size = [], 0
+    def take(self) -> bytes:
+        content = b"".join(self._chunks)
+        self._chunks, self.size = [], 0
         return content
 
 
 def stream_zip(files: Iterable[tuple[str, bytes]], at: datetime) -> Iterator[bytes]:
-    """The bytes of a ZIP of these files (path, content), dated `at`, in pieces of some 64 KiB."""
-    tray = _Tray()
-    with zipfile.ZipFile(tray, "w", zipfile.ZIP_DEFLATED) as archive:  # type: ignore[call-overload]
+    """Yield the bytes of a ZIP of these files (path, content), dated `at`, in chunks of about 64 KiB."""
+    buffer = _ZipBuffer()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:  # type: ignore[call-overload]
         for path, content in files:
             entry = zipfile.ZipInfo(path, at.timetuple()[:6])
             entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(entry, content)
-            if tray.size >= PIECE:
-                yield tray.emptied()
-    yield tray.emptied()
+            if buffer.size >= CHUNK_BYTES:
+                yield buffer.take()
+    yield buffer.take()

@@ -36,7 +36,7 @@ from server.marks.models import Override
 from server.personal import service
 from server.personal.guest_adoption import adopt_guest_data
 from server.personal.service import PersonalData
-from server.personal.zip_stream import PIECE, stream_zip
+from server.personal.zip_stream import CHUNK_BYTES, stream_zip
 from server.queue.models import Job
 from server.submissions.models import Submission, Variant
 from server.submissions.service import Submissions
@@ -118,7 +118,7 @@ def test_it_is_given_to_its_owner_alone_and_not_too_often(ada: Site, course: Cou
 
 
 def test_many_attempts_are_read_a_few_at_a_time(ada: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.personal.export.AT_ONCE", 2)
+    monkeypatch.setattr("server.personal.export.BATCH_SIZE", 2)
     for number in range(4):
         ada.client.post(f"{POSES}/soumissions", data={"code": f"x = {number}"})
     names = archive(ada.client.get("/compte/donnees")).namelist()
@@ -132,20 +132,20 @@ def test_an_archive_is_sent_while_it_is_made() -> None:
     def files() -> Iterator[tuple[str, bytes]]:
         for number in range(20):
             made.append(number)
-            yield f"{number}", Random(number).randbytes(PIECE)
+            yield f"{number}", Random(number).randbytes(CHUNK_BYTES)
 
     pieces = stream_zip(files(), utc_now())
     first = next(pieces)
     assert len(made) < 10
     rest = list(pieces)
-    assert max(map(len, [first, *rest])) < 3 * PIECE
+    assert max(map(len, [first, *rest])) < 3 * CHUNK_BYTES
     with zipfile.ZipFile(io.BytesIO(b"".join([first, *rest]))) as archive:
         assert archive.testzip() is None
         assert len(archive.namelist()) == 20
 
 
 def test_erasing_asks_for_the_password_and_leaves_nothing(ada: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(service, "ERASED_AT_ONCE", 1)
+    monkeypatch.setattr(service, "ERASE_BATCH", 1)
     before = counts(ada.database)
     assert before == {Account: 1, BrowserSession: 1, ApiToken: 1, Submission: 2, Grading: 1, Standing: 1, Variant: 1}
     assert ada.client.get("/compte/supprimer").status_code == 200

@@ -10,7 +10,7 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import requeuing
 from server.gradebook import service as gradebook
-from server.personal.service import PURGED_AT_ONCE, PersonalData
+from server.personal.service import PURGE_BATCH, PersonalData
 from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
 from server.submissions.service import Submissions
@@ -30,7 +30,7 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
         raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
     personal = _personal(database, settings)
     found = personal.erase_expired_students(utc_now()) if arguments.yes else personal.find_expired_students(utc_now())
-    more = len(found) == PURGED_AT_ONCE
+    more = len(found) == PURGE_BATCH
     end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
     lines = [*(f"  {who(account)}" for account in found), f"{end}{' ; recommencez pour la suite' if more else ''}."]
     return Answer(lines, {"accounts": list(map(told, found)), "erased": arguments.yes, "more": more})
