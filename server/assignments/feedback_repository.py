@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, Visibility
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import UtcDateTime, ask
+from server.database import UtcDateTime, select_core
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def load_student_rows(
     exercise_values = {**values, "exercise": exercise}
     return (
         ()
-        if ask(db, ANY_EXERCISE_ROW, exercise_values).first() is None
+        if select_core(db, ANY_EXERCISE_ROW, exercise_values).first() is None
         else _rows(db.execute(EXERCISE_ROWS, exercise_values))
     )
 

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, WeightedExercise
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import ask, prepared, rows_of, table_of
+from server.database import detached_instances, prepared_statement, select_core, table_of
 
 
 def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -20,7 +20,7 @@ def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignm
     return db.execute(query).scalar_one_or_none()
 
 
-@prepared
+@prepared_statement
 def _of_class(class_id: UUID) -> Select[Assignment]:
     query = select(Assignment).where(Assignment.class_id == class_id)
     return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
@@ -31,7 +31,7 @@ def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
     return db.execute(*_of_class(class_id)).scalars().all()
 
 
-@prepared
+@prepared_statement
 def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
     query = select(AssignedExercise.assignment_id, AssignedExercise.exercise, AssignedExercise.weight)
     return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
@@ -40,12 +40,12 @@ def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
 def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[WeightedExercise]]:
     """Load the exercises of each assignment, in order."""
     exercises: dict[UUID, list[WeightedExercise]] = defaultdict(list)
-    for assignment, exercise, weight in ask(db, *_exercises(assignments)):
+    for assignment, exercise, weight in select_core(db, *_exercises(assignments)):
         exercises[assignment].append(WeightedExercise(exercise, weight))
     return exercises
 
 
-@prepared
+@prepared_statement
 def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
     query = select(Exemption).where(Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None))
     return query.order_by(Exemption.created_at, Exemption.id)
@@ -59,7 +59,7 @@ def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID,
     return exemptions
 
 
-@prepared
+@prepared_statement
 def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
     assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
     query = select(exercises.c.exercise, assignments.c.opens_at <= now)
@@ -69,7 +69,7 @@ def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
 
 def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
     """Load the exercises of the class's open or past assignments; None where it has no assignment at all."""
-    rows = ask(db, *_opened(class_id, now)).all()
+    rows = select_core(db, *_opened(class_id, now)).all()
     return frozenset(name for name, is_open in rows if name and is_open) if rows else None
 
 
@@ -93,7 +93,7 @@ def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
     db.execute(update(Exemption).where(Exemption.account_id == guest_id).values(account_id=account_id))
 
 
-@prepared
+@prepared_statement
 def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
     query = select(Exemption.assignment_id, func.count()).where(
         Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
@@ -103,10 +103,10 @@ def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
 
 def count_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """Count the exemptions in force of each assignment."""
-    return {row[0]: row[1] for row in ask(db, *_exemption_counts(assignments))}
+    return {row[0]: row[1] for row in select_core(db, *_exemption_counts(assignments))}
 
 
-@prepared
+@prepared_statement
 def _student_assignments(
     account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
 ) -> Select[*tuple[Any, ...]]:
@@ -136,8 +136,8 @@ def load_student_assignments(
     """Load the assignments of a student's classes, archived ones excepted, that may have opened by then, also by an
     exemption; with `exercise`, those that contain it. Each has the student's groups, and whether there are exemptions.
     """
-    rows = ask(db, *_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None))
-    return [(assignment, groups, exempted) for assignment, (groups, exempted) in rows_of(Assignment, rows)]
+    rows = select_core(db, *_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None))
+    return [(assignment, groups, exempted) for assignment, (groups, exempted) in detached_instances(Assignment, rows)]
 
 
 def load_student_exemptions(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session, aliased
 from server.audit.models import AuditAction, AuditEvent
 from server.audit.schemas import AuditEntry, AuditFilter, PersonName
 from server.classes.models import Membership, SchoolClass
-from server.database import ask, prepared
+from server.database import prepared_statement, select_core
 from server.identity.models import Account
 
 
@@ -31,7 +31,7 @@ def load_entries(
     return [_event(row[0], _named(*row[1:5]), _named(*row[5:9])) for row in db.execute(query, values)]
 
 
-@prepared
+@prepared_statement
 def _log(
     class_id: UUID,
     student: UUID | None,
@@ -64,7 +64,7 @@ def _named(name: UUID | None, own: str | None, given: str | None, family: str | 
     return None if name is None else PersonName(name, " ".join(filter(None, (given, family))) or own or "")
 
 
-@prepared
+@prepared_statement
 def _count(
     class_id: UUID, student: UUID | None, what: AuditAction | None, *, one_student: bool, one_kind: bool
 ) -> Select[int]:
@@ -73,7 +73,7 @@ def _count(
 
 
 def count_entries(db: Session, class_id: UUID, wanted: AuditFilter) -> int:
-    return ask(db, *_count(class_id, wanted.student, wanted.what, **_asked(wanted))).scalar_one()
+    return select_core(db, *_count(class_id, wanted.student, wanted.what, **_asked(wanted))).scalar_one()
 
 
 def _asked(wanted: AuditFilter) -> _Asked:

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import ActiveStudent, JoinedClass, Member, StudentRecord, display_name, name_sort_key
-from server.database import ask, prepared
+from server.database import prepared_statement, select_core
 from server.identity.models import Account
 
 Ts = TypeVarTuple("Ts")
@@ -217,7 +217,7 @@ def update_last_seen(db: Session, account_id: UUID, now: datetime, unless_since:
     )
 
 
-@prepared
+@prepared_statement
 def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
     return (
         select(Membership.last_seen_at, SchoolClass.archived_at)
@@ -228,7 +228,7 @@ def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
 
 def load_presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
     """Load, for each class of an active member, when they were last seen there and when it was archived."""
-    return ask(db, *_presence(account_id)).all()
+    return select_core(db, *_presence(account_id)).all()
 
 
 def is_presence_stale(db: Session, account_id: UUID, unless_since: datetime) -> bool:

@@ -1,13 +1,19 @@
 """The options of what authors run: `balise new`, `balise schema`, `balise preview`."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from server.cli.options import bounded
 
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
+class Commands(Protocol):
+    """What `ArgumentParser.add_subparsers` returns; its class has no public name."""
+
+    @property
+    def add_parser(self) -> Callable[..., argparse.ArgumentParser]: ...
+
 
 #: What there are skeletons of: each is a folder of `server/authoring/skeletons`.
 KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
@@ -15,7 +21,7 @@ KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
 EDITION = "edition"
 
 
-def add(commands: "Commands") -> None:
+def add(commands: Commands) -> None:
     help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
     _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "écrit les schémas des fichiers TOML d’un cours, pour que l’éditeur en complète les clés"

@@ -12,7 +12,7 @@ from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import ReceivedNote, SentNote
-from server.database import ask, prepared, rows_of, table_of
+from server.database import detached_instances, prepared_statement, select_core, table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -21,7 +21,7 @@ MAX_RECEIVED_NOTES = 20
 MAX_CLASS_NOTES = 100
 
 
-@prepared
+@prepared_statement
 def _ranked_phrases(account_id: UUID, exercise: str, misconception: str | None, *, limit: int) -> Select[Phrase]:
     misconception_rank = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
     exercise_rank = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
@@ -123,7 +123,7 @@ def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
     db.execute(insert(table_of(NoteReader)), rows)
 
 
-@prepared
+@prepared_statement
 def _received_notes(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -> Select[*tuple[Any, ...]]:
     query = (
         select(*table_of(Note).c, Account.name, NoteReader.seen_at)
@@ -141,8 +141,8 @@ def load_received_notes(
     db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False
 ) -> Sequence[ReceivedNote]:
     """Load the notes sent to an account, newest first, on one exercise or on all."""
-    rows = ask(db, *_received_notes(account_id, exercise or "", everywhere=exercise is None, unread=unread))
-    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, rows)]
+    rows = select_core(db, *_received_notes(account_id, exercise or "", everywhere=exercise is None, unread=unread))
+    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in detached_instances(Note, rows)]
 
 
 def load_all_received_notes(db: Session, account_id: UUID) -> Sequence[ReceivedNote]:

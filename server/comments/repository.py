@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, UnreadThread
-from server.database import END_OF_TIME, ask, prepared, rows_of, table_of
+from server.database import END_OF_TIME, detached_instances, prepared_statement, select_core, table_of
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -40,7 +40,7 @@ def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
     return db.execute(query).scalar_one()
 
 
-@prepared
+@prepared_statement
 def _threads_on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[*tuple[Any, ...]]:
     at, own_id = type_coerce(sent_at, Submission.created_at.type), type_coerce(submission_id, Submission.id.type)
     earlier = select(Submission.id).where(
@@ -61,7 +61,7 @@ def _threads_on(account_id: UUID, exercise: str, sent_at: datetime, submission_i
 def load_threads_for_submission(db: Session, submission: Submission) -> Sequence[Thread]:
     """Load the threads of a submission, and the unsettled ones on lines of the author's earlier submissions."""
     query = _threads_on(submission.account_id, submission.exercise, submission.created_at, submission.id)
-    return [thread for thread, _ in rows_of(Thread, ask(db, *query))]
+    return [thread for thread, _ in detached_instances(Thread, select_core(db, *query))]
 
 
 def load_exercise_threads(
@@ -97,7 +97,7 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
     return {submission.id: submission for submission in db.execute(query).scalars()}
 
 
-@prepared
+@prepared_statement
 def _on_page(account_id: UUID, exercise: str) -> Select[*tuple[Any, ...]]:
     query = select(*table_of(Thread).c).where(
         _on_exercise(account_id, exercise), or_(Thread.submission_id.is_(None), _is_unread())
@@ -107,7 +107,7 @@ def _on_page(account_id: UUID, exercise: str) -> Select[*tuple[Any, ...]]:
 
 def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """Load the threads on an exercise as a whole, and those that the student has not read, oldest first."""
-    return [thread for thread, _ in rows_of(Thread, ask(db, *_on_page(account_id, exercise)))]
+    return [thread for thread, _ in detached_instances(Thread, select_core(db, *_on_page(account_id, exercise)))]
 
 
 def _is_unread() -> ColumnElement[bool]:
@@ -198,7 +198,7 @@ def count_open_questions_by_class(db: Session, classes: Collection[UUID]) -> Map
     return dict(db.execute(query).all())
 
 
-@prepared
+@prepared_statement
 def _open_question_counts(account_id: UUID, until: datetime, *, all_times: bool) -> Select[str, int]:
     query = select(Thread.exercise, func.count()).where(
         Thread.account_id == account_id, Thread.state == ThreadState.open
@@ -207,7 +207,9 @@ def _open_question_counts(account_id: UUID, until: datetime, *, all_times: bool)
 
 
 def count_open_questions(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
-    return dict(ask(db, *_open_question_counts(account_id, until or END_OF_TIME, all_times=until is None)).all())
+    return dict(
+        select_core(db, *_open_question_counts(account_id, until or END_OF_TIME, all_times=until is None)).all()
+    )
 
 
 def _readable_in(school_class: SchoolClass) -> ColumnElement[bool]:

@@ -10,29 +10,32 @@ from server.database.engine import (
     run_after_commit,
     upsert_statement,
 )
-from server.database.prepared import ask, change, loaded, one_of, prepared, rows_of
-from server.database.told import Copies, Telling, Told
+from server.database.hot_path import (
+    detached_instance,
+    detached_instances,
+    equals_any,
+    prepared_statement,
+    select_core,
+    write_core,
+)
 
 __all__ = [
     "END_OF_TIME",
     "MAX_CONNECTIONS",
     "STARTUP_TIMEOUT",
     "Base",
-    "Copies",
     "Database",
-    "Telling",
-    "Told",
     "UtcDateTime",
-    "ask",
-    "change",
+    "detached_instance",
+    "detached_instances",
+    "equals_any",
     "is_lock_timeout",
     "is_unavailable",
-    "loaded",
-    "one_of",
-    "prepared",
-    "rows_of",
+    "prepared_statement",
     "run_after_commit",
+    "select_core",
     "table_of",
     "upsert_statement",
     "utc_now",
+    "write_core",
 ]

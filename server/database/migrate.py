@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Engine, inspect, text
 
-from server.database.beginning import writing
+from server.database.engine import writing_engine
 
 if TYPE_CHECKING:
     from alembic.config import Config
@@ -39,7 +39,7 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
 
     Raises WrongSchema, before anything changes, where the database comes from a newer Balise.
     """
-    with writing(engine).begin() as connection:
+    with writing_engine(engine).begin() as connection:
         lock_migrations(connection)
         upgrade_connection(connection, revision)
 

@@ -8,11 +8,11 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise
 from server.classes.models import ClassRole, Membership, Status
-from server.database import ask, prepared
+from server.database import prepared_statement, select_core
 from server.gradebook.models import Standing
 
 
-@prepared
+@prepared_statement
 def _finished(class_id: UUID, assignments: Collection[UUID]) -> Select[UUID, int]:
     asked = (
         select(AssignedExercise.assignment_id, func.count().label("asked"))
@@ -45,4 +45,4 @@ def _finished(class_id: UUID, assignments: Collection[UUID]) -> Select[UUID, int
 
 def finished(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """How many students of the class have once succeeded in every exercise of each assignment, whenever that was."""
-    return {row[0]: row[1] for row in ask(db, *_finished(class_id, assignments))}
+    return {row[0]: row[1] for row in select_core(db, *_finished(class_id, assignments))}

@@ -25,7 +25,7 @@ from sqlalchemy.orm import Session, defer, undefer
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import ask, change, table_of
+from server.database import select_core, table_of, write_core
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
@@ -147,7 +147,7 @@ def count_distinct_failures(
 
 def lock_submission(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
     """Lock the row of a submission until the commit. Return author, exercise, time and counting grading."""
-    return ask(db, LOCK_SUBMISSION, {"submission": submission_id}).one_or_none()
+    return select_core(db, LOCK_SUBMISSION, {"submission": submission_id}).one_or_none()
 
 
 def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
@@ -170,7 +170,7 @@ def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID
         "filmed": list(judgement.films) or None,
         "films": judgement.films or None,
     }
-    change(db, ADD_GRADING, row)
+    write_core(db, ADD_GRADING, row)
     return grading_id
 
 
@@ -189,7 +189,7 @@ def load_with_author(db: Session, submission_id: UUID) -> tuple[Submission, Acco
 
 def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Make one of a submission's gradings count."""
-    change(db, SET_COUNTING, {"submission": submission_id, "grading": grading_id})
+    write_core(db, SET_COUNTING, {"submission": submission_id, "grading": grading_id})
 
 
 def set_counting_gradings(db: Session, grading_by_submission: Mapping[UUID, UUID]) -> None:

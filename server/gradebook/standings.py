@@ -13,7 +13,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import change, table_of, upsert_statement
+from server.database import table_of, upsert_statement, write_core
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -88,7 +88,7 @@ def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: Counted
     No two attempts of one account have the same time: the rate limit of the account serialises them.
     """
     row = {"account_id": account_id, "exercise": exercise, **vars(compute_totals([attempt]))}
-    change(db, _count_statement(db.get_bind().dialect.name), row)
+    write_core(db, _count_statement(db.get_bind().dialect.name), row)
 
 
 @cache

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import ask, prepared, rows_of, table_of, upsert_statement, utc_now
+from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 _enabled = Account.disabled_at.is_(None)
@@ -26,7 +26,7 @@ def find_account_by_login(db: Session, login: str) -> Account | None:
 _accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, table_of(ApiToken).c
 
 
-@prepared
+@prepared_statement
 def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts).join(_sessions.token_digest.table, _sessions.account_id == _accounts.c.id)
     good = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
@@ -35,11 +35,11 @@ def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 
 def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     """Whose session it is. What is given back is not the session's."""
-    row = ask(db, *_by_session(token_digest, now)).one_or_none()
-    return None if row is None else next(rows_of(Account, [row]))[0]
+    row = select_core(db, *_by_session(token_digest, now)).one_or_none()
+    return None if row is None else next(detached_instances(Account, [row]))[0]
 
 
-@prepared
+@prepared_statement
 def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts, _tokens.last_used_at).join(_tokens.id.table, _tokens.account_id == _accounts.c.id)
     good = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
@@ -48,10 +48,10 @@ def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 
 def find_account_by_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
     """Whose token it is, and when it last served. What is given back is not the session's."""
-    row = ask(db, *_by_api_token(token_digest, now)).one_or_none()
+    row = select_core(db, *_by_api_token(token_digest, now)).one_or_none()
     if row is None:
         return None
-    account, (last_used_at,) = next(rows_of(Account, [row]))
+    account, (last_used_at,) = next(detached_instances(Account, [row]))
     return account, last_used_at
 
 

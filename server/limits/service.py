@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import RateLimited
 from server.base.settings import BucketSettings
-from server.database import ask, change, table_of, upsert_statement, utc_now
+from server.database import select_core, table_of, upsert_statement, utc_now, write_core
 from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
@@ -27,7 +27,7 @@ def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> N
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise RateLimited(refusal.format(seconds=wait), retry_after=wait)
-    change(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
+    write_core(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
 
 
 def give_back_token(db: Session, key: str) -> None:
@@ -53,9 +53,9 @@ def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
 
 
 def _locked(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
-    known = ask(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
+    known = select_core(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
     if known is not None:
         return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
-    return ask(db, LOCK_BUCKET, {"bucket": key}).one()
+    return select_core(db, LOCK_BUCKET, {"bucket": key}).one()

@@ -9,7 +9,7 @@ from sqlalchemy import Select, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
-from server.database import ask, prepared, table_of, upsert_statement, utc_now
+from server.database import prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import Said
 
@@ -43,7 +43,7 @@ def first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mappin
     return dict(db.execute(query).all())
 
 
-@prepared
+@prepared_statement
 def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
     columns = (PollAnswer.poll, PollAnswer.answer, PollAnswer.last)
     query = select(*columns, func.count()).join(Membership, Membership.account_id == PollAnswer.account_id)
@@ -58,10 +58,10 @@ def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
 
 def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
     """How the active students of a class answered these polls: one query for all."""
-    return [Said._make(row) for row in ask(db, *_spread(class_id, polls))]
+    return [Said._make(row) for row in select_core(db, *_spread(class_id, polls))]
 
 
-@prepared
+@prepared_statement
 def _students(class_id: UUID) -> Select[int]:
     active = (Membership.role == ClassRole.student, Membership.status == Status.active)
     return select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
@@ -69,7 +69,7 @@ def _students(class_id: UUID) -> Select[int]:
 
 def students(db: Session, class_id: UUID) -> int:
     """How many active students a class has."""
-    found: int = ask(db, *_students(class_id)).scalar_one()
+    found: int = select_core(db, *_students(class_id)).scalar_one()
     return found
 
 

@@ -26,7 +26,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session, aliased
 
-from server.database import UtcDateTime, ask, change, table_of, utc_now
+from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
 from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
 from server.queue.interfaces import Lease, Sender, WorkerCapabilities
 from server.queue.models import Job
@@ -175,7 +175,7 @@ def claim_time(db: Session) -> datetime:
 def load_flow_state(db: Session, sender: Sender) -> FlowState:
     """Load the turns and the backlog against which a new job of this sender is scheduled."""
     parameters = {"rank": sender.rank, "line": sender.flow, "sender": sender.name, "address": sender.address}
-    return FlowState(*ask(db, FLOW_STATE, parameters).one())
+    return FlowState(*select_core(db, FLOW_STATE, parameters).one())
 
 
 def push_back_flow(db: Session, sender: Sender, own_turn: int) -> int:
@@ -192,7 +192,7 @@ def insert_job(
     job = {"id": job_id, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
     origin = {"sender": sender.name, "address": sender.address, "line": sender.flow}
     schedule = {"turn": turn.flow, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
-    change(db, INSERT, {**job, **origin, **schedule})
+    write_core(db, INSERT, {**job, **origin, **schedule})
     return job_id
 
 
@@ -209,9 +209,9 @@ def claim(
     """Lease the next waiting job."""
     parameters = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
     if able is None:
-        row = ask(db, CLAIM, parameters).one_or_none()
+        row = select_core(db, CLAIM, parameters).one_or_none()
     else:
-        row = ask(db, CLAIM_CAPABLE, {**parameters, **_capability_parameters(able, now)}).one_or_none()
+        row = select_core(db, CLAIM_CAPABLE, {**parameters, **_capability_parameters(able, now)}).one_or_none()
     if row is None:
         return None
     return Lease(
@@ -241,7 +241,7 @@ def extend_lease(db: Session, job_id: UUID, token: UUID, until: datetime) -> boo
 def delete_leased(db: Session, job_id: UUID, token: UUID) -> bool:
     """Delete the job if its lease is still held; return whether it was."""
     statement = END_WITH_IDLE_TIMEOUT if db.get_bind().dialect.name == "postgresql" else END
-    return ask(db, statement, {"held": job_id, "by": token}).first() is not None
+    return select_core(db, statement, {"held": job_id, "by": token}).first() is not None
 
 
 def release_lease(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, aliased
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
-from server.database import ask, prepared, table_of
+from server.database import prepared_statement, select_core, table_of
 from server.gradebook.models import Grading
 from server.regrades.differences import VerdictDifference
 from server.regrades.models import Regrade, RegradeItem
@@ -177,7 +177,7 @@ def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, whe
     return dict(db.execute(query).all())
 
 
-@prepared
+@prepared_statement
 def _applied_regrade(grading_id: UUID) -> Select[datetime | None, float | None, float | None, Any]:
     return (
         select(Regrade.applied_at, _before.score, _after.score, RegradeItem.differences)
@@ -191,7 +191,7 @@ def _applied_regrade(grading_id: UUID) -> Select[datetime | None, float | None, 
 
 def find_applied_regrade(db: Session, grading_id: UUID) -> AppliedRegrade | None:
     """Return the applied regrade by which this grading counts."""
-    row = ask(db, *_applied_regrade(grading_id)).one_or_none()
+    row = select_core(db, *_applied_regrade(grading_id)).one_or_none()
     if row is None or row[0] is None:
         return None
     return AppliedRegrade(row[0], row[1], row[2], tuple(map(VerdictDifference.from_json, row[3])))

@@ -9,13 +9,13 @@ from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
-from server.database import ask, one_of, prepared
+from server.database import equals_any, prepared_statement, select_core
 from server.identity.models import Account
 
 STAFF = (ClassRole.assistant, ClassRole.teacher)
 
 
-@prepared
+@prepared_statement
 def _reads_work(
     reader: UUID, author: UUID, module: str, sent_at: datetime, *, seats: tuple[ClassRole, ...]
 ) -> Select[UUID]:
@@ -28,7 +28,7 @@ def _reads_work(
             SchoolClass.module == module,
             or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= sent_at),
             staff.account_id == reader,
-            one_of(staff.role, seats),
+            equals_any(staff.role, seats),
             staff.status == Status.active,
             student.account_id == author,
             student.role == ClassRole.student,
@@ -48,10 +48,10 @@ def may_read_work(
     db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[ClassRole] = STAFF
 ) -> bool:
     """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
-    return ask(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
+    return select_core(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
 
 
-@prepared
+@prepared_statement
 def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> Select[Membership, Account]:
     query = (
         select(Membership, Account)
@@ -75,7 +75,7 @@ def find_member_for_reader(db: Session, reader: UUID | None, author: UUID, modul
     return None if row is None else Member(*row)
 
 
-@prepared
+@prepared_statement
 def _has_readers(author: UUID, module: str) -> Select[UUID]:
     staff = aliased(Membership)
     return (
@@ -87,7 +87,7 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
             Membership.account_id == author,
             Membership.role == ClassRole.student,
             Membership.status == Status.active,
-            one_of(staff.role, STAFF),
+            equals_any(staff.role, STAFF),
             staff.status == Status.active,
         )
         .limit(1)
@@ -96,7 +96,7 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:
     """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
-    return ask(db, *_has_readers(author, module)).first() is not None
+    return select_core(db, *_has_readers(author, module)).first() is not None
 
 
 def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
@@ -110,7 +110,7 @@ def is_student(db: Session, account_id: UUID, module: str) -> bool:
     return db.execute(select(seats.exists())).scalar_one()
 
 
-@prepared
+@prepared_statement
 def _of_teacher(account_id: UUID, module: str) -> Select[SchoolClass]:
     query = select(SchoolClass).where(
         _is_open(module), SchoolClass.id.in_(_seats(account_id, module, (ClassRole.teacher,)))
@@ -140,6 +140,6 @@ def _seats(account_id: UUID, module: str, seats: Sequence[ClassRole]) -> Select[
             SchoolClass.module == module,
             Membership.account_id == account_id,
             Membership.status == Status.active,
-            one_of(Membership.role, seats),
+            equals_any(Membership.role, seats),
         )
     )

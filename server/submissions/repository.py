@@ -8,7 +8,15 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import ask, change, loaded, prepared, table_of, upsert_statement, utc_now
+from server.database import (
+    detached_instance,
+    prepared_statement,
+    select_core,
+    table_of,
+    upsert_statement,
+    utc_now,
+    write_core,
+)
 from server.submissions.models import Submission, Variant
 
 
@@ -31,7 +39,7 @@ GRADING_ROW = select(*(_submissions.c[name] for name in GradingRow._fields)).whe
 )
 
 
-@prepared
+@prepared_statement
 def _by_id(submission_id: UUID) -> Select[Submission]:
     return select(Submission).where(Submission.id == submission_id)
 
@@ -41,14 +49,14 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
 
 
 def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
-    row = ask(db, GRADING_ROW, {"submission": submission_id}).one_or_none()
+    row = select_core(db, GRADING_ROW, {"submission": submission_id}).one_or_none()
     return None if row is None else GradingRow(*row)
 
 
 def add(db: Session, **values: Any) -> Submission:
     """Insert a submission that waits for its first grading; the returned object is detached."""
-    change(db, INSERT, values)
-    return loaded(Submission, {**values, "grading_id": None}.items())
+    write_core(db, INSERT, values)
+    return detached_instance(Submission, {**values, "grading_id": None}.items())
 
 
 def ungraded(db: Session) -> Sequence[Submission]:
@@ -57,7 +65,7 @@ def ungraded(db: Session) -> Sequence[Submission]:
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
-@prepared
+@prepared_statement
 def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
     query = (
         select(Submission.exercise, func.count())
@@ -69,7 +77,7 @@ def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str
 
 def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
     """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
-    return dict(ask(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
+    return dict(select_core(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
 def count_waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
@@ -105,18 +113,18 @@ def move_submissions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
 
 
-@prepared
+@prepared_statement
 def _seed(account_id: UUID, exercise: str) -> Select[int]:
     return select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
 
 
 def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
-    return ask(db, *_seed(account_id, exercise)).scalar_one_or_none()
+    return select_core(db, *_seed(account_id, exercise)).scalar_one_or_none()
 
 
 def load_seed(db: Session, account_id: UUID, exercise: str) -> int:
     """Load a seed that exists."""
-    seed: int = ask(db, *_seed(account_id, exercise)).scalar_one()
+    seed: int = select_core(db, *_seed(account_id, exercise)).scalar_one()
     return seed
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
+from typing import Any
 
 from pygments import highlight as draw
 from pygments.filter import Filter
 from pygments.formatters import HtmlFormatter
 from pygments.lexer import Lexer
 from pygments.lexers import get_lexer_by_name
-from pygments.token import STANDARD_TYPES, Text, _TokenType
+from pygments.token import STANDARD_TYPES, Text
 from pygments.util import ClassNotFound
 
 from server.base.caches import LRUCache
@@ -70,6 +71,6 @@ def _lexer(language: str) -> Lexer | None:
 
 
 class _OnlyColoured(Filter):
-    def filter(self, lexer: Lexer | None, stream: Iterable[tuple[_TokenType, str]]) -> Iterator[tuple[_TokenType, str]]:
+    def filter(self, lexer: Lexer | None, stream: Iterable[tuple[Any, str]]) -> Iterator[tuple[Any, str]]:
         for kind, value in stream:
             yield (kind if STANDARD_TYPES.get(kind) in COLOURED else Text), value

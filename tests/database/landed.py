@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from sqlalchemy import Connection, Engine
 
 from graders.core.contract.outcomes import Outcome
-from server.database.beginning import writing
+from server.database.engine import writing_engine
 from server.database.migrate import upgrade
 from server.identity.secrets import digest
 
@@ -59,7 +59,7 @@ class Landed:
         self.sent: dict[str, UUID] = {}
         self._clock = NOON
         upgrade(engine, BEFORE)
-        with writing(engine).begin() as self._connection:
+        with writing_engine(engine).begin() as self._connection:
             self._people()
             self._attempts()
             self._what_was_given()

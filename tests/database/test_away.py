@@ -36,7 +36,7 @@ def away() -> OperationalError:
 
 @pytest.fixture(autouse=True)
 def _asked_again_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engines, "AGAIN_SECONDS", 0.01)
+    monkeypatch.setattr(engines, "RETRY_SECONDS", 0.01)
 
 
 def failure(database: Database, statement: str) -> DBAPIError:

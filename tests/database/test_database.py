@@ -175,13 +175,13 @@ def test_a_new_file_whose_mode_another_process_changes_is_asked_again(monkeypatc
             if len(asked) < 3:
                 raise busy
 
-    monkeypatch.setattr(engine, "MODE_PAUSE", 0.0)
-    engine._set(Connection(), "journal_mode=WAL")
+    monkeypatch.setattr(engine, "WAL_RETRY_SECONDS", 0.0)
+    engine._set_pragma(Connection(), "journal_mode=WAL")
     assert asked == 3 * ["PRAGMA journal_mode=WAL"]
     asked.clear()
-    monkeypatch.setattr(engine, "MODE_SECONDS", -1.0)
+    monkeypatch.setattr(engine, "WAL_TIMEOUT", -1.0)
     with pytest.raises(sqlite3.OperationalError):
-        engine._set(Connection(), "journal_mode=WAL")
+        engine._set_pragma(Connection(), "journal_mode=WAL")
 
 
 STARTS = """

@@ -8,7 +8,7 @@ from sqlalchemy.orm.exc import DetachedInstanceError
 
 from server.classes import repository
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import Database, loaded, one_of, table_of
+from server.database import Database, detached_instance, equals_any, table_of
 from server.identity.models import Account
 from tests.support.service import new_account
 
@@ -20,7 +20,7 @@ def test_a_row_of_columns_is_what_a_closed_session_leaves(database: Database) ->
     with database.read() as db:
         (row,) = db.execute(select(*columns).where(columns.id == made.id)).all()
         kept = db.execute(select(Account).where(Account.id == made.id)).scalar_one()
-        found = loaded(Account, zip(names, row, strict=True))
+        found = detached_instance(Account, zip(names, row, strict=True))
         assert found not in db
         assert {name: getattr(found, name) for name in names} == dict(zip(names, row, strict=True))
     assert inspect(found).detached
@@ -53,7 +53,7 @@ def test_a_class_is_listed_alike_for_who_changes_it_and_for_who_looks(database: 
 
 def test_a_column_that_was_not_asked_for_is_an_error(database: Database) -> None:
     made = new_account(database)
-    found = loaded(Account, [("id", made.id), ("name", "Ada")])
+    found = detached_instance(Account, [("id", made.id), ("name", "Ada")])
     assert found.name == "Ada"
     with pytest.raises(DetachedInstanceError):
         _ = found.login
@@ -61,11 +61,11 @@ def test_a_column_that_was_not_asked_for_is_an_error(database: Database) -> None
 
 def test_one_of_a_few_asks_what_a_list_would_without_making_the_text_anew() -> None:
     few = (Status.active, Status.left)
-    either = select(Membership.account_id).where(one_of(Membership.status, few))
+    either = select(Membership.account_id).where(equals_any(Membership.status, few))
     listed = select(Membership.account_id).where(Membership.status.in_(few))
     assert not _remade(either)
     assert _remade(listed)
-    assert str(one_of(Membership.status, few[:1])) == str(Membership.status == few[0])
+    assert str(equals_any(Membership.status, few[:1])) == str(Membership.status == few[0])
 
 
 def _remade(query: object) -> bool:

@@ -8,14 +8,14 @@ from uuid import UUID, uuid4
 
 from sqlalchemy import Select, select
 
-from server.database import Database, ask, prepared
+from server.database import Database, prepared_statement, select_core
 from server.identity.models import Account, Role
 
 
 def test_a_statement_is_made_once_and_asked_with_each_ones_values(sqlite: Database) -> None:
     made: list[bool] = []
 
-    @prepared
+    @prepared_statement
     def named(role: str, names: Collection[str], *, backwards: bool) -> Select[Any]:
         made.append(backwards)
         query = select(Account.name).where(Account.role == role, Account.name.in_(names))
@@ -38,14 +38,14 @@ def test_what_is_asked_the_short_way_is_of_the_same_transaction_with_what_waits_
     named = select(Account.name, Account.created_at).where(Account.name == "Ada")
     ada = Account(name="Ada")
     with sqlite.write() as db:
-        assert ask(db, named, {}).all() == []
+        assert select_core(db, named, {}).all() == []
         db.add(ada)
-        assert [tuple(row) for row in ask(db, named, {})] == [("Ada", ada.created_at)]
+        assert [tuple(row) for row in select_core(db, named, {})] == [("Ada", ada.created_at)]
         ada.name = "Grace"
-        assert ask(db, named, {}).all() == []
+        assert select_core(db, named, {}).all() == []
         db.rollback()
     with sqlite.read() as db:
-        assert ask(db, select(Account.name), {}).all() == []
+        assert select_core(db, select(Account.name), {}).all() == []
 
 
 def test_the_same_identity_is_the_same_object(sqlite: Database) -> None:
