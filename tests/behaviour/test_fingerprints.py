@@ -60,7 +60,7 @@ def bob(database: Database, made: SchoolClass) -> Account:
     return seat(database, made, new_account(database, name="Bob"))
 
 
-def test_programs_that_answer_alike_come_together_however_they_are_written(
+def test_programs_with_equal_answers_share_a_group(
     database: Database, ada: Account, bob: Account, both: Settings
 ) -> None:
     first, again = sent(database, ada, SUM), sent(database, bob, SUM_AGAIN)
@@ -78,7 +78,9 @@ def test_programs_that_answer_alike_come_together_however_they_are_written(
     assert ask_all(database, both) == 0
 
 
-def test_who_is_asked(database: Database, made: SchoolClass, ada: Account, both: Settings) -> None:
+def test_failed_attempts_of_students_are_observed(
+    database: Database, made: SchoolClass, ada: Account, both: Settings
+) -> None:
     """Failed attempts of students who are in a class, named or not; no other."""
     asked = {sent(database, ada, SUM), sent(database, ada, SUM, failed_verdict(named="known"))}
     sent(database, ada, SUM, failed_verdict(outcome=Outcome.SYNTAX_ERROR))
@@ -90,7 +92,7 @@ def test_who_is_asked(database: Database, made: SchoolClass, ada: Account, both:
     assert groups(database).keys() == asked
 
 
-def test_a_sweep_puts_one_job_at_a_time_behind_every_grading(database: Database, ada: Account, both: Settings) -> None:
+def test_a_sweep_queues_one_job_behind_all_gradings(database: Database, ada: Account, both: Settings) -> None:
     for _ in range(3):
         sent(database, ada, SUM)
     sweeper = FingerprintSweeper(database, QUIET, the_course())
@@ -106,9 +108,7 @@ def test_a_sweep_puts_one_job_at_a_time_behind_every_grading(database: Database,
         assert (lease.kind, lease.key) == (GRADE, str(waiting.id))
 
 
-def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
-    database: Database, made: SchoolClass, both: Settings
-) -> None:
+def test_sweeps_look_at_new_attempts_and_hourly_at_all(database: Database, made: SchoolClass, both: Settings) -> None:
     now = [utc_now()]
     sweeper = FingerprintSweeper(database, QUIET, the_course(), clock=lambda: now[0])
     sweeper.sweep()
@@ -124,7 +124,7 @@ def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
     assert asking_worker(database, both).run_one()
 
 
-def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
+def test_an_attempt_deleted_before_or_during_its_job_leaves_nothing(
     database: Database, ada: Account, both: Settings
 ) -> None:
     def forgetting(_policy: Policy, _library: object) -> Programs:
@@ -140,9 +140,7 @@ def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
     assert fingerprints(database) == 0
 
 
-def test_an_exercise_that_changed_meanwhile_is_not_asked_with_other_questions(
-    database: Database, ada: Account, both: Settings
-) -> None:
+def test_an_exercise_that_changed_meanwhile_is_not_observed(database: Database, ada: Account, both: Settings) -> None:
     sent(database, ada, SUM)
     FingerprintSweeper(database, QUIET, the_course()).sweep()
     course, exercise = the_course(), the_course().exercises[EXERCISE]
@@ -155,7 +153,7 @@ def test_an_exercise_that_changed_meanwhile_is_not_asked_with_other_questions(
     assert fingerprints(database) == 0
 
 
-def test_a_program_that_cannot_be_asked_is_given_up_and_the_next_one_has_its_turn(
+def test_a_crashing_program_is_given_up_and_the_next_one_observed(
     database: Database, ada: Account, both: Settings, caplog: pytest.LogCaptureFixture
 ) -> None:
     def broken(_policy: Policy) -> Programs:
@@ -171,7 +169,7 @@ def test_a_program_that_cannot_be_asked_is_given_up_and_the_next_one_has_its_tur
     assert give_up_handlers().keys() == {FINGERPRINT}
 
 
-def test_programs_that_show_nothing_wrong_are_alike_with_their_own_text_alone(
+def test_programs_without_wrong_answers_share_groups_by_source_only(
     database: Database, ada: Account, bob: Account, both: Settings
 ) -> None:
     right = the_course().exercises[EXERCISE].solution
@@ -197,9 +195,7 @@ def test_a_program_that_only_lacks_a_function_has_no_group(database: Database, a
     assert groups(database)[wrong] is not None
 
 
-def test_groups_that_nobody_is_in_any_more_go_unless_they_have_a_name(
-    database: Database, ada: Account, both: Settings
-) -> None:
+def test_empty_groups_are_deleted_unless_named(database: Database, ada: Account, both: Settings) -> None:
     sent(database, ada, SUM)
     ask_all(database, both)
     with database.write() as db:
@@ -226,7 +222,7 @@ HOSTILE = {
 REST = "\ndef inverse(a):\n    return [0.0, 0.0, 0.0]\n\ndef relatif(a, b):\n    return [0.0, 0.0, 0.0]\n"
 
 
-def test_hostile_programs_come_to_groups_within_bounds(sqlite: Database, settings: Settings) -> None:
+def test_hostile_programs_are_grouped_within_bounds(sqlite: Database, settings: Settings) -> None:
     """What draws or reads the clock is known by its steady answers; what never loads, by its text."""
     made = new_class(sqlite, new_account(sqlite, Role.teacher))
     ada = seat(sqlite, made, new_account(sqlite))
@@ -261,7 +257,7 @@ def test_hostile_programs_come_to_groups_within_bounds(sqlite: Database, setting
     assert sizes < 10 * MAX_TOTAL_ITEMS
 
 
-def test_of_two_groups_that_are_near_the_first_one_takes_who_is_between(
+def test_the_older_of_two_near_groups_takes_a_program_between_them(
     database: Database, ada: Account, both: Settings
 ) -> None:
     """Equality up to a tolerance is not transitive: the order of coming decides, and stays."""

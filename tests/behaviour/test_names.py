@@ -116,7 +116,7 @@ def test_a_name_is_the_diagnosis_of_the_whole_group_now_and_later(scene: Scene) 
         assert "&lt;b&gt;a&lt;/b&gt; et <code>b</code>" in shown
 
 
-def test_what_was_found_never_changes_and_what_a_misconception_names_stays_so(scene: Scene) -> None:
+def test_stored_verdicts_and_known_misconceptions_never_change(scene: Scene) -> None:
     known = sent(scene.site.database, scene.ada.account, SUM, failed_verdict(named="known"))
     ask_all(scene.site.database, scene.site.settings)
     assert group_of(scene.site.database, known) == scene.group
@@ -129,7 +129,7 @@ def test_what_was_found_never_changes_and_what_a_misconception_names_stays_so(sc
         assert [(one.id, one.verdict, one.diagnosis) for one in db.execute(select(Grading)).scalars()] == before
 
 
-def test_a_name_is_of_one_class(scene: Scene) -> None:
+def test_a_name_belongs_to_one_class(scene: Scene) -> None:
     durand = person(scene.site, Role.teacher, "M. Durand")
     elsewhere = new_class(scene.site.database, durand.account, "PSI")
     carl = person(scene.site, name="Carl")
@@ -146,7 +146,7 @@ def test_a_name_is_of_one_class(scene: Scene) -> None:
     assert scene.diagnosis(scene.ada, scene.by_ada)["title"] == WORDS["title"]
 
 
-def test_a_name_is_changed_and_withdrawn_and_each_time_noted(scene: Scene) -> None:
+def test_changing_and_withdrawing_a_name_is_audited(scene: Scene) -> None:
     scene.name()
     scene.name()
     scene.name(title="Mieux dit")
@@ -173,17 +173,17 @@ def test_a_name_is_changed_and_withdrawn_and_each_time_noted(scene: Scene) -> No
         ({"question": "x" * 1001}, "1001"),
     ],
 )
-def test_words_are_bounded(scene: Scene, words: dict[str, str], says: str) -> None:
+def test_descriptions_are_bounded(scene: Scene, words: dict[str, str], says: str) -> None:
     assert says in scene.name(status=422, **words)["detail"]
     assert scene.diagnosis(scene.ada, scene.by_ada) is None
 
 
-def test_words_hold_nothing_that_hides() -> None:
+def test_descriptions_hold_no_invisible_characters() -> None:
     given = service.parse_description("  Une\u202e \x00erreur\n\n", "a\r\n\r\n\tb \ud800\n", "")
     assert given == service.GroupDescription("Une erreur", "a\n\n\tb", "")
 
 
-def test_what_is_not_there_is_not_found(scene: Scene) -> None:
+def test_unknown_groups_are_not_found(scene: Scene) -> None:
     for names in (
         scene.names + "0",
         scene.names.replace("poses", "kabsch"),
@@ -192,7 +192,7 @@ def test_what_is_not_there_is_not_found(scene: Scene) -> None:
         assert scene.site.client.put(names, json=WORDS, headers=scene.martin.headers).status_code == 404
 
 
-def test_the_board_is_told_who_failed_alike(scene: Scene) -> None:
+def test_the_board_shows_groups_of_equal_failures(scene: Scene) -> None:
     students, exercises = [scene.ada.id, scene.bob.id], [EXERCISE]
     database = scene.site.database
 
@@ -246,7 +246,7 @@ def test_the_page_of_a_group(scene: Scene) -> None:
     assert scene.diagnosis(scene.ada, scene.by_ada) is None
 
 
-def test_a_page_asks_as_much_for_many_programs_as_for_two(scene: Scene) -> None:
+def test_a_group_page_takes_as_many_queries_for_many_programs(scene: Scene) -> None:
     teacher = scene.martin.browser(scene.site)
     teacher.get(scene.page)
     with Counted(scene.site.database) as few:
@@ -259,7 +259,7 @@ def test_a_page_asks_as_much_for_many_programs_as_for_two(scene: Scene) -> None:
     assert len(many.statements) == len(few.statements)
 
 
-def test_a_name_can_be_taken_into_the_course(scene: Scene, tmp_path: Path) -> None:
+def test_a_named_group_is_exported_for_the_course(scene: Scene, tmp_path: Path) -> None:
     """The archive, put where it belongs, is read by the loader of misconceptions, and behaves as the group."""
     teacher = scene.martin.browser(scene.site)
     assert teacher.get(f"{scene.page}/erreur.zip").status_code == 404
@@ -291,7 +291,7 @@ def test_a_name_can_be_taken_into_the_course(scene: Scene, tmp_path: Path) -> No
     assert same_answers(asked.observe(once_read, LOCAL).answers, asked.observe(SUM.encode(), LOCAL).answers)
 
 
-def test_an_exported_program_does_not_tell_who_wrote_it() -> None:
+def test_exported_programs_are_anonymous() -> None:
     source = '''\ufefffrom __future__ import annotations
 """Par Ada Lovelace."""
 # Ada
@@ -320,7 +320,7 @@ if __name__ == "__main__":
     assert names["composer"](1, 2) is None
 
 
-def test_ids_are_names_of_files() -> None:
+def test_misconception_ids_are_file_names() -> None:
     assert misconception_id("La rotation est oubliée !", ()) == "la_rotation_est_oubliee"
     assert misconception_id("../../etc", ()) == "etc"
     assert misconception_id("角度", ()) == "erreur"

@@ -84,16 +84,16 @@ def test_silent_students_are_stuck(sent: int, seen: int | None, quiet: bool) -> 
         (["9,5", "8,20"], {}),
     ],
 )
-def test_misconceptions_had_and_overcome(attempts: list[str], expected: dict[str, MisconceptionEpisode]) -> None:
+def test_misconception_episodes(attempts: list[str], expected: dict[str, MisconceptionEpisode]) -> None:
     assert dict(misconception_episodes(attempts_of(*attempts))) == expected
 
 
-def test_the_first_success_is_counted_and_timed() -> None:
+def test_first_success_has_number_and_minutes() -> None:
     assert first_success(attempts_of("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
     assert first_success(attempts_of("30,0")) is None
 
 
-def test_hints_open_after_different_failures_and_only_what_followed_is_told() -> None:
+def test_improvements_are_counted_after_hints_that_an_attempt_followed() -> None:
     codes = attempts_of("9,0,start", "8,0,a", "7,0,a", "6,5,b", "5,4,c", "4,9,d")
     assert list(improvements_after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
     assert list(improvements_after_hints(attempts_of("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [
@@ -102,7 +102,7 @@ def test_hints_open_after_different_failures_and_only_what_followed_is_told() ->
     ]
 
 
-def test_a_failure_is_unexplained_when_it_runs_and_has_no_name() -> None:
+def test_running_failures_without_misconception_are_unexplained() -> None:
     assert is_unexplained(attempts_of("9,5"))
     assert not is_unexplained(attempts_of("9,5,,a"))
     assert not is_unexplained(attempts_of("9,20"))
@@ -110,7 +110,7 @@ def test_a_failure_is_unexplained_when_it_runs_and_has_no_name() -> None:
     assert not is_unexplained((replace(one, outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
 
 
-def test_the_item_rest_correlation_correlation_is_hidden_under_twenty() -> None:
+def test_item_rest_correlation_is_hidden_under_twenty() -> None:
     people = [UUID(int=number) for number in range(20)]
     rising = {one: number / 20 for number, one in enumerate(people)}
     falling = {one: 1 - score for one, score in rising.items()}

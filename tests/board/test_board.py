@@ -73,9 +73,7 @@ def test_cells_and_counts(database: Database, course: Course, made: SchoolClass)
     assert [(one.n, one.solved, one.success) for one in insights.items] == [(2, 1, None), (1, 1, None)]
 
 
-def test_who_is_no_student_of_the_class_is_not_on_its_board(
-    database: Database, course: Course, made: SchoolClass
-) -> None:
+def test_only_students_of_the_class_are_on_its_board(database: Database, course: Course, made: SchoolClass) -> None:
     now = utc_now()
     (ada,) = seated(database, made, 1)
     others = {
@@ -97,7 +95,7 @@ def test_who_is_no_student_of_the_class_is_not_on_its_board(
     assert read(database, course, other_class)[0].counts.started == 1
 
 
-def test_marks_set_by_a_teacher_are_in_force(sqlite: Database, course: Course) -> None:
+def test_overrides_are_in_force_on_the_board(sqlite: Database, course: Course) -> None:
     made = new_class(sqlite, new_account(sqlite, Role.teacher))
     assign(sqlite, made, [EXERCISE, OTHER])
     ada, alan = seated(sqlite, made, 2)
@@ -177,7 +175,7 @@ def test_a_simulated_class_against_its_definitions(sqlite: Database, course: Cou
     assert sum(slot.attempts for slot in insights.days) == len(recent)
 
 
-def test_the_queries_do_not_grow_with_the_class(sqlite: Database, course: Course) -> None:
+def test_a_board_takes_as_many_queries_for_a_bigger_class(sqlite: Database, course: Course) -> None:
     def queries(students: int, exercises: int) -> int:
         made = new_class(sqlite, new_account(sqlite, Role.teacher))
         names = [one.id for one in course.modules["l20"].exercises][:exercises]
@@ -190,7 +188,7 @@ def test_the_queries_do_not_grow_with_the_class(sqlite: Database, course: Course
     assert queries(2, 1) == queries(30, 6) <= 7
 
 
-def test_failures_that_answer_alike_are_one_group(sqlite: Database, course: Course) -> None:
+def test_failures_with_equal_answers_are_one_group(sqlite: Database, course: Course) -> None:
     made = new_class(sqlite, new_account(sqlite, Role.teacher))
     students, now = seated(sqlite, made, 3), utc_now()
     sent = store(sqlite, [Sent(one, EXERCISE, now, 0.5) for one in students])

@@ -29,7 +29,7 @@ class Reste:
 '''
 
 
-def test_a_function_is_found_whole_and_alone() -> None:
+def test_a_function_is_extracted_whole_and_alone() -> None:
     found = extract_function(CODE, ["composer"])
     assert found.startswith("def composer(\n")
     assert found.endswith("return galois_evariste")
@@ -38,7 +38,7 @@ def test_a_function_is_found_whole_and_alone() -> None:
     assert extract_function("", ["composer"]) == ""
 
 
-def test_comments_texts_and_names_are_left_out() -> None:
+def test_comments_strings_and_names_are_removed() -> None:
     told = anonymise_extract(extract_function(CODE, ["composer"]), name_words(["Évariste Galois", "Li Wu"]))
     assert "nom_nom = a + b" in told
     assert "return nom_nom" in told
@@ -52,7 +52,7 @@ def test_comments_texts_and_names_are_left_out() -> None:
 @pytest.mark.parametrize(
     "code", ["(" * 50_000, "'" * 50_001, "\x00def f(:", 'f"{' * 20_000, "-" * 60_000 + "1", "é" * 9000]
 )
-def test_whatever_was_sent_is_read_within_bounds(code: str) -> None:
+def test_extracts_are_bounded_for_any_program(code: str) -> None:
     told = anonymise_extract(
         extract_function(f"def composer(a, b):\n    {code}\n", ["composer"]), name_words(["Ada Lovelace"])
     )

@@ -76,7 +76,7 @@ async def ended(boards: AsyncIterator[Board | None]) -> bool:
         return [board async for board in boards if board is not None] == []
 
 
-def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
+def test_a_grading_is_broadcast_to_all_streams_from_one_reading(
     watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read = live.load_board
@@ -102,7 +102,7 @@ def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
     in_a_loop(scene())
 
 
-def test_who_may_see_it_no_more_is_told_nothing_more(watched: Watched) -> None:
+def test_a_stream_ends_once_the_right_is_lost(watched: Watched) -> None:
     helper = seat(watched.database, watched.made, new_account(watched.database), ClassRole.assistant)
 
     async def scene() -> None:
@@ -118,14 +118,14 @@ def test_who_may_see_it_no_more_is_told_nothing_more(watched: Watched) -> None:
     in_a_loop(scene())
 
 
-def test_a_stranger_is_told_nothing(watched: Watched) -> None:
+def test_a_stranger_gets_an_empty_stream(watched: Watched) -> None:
     async def scene() -> None:
         assert await ended(watched.follow(new_account(watched.database)))
 
     in_a_loop(scene())
 
 
-def test_streams_end_with_their_time_their_class_and_the_server(watched: Watched) -> None:
+def test_streams_end_after_their_time_with_the_class_and_with_the_server(watched: Watched) -> None:
     async def over(end: Callable[[], object]) -> None:
         async with aclosing(watched.follow()) as stream:  # type: ignore[type-var]
             await news(stream)
@@ -148,7 +148,7 @@ def test_streams_end_with_their_time_their_class_and_the_server(watched: Watched
     in_a_loop(scene())
 
 
-def test_an_account_has_some_streams_only(watched: Watched) -> None:
+def test_streams_of_an_account_are_limited(watched: Watched) -> None:
     @contextmanager
     def streams(account: UUID) -> Iterator[None]:
         with watched.boards._stream(account):
@@ -168,7 +168,7 @@ def test_an_account_has_some_streams_only(watched: Watched) -> None:
     in_a_loop(scene())
 
 
-def test_a_reading_that_fails_ends_the_streams_and_the_next_begins_anew(
+def test_a_failed_reading_ends_the_streams(
     watched: Watched, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def fail(*_: object) -> Board:

@@ -151,7 +151,7 @@ def test_a_misconception_and_its_projection(site: Site, martin: Person, made: Sc
     assert text_of(browser, f"/classes/{made.id}/erreurs/l20/rien/{WRONG}", 404)
 
 
-def test_what_few_students_have_is_projected_by_choice_and_without_their_code(
+def test_a_rare_misconception_is_projected_by_choice_and_without_extracts(
     site: Site, martin: Person, made: SchoolClass
 ) -> None:
     browser = martin.browser(site)
@@ -164,7 +164,7 @@ def test_what_few_students_have_is_projected_by_choice_and_without_their_code(
     assert "<pre" not in chosen
 
 
-def test_a_student_has_their_own_page_and_none_of_the_board(site: Site, martin: Person, made: SchoolClass) -> None:
+def test_a_student_sees_their_own_page_and_no_board(site: Site, martin: Person, made: SchoolClass) -> None:
     href, _ = mistake(site, made, 5)
     ada, stranger = person(site), person(site, Role.teacher, "Autre")
     seat(site.database, made, ada.account)
@@ -193,7 +193,7 @@ def test_the_page_asks_no_more_for_more_students(site: Site, martin: Person, mad
     assert statements() == few <= 12
 
 
-def test_what_changes_is_told_as_the_page_draws_it(
+def test_stream_events_hold_the_same_html_as_the_page(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
     (ada,) = seated(site.database, made, 1)
@@ -217,7 +217,7 @@ def test_what_changes_is_told_as_the_page_draws_it(
     assert "event: outdated" in board_events(view, after, renamed)
 
 
-def test_the_stream_of_a_page_begins_with_what_it_shows(
+def test_the_stream_begins_with_the_version_of_the_page(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
     get_service(site.app, LiveBoards).max_stream_seconds = 0.0

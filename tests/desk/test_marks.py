@@ -130,7 +130,7 @@ def copies_of(martin: TestClient, path: str) -> tuple[zipfile.ZipFile, list[list
     return archive, list(csv.reader(io.StringIO(index, newline=""), delimiter=";"))[1:]
 
 
-def test_the_copies_that_count_with_names_or_without(term: Term, martin: TestClient, href: str) -> None:
+def test_archive_of_copies_with_names_or_pseudonyms(term: Term, martin: TestClient, href: str) -> None:
     first = term.assignment("../DM", {POSES: 1.0, ODOMETRY: 1.0})
     term.assignment("DM 2", {POSES: 1.0}, counts="last")
     twins = [term.student("Ada", "Lovelace") for _ in range(2)]
@@ -185,7 +185,7 @@ def test_the_page_asks_no_more_for_a_bigger_class(site: Site, term: Term, martin
     assert max(again) <= 14
 
 
-def test_the_log_is_filtered_paged_and_taken_away(site: Site, term: Term, martin: TestClient, href: str) -> None:
+def test_the_log_is_filtered_paged_and_downloaded(site: Site, term: Term, martin: TestClient, href: str) -> None:
     ada = term.student("Ada", "Lovelace")
     with site.database.write() as db:
         for number in range(103):

@@ -96,7 +96,7 @@ def test_only_a_submission_s_own_gradings_may_count(database: Database, ada: Acc
             service.set_counting_grading(db, submission, foreign.id)
 
 
-def test_the_attempt_sent_last_is_the_last_whichever_ends_first(database: Database, ada: Account) -> None:
+def test_last_attempt_is_by_time_of_sending_not_of_grading(database: Database, ada: Account) -> None:
     first, second, third = (sent(database, ada.id) for _ in range(3))
     record(database, third, graded(Outcome.TIMEOUT, diagnosis="loop"))
     record(database, second, graded(Outcome.OK))
@@ -108,7 +108,7 @@ def test_the_attempt_sent_last_is_the_last_whichever_ends_first(database: Databa
     assert (kept.first_success_at, kept.last_at) == (at[first], at[third])
 
 
-def test_gradings_that_end_together_all_count(database: Database, ada: Account, both: Settings) -> None:
+def test_concurrent_gradings_are_all_counted(database: Database, ada: Account, both: Settings) -> None:
     """Several workers, and somebody who makes the standings again meanwhile."""
     names = [sent(database, ada.id) for _ in range(24)]
 
@@ -129,7 +129,7 @@ def test_gradings_that_end_together_all_count(database: Database, ada: Account, 
         assert service.recount_standings(db, ada.id) == 0
 
 
-def test_guests_who_join_an_account_at_once_all_do(database: Database, ada: Account) -> None:
+def test_concurrent_guests_are_all_adopted(database: Database, ada: Account) -> None:
     guests = [new_account(database, Role.guest).id for _ in range(6)]
     for guest in guests:
         record(database, sent(database, guest), graded(score=0.5))
@@ -263,14 +263,14 @@ def in_a_file(steps: list[tuple[Any, ...]]) -> None:
 
 @given(st.lists(STEP, max_size=25))
 @runs(max_examples=20, deadline=None, database=None)
-def test_kept_and_rebuilt_standings_always_agree(steps: list[tuple[Any, ...]]) -> None:
+def test_incremental_and_rebuilt_standings_agree(steps: list[tuple[Any, ...]]) -> None:
     in_a_file(steps)
 
 
 @pytest.mark.slow
 @given(st.lists(STEP, max_size=60))
 @runs(max_examples=200, deadline=None, database=None)
-def test_kept_and_rebuilt_standings_agree_in_long_stories(steps: list[tuple[Any, ...]]) -> None:
+def test_incremental_and_rebuilt_standings_agree_in_long_histories(steps: list[tuple[Any, ...]]) -> None:
     in_a_file(steps)
 
 
@@ -284,7 +284,9 @@ def on_postgres(settings: Settings, postgres_url: str) -> Iterator[Database]:
 
 @given(st.lists(STEP, max_size=12))
 @runs(max_examples=6, deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_kept_and_rebuilt_standings_agree_on_postgresql(on_postgres: Database, steps: list[tuple[Any, ...]]) -> None:
+def test_incremental_and_rebuilt_standings_agree_on_postgresql(
+    on_postgres: Database, steps: list[tuple[Any, ...]]
+) -> None:
     with on_postgres.write() as db:
         db.execute(delete(Account))
     tell(on_postgres, steps)
@@ -302,7 +304,7 @@ def spoil(database: Database, account_id: UUID) -> None:
         db.execute(insert(Standing).values(account_id=account_id, exercise="m/c", **vars(extra)))
 
 
-def test_rebuilding_mends_what_is_wrong_missing_and_too_many(database: Database, ada: Account) -> None:
+def test_rebuilding_repairs_wrong_missing_and_surplus_standings(database: Database, ada: Account) -> None:
     spoil(database, ada.id)
     assert service.rebuild_all_standings(database) == (2, 3)
     assert {name: row.attempts for name, row in sums(database, ada.id).items()} == {"m/a": 1, "m/b": 1}
@@ -320,13 +322,13 @@ def test_an_administrator_rebuilds_standings(sqlite: Database, settings: Setting
     assert "0 ligne corrigée, 2 en tout" in told[1]
 
 
-def test_an_administrator_without_a_database_is_told_so(tmp_path: Path, capsys: Any) -> None:
+def test_rebuilding_without_a_database_is_reported(tmp_path: Path, capsys: Any) -> None:
     assert main(["admin", "standings", "--data", str(tmp_path / "elsewhere")]) == 2
     assert "pas de base de données" in capsys.readouterr().err
     assert not (tmp_path / "elsewhere").exists()
 
 
-def test_a_class_is_one_query_that_opens_no_verdict(database: Database) -> None:
+def test_standings_of_a_class_take_one_query_without_verdicts(database: Database) -> None:
     accounts = [new_account(database).id for _ in range(35)]
     exercises = [f"m/{number}" for number in range(26)]
     now = utc_now()
@@ -352,7 +354,7 @@ def test_waiting_attempts_count_among_those_sent(database: Database, ada: Accoun
     assert not worker_of(database, both).run_one(), "these were never queued"
 
 
-def test_an_account_s_end_is_the_end_of_its_gradings(database: Database, ada: Account) -> None:
+def test_deleting_an_account_deletes_its_gradings(database: Database, ada: Account) -> None:
     submission = sent(database, ada.id)
     record(database, submission, graded(Outcome.OK))
     with database.write() as db:
@@ -363,7 +365,7 @@ def test_an_account_s_end_is_the_end_of_its_gradings(database: Database, ada: Ac
             assert db.execute(select(table)).first() is None
 
 
-def test_what_is_recorded_has_a_bound_and_says_what_it_leaves_out(database: Database, ada: Account) -> None:
+def test_recorded_verdicts_are_bounded_and_say_what_was_cut(database: Database, ada: Account) -> None:
     shown = Counterexample({"x": 1.0}, 2.0, {"k" * 300_000: 1})
     check = CheckResult("a", "Une", False, 0, 20.0, "m" * 300_000, shown, figure="a")
     heavy = Verdict("m/a", "v1", Outcome.WRONG_ANSWER, 1, [check], stdout="\x01" * 65536)

@@ -45,14 +45,14 @@ def _read(cell: str | float | None, sign: str) -> str:
     return "" if cell is None else escape_formula(cell) if isinstance(cell, str) else format_number(cell, sign)
 
 
-def test_for_programs_there_are_points_and_no_mark() -> None:
+def test_plain_csv_has_decimal_points_and_no_bom() -> None:
     assert (
         b"".join(plain_csv(("a", "b"), [("é", 12.5), ("-1", None)]))
         == '"a","b"\r\n"é","12.5"\r\n"\'-1",""\r\n'.encode()
     )
 
 
-def test_numbers_are_numbers_and_text_is_text() -> None:
+def test_workbook_cells_have_their_types() -> None:
     evil = ["=1+1", "@x", "-1", "https://example.org", "12,5", "{=1}", " =1", "é\n2"]
     sheets = [
         Sheet("Notes", ("Nom", "Points"), [(text, 12.25) for text in evil] + [("", None)], 1),
@@ -64,7 +64,7 @@ def test_numbers_are_numbers_and_text_is_text() -> None:
     assert found[: len(evil) + 1] == [["Nom", "Points"], *([text, 12.25] for text in evil)]
 
 
-def test_names_of_files_are_plain() -> None:
+def test_file_names_are_ascii() -> None:
     assert ascii_slug("MPSI 2 / « Été »", "classe") == "mpsi-2-ete"
     assert ascii_slug("日本", "classe") == "classe"
     assert re.fullmatch(r"[a-z-]{1,60}", ascii_slug("à" * 500, "x"))

@@ -209,7 +209,7 @@ def test_uncommitted_changes_are_never_shown_to_others(database: Database, cours
         assert read(term, course) == before
 
 
-def test_two_transactions_side_by_side(database: Database, course: Course) -> None:
+def test_concurrent_transactions_see_their_own_marks(database: Database, course: Course) -> None:
     """Who writes sees what they have written, and nobody else does before it is committed."""
     term = Term.begin(database)
     term.assignment()

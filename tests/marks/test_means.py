@@ -41,7 +41,7 @@ def test_rounding_moves_by_half_a_hundredth_and_makes_nothing_full(value: float)
     assert "." not in format_points(value)
 
 
-def test_as_a_teacher_rounds() -> None:
+def test_rounding_examples() -> None:
     assert [format_points(one) for one in (12.345, 12.5, 20.0, 19.996, 0.0, 0.004, 10.0)] == [
         "12,35", "12,5", "20", "19,99", "0", "0", "10",
     ]  # fmt: skip

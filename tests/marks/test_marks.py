@@ -49,7 +49,7 @@ def change(term: Term, course: Course, student: Account, exercise: str = POSES, 
         service.set_override(db, course, term.made, term.teacher, student.id, exercise, **row)
 
 
-def test_over_what_is_missing_counts_nothing_and_before_it_does_not_count(term: Term, course: Course) -> None:
+def test_missing_exercises_count_zero_once_the_assignment_is_over(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0, ODOMETRY: 3.0})
     ada = term.student("Ada", "Lovelace")
     assert (only(term, course).state, only(term, course).points) == (MarkState.absent, 0)
@@ -63,7 +63,7 @@ def test_over_what_is_missing_counts_nothing_and_before_it_does_not_count(term: 
     assert only(term, course).points == 3.25, "too late to count"
 
 
-def test_a_test_is_over_for_who_has_handed_in_whatever_its_dates(term: Term, course: Course) -> None:
+def test_a_test_is_over_once_handed_in_whatever_its_dates(term: Term, course: Course) -> None:
     test = term.assignment(mode=Mode.test, due_at=None, closes_at=None)
     ada, zola, _ = [term.student(*name) for name in (("Ada", "Abel"), ("Émile", "Zola"), ("Blaise", "Pascal"))]
     term.sit(test, ada, OPENS + 2 * DAY)
@@ -83,7 +83,7 @@ def test_a_test_is_over_for_who_has_handed_in_whatever_its_dates(term: Term, cou
     assert told() == {**before, "Blaise Pascal": (MarkState.absent, 0.0, 0.0)}
 
 
-def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, course: Course) -> None:
+def test_exemptions_of_a_student_change_their_marks(term: Term, course: Course) -> None:
     given = term.assignment(exercises={POSES: 1.0}, late="penalty", late_per_day=2.0)
     ada = term.student("Ada", "Lovelace")
     term.send(ada, POSES, 15, DUE + 1.5 * DAY)
@@ -95,7 +95,7 @@ def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, cours
     assert made(term, course).rows[0].average is None
 
 
-def test_what_is_set_holds_beside_what_was_found(term: Term, course: Course) -> None:
+def test_override_stands_beside_the_automatic_mark_and_becomes_stale(term: Term, course: Course) -> None:
     term.assignment()
     ada = term.student("Ada", "Lovelace")
     sent = term.send(ada, POSES, 4)
@@ -122,14 +122,14 @@ def test_what_is_set_holds_beside_what_was_found(term: Term, course: Course) -> 
         assert len(db.query(Override).all()) == 3, "nothing is lost"
 
 
-def test_excused_of_everything_is_excused_of_the_assignment(term: Term, course: Course) -> None:
+def test_excused_from_all_exercises_is_excused_from_the_assignment(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0})
     ada = term.student("Ada", "Lovelace")
     change(term, course, ada, excused=True)
     assert (only(term, course).state, only(term, course).points) == (MarkState.excused, None)
 
 
-def test_a_mark_may_be_set_where_nothing_was_sent(term: Term, course: Course) -> None:
+def test_override_without_any_attempt(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0})
     ada = term.student("Ada", "Lovelace")
     change(term, course, ada, points=9.0)
@@ -151,7 +151,7 @@ REFUSED: tuple[tuple[dict[str, Any], type[Exception]], ...] = (
 )
 
 
-def test_what_cannot_be_set_changes_nothing(term: Term, course: Course) -> None:
+def test_refused_overrides_change_nothing(term: Term, course: Course) -> None:
     ada = term.student("Ada", "Lovelace")
     for values, refused in REFUSED:
         with pytest.raises(refused):
@@ -160,7 +160,7 @@ def test_what_cannot_be_set_changes_nothing(term: Term, course: Course) -> None:
         assert db.query(Override).all() == []
 
 
-def test_only_students_who_are_there_have_marks(term: Term, course: Course) -> None:
+def test_only_active_students_have_marks(term: Term, course: Course) -> None:
     gone = term.student("Alan", "Turing", status=Status.left, left_at=OPENS)
     helper = seat(term.database, term.made, new_account(term.database), ClassRole.assistant)
     for one in (gone, helper, term.teacher, new_account(term.database)):
@@ -186,7 +186,7 @@ def test_a_class_without_assignments_has_its_module_s_exercises(term: Term, cour
     assert {key: (one.points, one.automatic) for key, one in found.items()} == {(ada.id, POSES): (15, 12)}
 
 
-def test_what_a_student_is_told(term: Term, course: Course) -> None:
+def test_own_marks_leave_out_withheld_tests(term: Term, course: Course) -> None:
     term.assignment("DM", {POSES: 1.0})
     test = term.assignment("DS", {ODOMETRY: 1.0}, mode=Mode.test, weight=3.0)
     term.assignment("Les deux", {POSES: 1.0, ODOMETRY: 1.0}, weight=0.0)
@@ -208,7 +208,7 @@ def test_what_a_student_is_told(term: Term, course: Course) -> None:
     assert nobody.marks == ()
 
 
-def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
+def test_column_text_and_moodle_file(term: Term, course: Course) -> None:
     term.assignment("DM", {POSES: 1.0})
     test = term.assignment("DS", {POSES: 1.0}, mode=Mode.test)
     zola = term.student("Émile", "Zola", email="zola@example.org")
@@ -237,7 +237,7 @@ def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
     assert set(moodle.left_out) == {"Ada Lovelace", "Bob Un", "Bob Deux"}
 
 
-def test_a_book_asks_no_more_for_a_bigger_class(term: Term, course: Course) -> None:
+def test_a_gradebook_takes_as_many_queries_for_a_bigger_class(term: Term, course: Course) -> None:
     def statements() -> int:
         clear_caches()
         with Counted(term.database) as counted:

@@ -57,7 +57,7 @@ def used(database: Database, account: Account, source: bytes = ASKS, minutes: fl
         return importable_files.load_importable_files(db, the_course(), row)
 
 
-def test_it_is_the_last_accepted_one_before_it_of_its_own_author(database: Database) -> None:
+def test_the_authors_last_accepted_file_before_the_attempt_is_imported(database: Database) -> None:
     ada, eve = new_account(database, name="ada"), new_account(database, name="eve")
     sent(database, ada, POSES, b"one", 1)
     sent(database, ada, POSES, b"two", 2)
@@ -71,7 +71,7 @@ def test_it_is_the_last_accepted_one_before_it_of_its_own_author(database: Datab
         assert importable_files.importable_file_times(db, ada.id, [POSES, GRAPH]) == {POSES: at(20)}
 
 
-def test_what_a_test_holds_back_is_not_learned_by_using_it(database: Database) -> None:
+def test_importing_a_file_reveals_no_withheld_verdict(database: Database) -> None:
     ada = new_account(database, name="ada")
     sent(database, ada, POSES, b"one", 1)
     sent(database, ada, POSES, b"held", 5)
