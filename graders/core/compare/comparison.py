@@ -1,4 +1,4 @@
-"""Comparators: does what came back agree with what was expected, and if not, in which way?
+"""Comparators: whether an obtained value agrees with the expected one, and how it differs.
 
 A comparator is called with the expected and the obtained value and returns None, or a Mismatch that says in French
 what differs. It never raises for a value that a student returned.
@@ -23,9 +23,9 @@ TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Mismatch:
-    """Why two values differ: a French sentence, the slip that it looks like, the outcome that it stands for.
+    """A difference of two values: a French sentence, the slip that it resembles, the outcome that it causes.
 
-    `words` are the sentence, or make it once somebody reads it: of most mismatches nobody does.
+    `words` is the sentence, or a function that makes it on first use: most mismatches are never shown.
     """
 
     words: str | Callable[[], str]
@@ -40,28 +40,29 @@ class Mismatch:
 Comparator = Callable[[Value, Value], Mismatch | None]
 
 
-#: How far within its tolerance, and how far beyond, what is seen at once must be: rounding makes far less.
+#: Multiples of the tolerance within which, and beyond which, a batch comparison decides, whatever the rounding.
 WELL_WITHIN, WELL_BEYOND = 0.5, 2.0
 
 
 class RowComparator(ABC):
-    """A comparator of numbers that also compares many cases at once."""
+    """A comparator of numbers that also compares many cases in a few array operations."""
 
     @abstractmethod
     def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
-        """Of two arrays of one shape, a case a row (n, …): how far apart each row is, its tolerance being 1 (n,).
+        """Return the error of each row of two arrays (n, …), a case a row, in multiples of the tolerance: (n,).
 
-        A row that is WELL_WITHIN agrees when it is compared alone, one WELL_BEYOND does not. None where rows must be.
+        A row below WELL_WITHIN agrees when compared alone, one above WELL_BEYOND does not. None where each row must be
+        compared alone.
         """
 
     def all_rows_agree(self, expected: Floats, got: Floats) -> bool:
-        """Do all rows agree?"""
+        """Whether all rows certainly agree."""
         gaps = self.row_errors(expected, got)
         return gaps is not None and bool((gaps <= WELL_WITHIN).all())
 
 
 def row_errors(expected: Floats, got: Floats, tolerance: float) -> Floats:
-    """How far apart rows are, as `close` would have it; infinitely where something is no number."""
+    """Return the error of each row in multiples of the tolerance of `close`; inf where a number is NaN."""
     with np.errstate(invalid="ignore", over="ignore"):
         gaps = np.abs(got - expected) / (tolerance * np.maximum(1.0, np.abs(expected)))
     gaps[np.isnan(gaps)] = np.inf
@@ -69,13 +70,13 @@ def row_errors(expected: Floats, got: Floats, tolerance: float) -> Floats:
 
 
 def unreadable(error: UnreadableError) -> Mismatch:
-    """A value that is not what a function must return is an invalid output."""
+    """Return the mismatch of a value that cannot be read: an invalid output."""
     reason = str(error)
     return Mismatch(reason[0].upper() + reason[1:] + ".", cause=Outcome.INVALID_OUTPUT)
 
 
 def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
-    """The contract's "same": within `tolerance`, relative or absolute, element by element; NaN is never the same."""
+    """Whether arrays agree as the contract says: relative or absolute `tolerance` by element, never for NaN."""
     with np.errstate(invalid="ignore", over="ignore"):
         return bool((np.abs(got - expected) <= tolerance * np.maximum(1.0, np.abs(expected))).all())
 

@@ -1,8 +1,8 @@
-"""The search for the simplest input that fails, which asks several at once: an exchange costs more than a call.
+"""Greedy search for the simplest failing input, with speculative batches: an exchange costs more than a call.
 
-What is found is what would be if each input were asked in its turn: simpler inputs are tried in their order, and the
-first that fails is gone on from. Beside the one that is due, those are asked that are likely to come next: simpler ones
-of it should it fail, its neighbours should it not.
+The result is that of the sequential search: simpler inputs are tried in order, and the search continues from the first
+that fails. Each batch also holds the inputs that are likely to come next: simpler ones of the current input in case it
+fails, its neighbours in case it passes.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ CaseT = TypeVar("CaseT")
 AnswerT = TypeVar("AnswerT")
 FailureT = TypeVar("FailureT")
 
-#: How likely a simpler input fails too; and one that did not before something else was simplified.
+#: Probability that a simpler input fails; the same for one that passed before another simplification.
 FAILS, FAILS_THEN = 0.7, 0.02
-#: How likely it must be that an input is come to for it to be asked ahead.
+#: Least probability at which an input is tried speculatively.
 LEAST = 0.06
-#: How many inputs are asked in all for one that the budget lets be tried; how many are looked at for one asked ahead.
+#: Inputs called in all, as a multiple of the budget; inputs considered for one speculative call.
 ASKED_FOR_ONE, LOOKED_AT_FOR_ONE = 2, 4
 
 
 @dataclass(slots=True)
 class _Tried(Generic[CaseT, AnswerT, FailureT]):
-    """An input, those that are simpler than it as far as they have been looked for, and what is known of it.
+    """An input, its simpler inputs as far as enumerated, and its answer and failure once known.
 
-    `passed` is the number of its parent's neighbours that stand before it, which did not fail.
+    `passed` is the number of its parent's neighbours before it, all of which passed.
     """
 
     case: CaseT
@@ -44,11 +44,11 @@ class _Tried(Generic[CaseT, AnswerT, FailureT]):
 
 
 class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
-    """Simplifies one failing input. `simplest` is the failure on the simplest input found so far.
+    """Shrinks one failing input. `simplest` is the failure on the simplest input found so far.
 
-    `neighbours` gives simpler inputs, the simplest first; `fair` says whether one may be asked; `judge`, the failure
-    that an answer is, None where it is no example of the same mistake; `stops`, whether nothing is to be asked after
-    such a failure. `ahead`: how many inputs may be asked together.
+    `neighbours` gives simpler inputs, the simplest first; `fair` tells whether an input is valid; `judge` gives the
+    failure of an answer, None where it is no example of the same mistake; `stops` tells whether the search ends after
+    a failure. `ahead` bounds the inputs of one batch.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         self._questions: list[_Tried[CaseT, AnswerT, FailureT]] = []
 
     def questions(self, limit: int = 1 << 30) -> list[CaseT]:
-        """What is to be asked next, `most` inputs at most; none when the search is over."""
+        """Return the next batch of inputs, at most `limit`; empty when the search is over."""
         if self._deadline is None:
             self._deadline = self._budget.clock() + self.seconds
         due = self._due()
@@ -89,13 +89,13 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         return [question.case for question in self._questions]
 
     def take(self, answers: Sequence[AnswerT]) -> None:
-        """The answers to these questions, in their order; where the first is lacking, the search is over."""
+        """Store the answers to the last batch, in order; without any answer, the search is over."""
         for question, answer in zip(self._questions, answers, strict=False):
             question.answers = (answer,)
         self._over = self._over or not answers
 
     def _due(self) -> _Tried[CaseT, AnswerT, FailureT] | None:
-        """The first input to be tried whose answer is not known; None when none is to be tried any more."""
+        """Advance over known answers; return the next input without an answer, None when the search is over."""
         while not self._over:
             candidate = self._simpler(self._here, self._at)
             if candidate is None or not (self._arrived or self._may_go_on()):
@@ -119,7 +119,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         return self._spent < self._budget.calls and self._budget.clock() <= self._deadline
 
     def _likely(self, limit: int) -> list[_Tried[CaseT, AnswerT, FailureT]]:
-        """The inputs that are the most likely to be come to from here and are not known: first the one that is."""
+        """Return the unanswered inputs that are most likely to be reached, the current one first."""
         numbers, looked = itertools.count(), itertools.count()
         ways = [(-1.0, next(numbers), self._here, self._at)]
         candidates: list[_Tried[CaseT, AnswerT, FailureT]] = []
@@ -145,7 +145,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         return _Tried(case, passed, iter(self._neighbours(case)))
 
     def _simpler(self, parent: _Tried[CaseT, AnswerT, FailureT], k: int) -> _Tried[CaseT, AnswerT, FailureT] | None:
-        """The k-th of the inputs that are simpler than this one; None where there are not so many."""
+        """Return the k-th simpler input of a parent; None where there are fewer."""
         simpler = parent.simpler
         while len(simpler) <= k:
             for case in parent.more:

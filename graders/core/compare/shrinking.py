@@ -1,7 +1,7 @@
 """Shrinking: from an input that fails to a simpler one that still fails.
 
-A shrinker proposes simpler values of one argument, the simplest first. A `Search` walks greedily through these while
-the failure lasts, within a bounded number of calls and a bounded time: a counterexample is read, not proved minimal.
+A shrinker proposes simpler values of one argument, the simplest first. A `ShrinkSearch` walks greedily through these
+while the failure lasts, within bounded calls and time: a counterexample must be readable, not minimal.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Shrinker = Callable[[Value], Iterator[Value]]
 
 @dataclass(frozen=True)
 class Budget:
-    """What one shrinking may cost: so many calls, so many `seconds` of `clock` (inf: as long as the calls take)."""
+    """Bounds of one shrinking: number of calls, and `seconds` of `clock` (inf: no bound)."""
 
     calls: int = 80
     seconds: float = 0.25
@@ -29,12 +29,12 @@ class Budget:
 
 
 def keep(value: Value) -> Iterator[Value]:
-    """An argument that is not to be simplified."""
+    """Leave an argument as it is."""
     return iter(())
 
 
 def shrink_number(value: float) -> Iterator[float]:
-    """0, 1, then the same number with fewer digits."""
+    """Propose 0, 1, then the same number with fewer digits."""
     return iter(_simpler_numbers(value))
 
 
@@ -45,7 +45,7 @@ def _simpler_numbers(value: float) -> Sequence[float]:
 
 
 def complexity(value: float) -> float:
-    """How much there is to read in a number: 0 < 1 < small integers < halves < one decimal < anything else."""
+    """Return the reading cost of a number: 0 < 1 < small integers < halves < one decimal < anything else."""
     if not math.isfinite(value):
         return 100.0
     rank = next((r for r, k in enumerate((1, 2, 10)) if (value * k) == round(value * k)), 5)
@@ -53,7 +53,7 @@ def complexity(value: float) -> float:
 
 
 def shrink_array(value: Value) -> Iterator[Value]:
-    """All entries rounded at once, then one entry at a time."""
+    """Propose all entries rounded, then one entry simplified at a time."""
     array = np.asarray(value, dtype=np.float64)
     rounded = np.round(array)
     if np.any(rounded != array):
@@ -66,7 +66,7 @@ def shrink_array(value: Value) -> Iterator[Value]:
 
 
 def neighbours(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[Arguments]:
-    """The arguments with one of them simpler."""
+    """Yield the arguments with one of them simplified."""
     for position, shrinker in enumerate(shrinkers):
         for candidate in shrinker(arguments[position]):
             yield (*arguments[:position], candidate, *arguments[position + 1 :])

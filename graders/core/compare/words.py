@@ -10,13 +10,13 @@ import numpy as np
 
 from graders.core.contract.values import Floats, Value
 
-#: Of one value: items on a level, how many such levels in all, characters of a text, of a key, of all texts.
+#: Limits of one value: items on a level, total items as a multiple of that, characters of a text, a key, all texts.
 MAX_ITEMS = 400
 LEVELS = 5
 MAX_TEXT = 400
 MAX_KEY = 80
 MAX_CHARACTERS = 40_000
-#: Of a value written in a sentence: items on a level, items in all, characters.
+#: Limits of a value written in a sentence: items on a level, items in all, characters.
 LINE_ITEMS, LINE_ALL, MAX_LINE = 40, 200, 4000
 MORE = "…"
 MINUS = "\N{MINUS SIGN}"
@@ -27,7 +27,7 @@ _FLOAT_BITS = 1023
 
 
 class _Room:
-    """How much may still be written of one value; `cut` once something was left out."""
+    """Remaining space for one value; `cut` once something was left out."""
 
     def __init__(self, level: int, items: int) -> None:
         self.level, self.items = level, items
@@ -35,7 +35,7 @@ class _Room:
         self.cut = False
 
     def taken(self, values: Iterable[T]) -> Iterator[T]:
-        """The values of one level as far as there is room."""
+        """Yield the values of one level while there is room."""
         for index, value in enumerate(values):
             if index >= self.level or self.items <= 0 or self.characters <= 0:
                 self.cut = True
@@ -60,7 +60,7 @@ def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
 
 
 def whole_jsonable(value: Value, *, limit: int) -> Any:
-    """As `to_jsonable`; None for a value of which something would be left out."""
+    """Return `to_jsonable(value)`; None where something would be left out."""
     room = _Room(limit, LEVELS * limit)
     written = _jsonable(value, room)
     return None if room.cut else written
@@ -85,7 +85,7 @@ def _jsonable(value: Value, room: _Room) -> Any:
 
 
 def _numbers(array: Floats, room: _Room) -> list[float]:
-    """A row of numbers for which there is room, as they are; none of what must be written one by one."""
+    """Return a row of finite numbers for which there is room; [] where items must be written one by one."""
     if array.ndim != 1 or array.dtype != np.float64 or room.characters <= 0:
         return []
     items: list[float] = array.tolist()
@@ -96,9 +96,9 @@ def _numbers(array: Floats, room: _Room) -> list[float]:
 
 
 def tidy(value: Any) -> Any:
-    """JSON without the dust of rounding: 6.1e-17 and -0.0 are 0.0, 0.9999999999999999 is 1.0.
+    """Return JSON without rounding noise: 6.1e-17 and -0.0 become 0.0, 0.9999999999999999 becomes 1.0.
 
-    For what is read, expected and obtained values; inputs, which may be typed in again, keep all their digits.
+    For expected and obtained values; inputs, which may be typed in again, keep all their digits.
     """
     if isinstance(value, float):
         return 0.0 if abs(value) < NEGLIGIBLE else float(f"{value:.14g}")
@@ -124,9 +124,9 @@ def _cut(text: str, max_length: int = MAX_TEXT) -> str:
 
 
 def number(value: complex, digits: int = 6) -> str:
-    """A number in French: decimal comma, true minus sign, at most `digits` significant digits, π/2 by its name.
+    """Return a number in French: decimal comma, true minus sign, at most `digits` significant digits, π/2 by its name.
 
-    What is below 1e-13 is the dust of rounding and reads 0.
+    Magnitudes below 1e-13 are rounding noise and read 0.
     """
     if isinstance(value, complex):
         return f"{number(value.real, digits)} + {number(value.imag, digits)} i"

@@ -1,8 +1,8 @@
-"""How much a verdict may weigh, everything in it: what is beyond is left out, and the verdict says so.
+"""Size limit of a verdict with its figures: the excess is cut, and the verdict says so.
 
-What students see is bounded value by value where it is put in words (`compare.words`); this is the bound of the whole,
-which nothing that is recorded or printed exceeds. Values of an honest submission stay far below it (the largest verdict
-of the course weighs 82 KiB with its figures), and come out as they went in.
+Each shown value has a limit of its own (`compare.words`); this is the limit of the whole, for everything that is
+recorded or printed. Honest submissions stay far below (82 KiB at most in the course, figures included) and are
+unchanged.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from graders.core.contract.verdict import CheckResult, Counterexample
 
 #: Bytes of a verdict and of its figures' data together, as JSON that escapes what is not ASCII: its longest form.
 VERDICT_BYTES = 256 * 1024
-#: What the words that tell of a cut take at most, for each part that may be cut.
+#: Bytes reserved for the note of a cut, for each part that may be cut.
 _WORDS = 200
 _NO_DRAWING = "Le dessin de ce cas serait trop volumineux : il n’est pas montré."
 
 
 def json_size(value: Any) -> int:
-    """Bytes of strict JSON."""
+    """Return the number of bytes of a value as strict JSON."""
     return len(json.dumps(value, allow_nan=False))
 
 
 def limit_size(judgement: Judgement, max_bytes: int = VERDICT_BYTES) -> Judgement:
-    """The same judgement within `most` bytes: the heaviest of its values, messages, figures and prints are cut.
+    """Return the judgement within `max_bytes`: the largest values, messages, figures and prints are cut.
 
-    All parts above one level are cut to that level, which is as high as may be, so that the light ones stay whole.
-    Its films have a bound of their own, and take nothing of this one.
+    All parts above the highest possible level are cut to that level, so that small parts stay complete. Films have a
+    limit of their own.
     """
     films = drop_heaviest_films(judgement.films)
     if len(films) < len(judgement.films):
@@ -50,7 +50,7 @@ def limit_size(judgement: Judgement, max_bytes: int = VERDICT_BYTES) -> Judgemen
 
 
 def _level(weights: Sequence[int], room: int) -> int:
-    """The highest level for which the weights, each cut to it, fit into the room together."""
+    """Return the highest level at which the sizes, each cut to it, fit into the room together."""
     for index, heaviest in enumerate(ordered := sorted(weights)):
         share = max(room, 0) // (len(ordered) - index)
         if heaviest > share:
@@ -60,7 +60,7 @@ def _level(weights: Sequence[int], room: int) -> int:
 
 
 def _values(checks: Sequence[CheckResult]) -> list[Any]:
-    """What may be heavy in the lines of a verdict."""
+    """Return the parts of the checks that may be large."""
     counterexamples = [check.counterexample for check in checks if check.counterexample is not None]
     values = [
         value
@@ -93,7 +93,7 @@ def _light(value: Any, level: int) -> Any:
 
 
 def _shorter(text: str, level: int) -> str:
-    """The beginning of a text, within `level` bytes but for the words that say how long it was."""
+    """Return the beginning of a text within `level` bytes, followed by a note of its full length."""
     if json_size(text) <= level:
         return text
     shortened = text[: max(level, 0) // 12]  # a character takes 12 bytes at most, and most of them one

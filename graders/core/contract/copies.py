@@ -1,4 +1,4 @@
-"""Copies of what programs exchange: what is given to one may be written on."""
+"""Deep copies of the plain values that programs exchange and may modify."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 
 from graders.core.contract.values import Value
 
-#: Whose values never change.
+#: Immutable types.
 STEADY = frozenset({type(None), bool, int, float, complex, str, bytes})
 
 
 def copy_value(value: Value) -> Value:
-    """As `copy.deepcopy` copies it, several times quicker for plain values; what is there twice becomes two, as it does
-    on the way to a student's program.
+    """Return a deep copy, several times faster than `copy.deepcopy` for plain values.
 
-    A list that holds itself cannot be plain: `copy.deepcopy` has it.
+    A shared object becomes two, as on the way to a student's program. A list that contains itself is left to
+    `copy.deepcopy`.
     """
     try:
         return _copied(value)

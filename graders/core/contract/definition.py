@@ -1,4 +1,4 @@
-"""What every grader's folder defines, whatever the kind of its exercise."""
+"""The definition that every grader's folder exports, for any kind of exercise."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ MODULE_FILE = "grader.py"
 
 @dataclass(frozen=True)
 class Definition:
-    """An exercise as its grader's folder describes it. It grades once the course has bound it to what it says of it."""
+    """An exercise as its grader's folder describes it; the course binds it to its texts, which gives a grader."""
 
     folder: Path
 
     @property
     def exercise(self) -> str:
-        """Its name, which its place gives: "l20/poses" for graders/l20/poses."""
+        """Its name, from its folder: "l20/poses" for graders/l20/poses."""
         return f"{self.folder.parent.name}/{self.folder.name}"
 
     @property
     def file(self) -> Path:
-        """Where what is wrong in it is told."""
+        """The file to which its errors are attributed."""
         return self.folder / MODULE_FILE

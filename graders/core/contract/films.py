@@ -1,6 +1,6 @@
-"""Films: what a program did in a check, as plain JSON that is kept beside the verdict until somebody watches it.
+"""Films: the run of a program in a check, as plain JSON stored beside the verdict until somebody watches it.
 
-They are made on the way to a verdict: what stands here costs about a tenth of a microsecond a byte.
+They are made before the verdict is returned: this code costs about a tenth of a microsecond a byte.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from graders.core.contract.findings import FigureData
 
 log = logging.getLogger(__name__)
 
-#: Bytes of all the films of one grading together, as JSON. They never weigh on the verdict, which has its own bound.
+#: Bytes of all the films of one grading together, as JSON, apart from the limit of the verdict.
 FILM_BYTES = 192 * 1024
 
 
 def film_to_json(data: FigureData, max_bytes: int = FILM_BYTES) -> FigureData | None:
-    """The same as strict JSON holds it, arrays as lists; None where it is heavier than `most` bytes.
+    """Return the film as strict JSON values, arrays as lists; None where it exceeds `max_bytes`.
 
-    Numbers that are not finite are None: a film shows what there is to see. What no film can be made of is our error,
-    which is logged, and costs nobody their verdict.
+    Numbers that are not finite become None. Data that JSON cannot hold is our error: it is logged, without effect on
+    the verdict.
     """
     try:
         text = _dumped(data)
@@ -35,7 +35,7 @@ def film_to_json(data: FigureData, max_bytes: int = FILM_BYTES) -> FigureData | 
 
 
 def drop_heaviest_films(films: Mapping[str, FigureData], max_bytes: int = FILM_BYTES) -> dict[str, FigureData]:
-    """As many of the films as `most` bytes hold: what is beyond is left out, the heaviest first."""
+    """Return the films that fit in `max_bytes` together; the largest are dropped first."""
     weights = {check: len(json.dumps(film, allow_nan=False)) for check, film in films.items()}
     left = sum(weights.values())
     remaining = dict(films)

@@ -1,4 +1,4 @@
-"""What checks found of a submission, and the verdict that it makes: one way from the one to the other."""
+"""Findings of the checks of a submission, and the verdict made from them."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 from graders.core.contract.outcomes import Outcome, most_telling
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 
-#: What a drawing of a counterexample is made from: plain values, JSON once they are recorded.
+#: Data of a drawing: plain values, JSON once they are recorded.
 FigureData = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What one check found: its line of the verdict, the outcome that it stands for (OK where it passed), the slip
-    that it saw, the data of its figure.
+    """The result of one check: its line of the verdict, its outcome (OK where it passed), the slip that it recognised,
+    the data of its figure.
 
-    Raises ValueError where the line and the outcome disagree.
+    Raises ValueError where line and outcome disagree.
     """
 
     result: CheckResult
@@ -57,7 +57,7 @@ def make_verdict(
     stdout: str = "",
     timings: Mapping[str, float],
 ) -> Verdict:
-    """The verdict that findings make: its outcome is the most telling of theirs. Raises ValueError for none."""
+    """Return the verdict of the findings; its outcome is that of highest precedence. Raises ValueError for none."""
     outcome = most_telling(finding.cause for finding in findings)
     return Verdict(
         exercise, version, outcome, seed, [finding.result for finding in findings], diagnosis, stdout, timings

@@ -41,11 +41,11 @@ class ObjectReader:
         return f"{self._place}/{name}" if self._place else name
 
     def has(self, name: str) -> bool:
-        """Is there such a member, which may be left out?"""
+        """Whether an optional member is present."""
         return name in self._left
 
     def any(self, name: str) -> Any:
-        """Any strict JSON."""
+        """Take a member of any strict JSON."""
         return _plain(self._take(name), self.place(name))
 
     def text(self, name: str) -> str:
@@ -106,7 +106,7 @@ def _text(value: Any, place: str) -> str:
 
 
 def _plain(value: Any, place: str) -> Any:
-    """The value itself, once it is seen to be strict JSON."""
+    """Return the value, once checked to be strict JSON."""
     if isinstance(value, list):
         for index, item in enumerate(value):
             _plain(item, f"{place}/{index}")

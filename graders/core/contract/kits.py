@@ -1,8 +1,7 @@
-"""The kits of a module, on the disk: what its programs find.
+"""The kits of a module on disk: the names and modules that its programs find.
 
-The module's own is `kit/<module>.py`. A folder `kit/<name>/` is another one: its files, packages among them, and the
-module's own file beside them, since what every program of the module finds is found there too. A kit's main module
-bears its name. A module may have none: its programs then find what `plain_kit.py` gives.
+The module's own kit is `kit/<module>.py`. A folder `kit/<name>/` is another kit: its files, packages included, and the
+module's own file. A kit's main module has the kit's name. A module without a kit uses `plain_kit.py`.
 """
 
 from __future__ import annotations
@@ -10,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-#: The kit of a module that has none.
+#: The default kit.
 PLAIN = Path(__file__).with_name("plain_kit.py")
-#: The files of a kit, by where they stand in it: "l20.py", "rclpy/node.py".
+#: The files of a kit by relative path: "l20.py", "rclpy/node.py".
 Files = dict[str, Path]
 
 
 def find_kits(module: Path) -> dict[str, Files]:
-    """The kits of a module's folder, its own first."""
+    """Return the files of each kit of a module's folder, the module's own kit first."""
     home = module / "kit"
     file = home / f"{module.name}.py"
     own = {file.name: file if file.is_file() else PLAIN}
@@ -35,5 +34,5 @@ def _below(folder: Path) -> Iterator[tuple[str, Path]]:
 
 
 def module_name(path: str) -> str:
-    """What `import` calls a file of a kit."""
+    """Return the name by which a file of a kit is imported."""
     return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")

@@ -1,4 +1,4 @@
-"""Programs of our own code (references, misconceptions), run in this process."""
+"""Trusted programs (references, misconceptions), run in this process."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from graders.core.contract.program import (
 from graders.core.contract.solution_module import NAME, SolutionModule
 from graders.core.contract.values import Arguments, Value
 
-#: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
+#: The name under which a kit gives its drivers: functions that make the calls of some names of the file.
 DRIVERS = "__drivers__"
 
 
 @cache
 def kit_source(module: str) -> str:
-    """The source of a module's kit, as students can read it."""
+    """Return the source of a module's kit, as students can read it."""
     return find_kits(_home(module))[module][f"{module}.py"].read_text(encoding="utf-8")
 
 
@@ -52,22 +52,22 @@ _IMPORTING = threading.Lock()
 
 @cache
 def _home(kit: str) -> Path:
-    """The folder of the module that a kit belongs to, in the course."""
+    """Return the folder, in the course, of the module that owns a kit."""
     modules = (module for room in _curricula() for module in sorted(room.iterdir()) if module.is_dir())
     return next(module for module in modules if kit in find_kits(module))
 
 
 def _curricula() -> list[Path]:
-    """Beside each folder of graders stands what is read of its course."""
+    """Return the `curriculum` folder of each course, a sibling of its `graders` folder."""
     rooms = [Path(room).resolve().with_name("curriculum") for room in graders.__path__]
     return [room for room in rooms if room.is_dir()]
 
 
 @cache
 def _kit(name: str) -> Mapping[str, types.ModuleType]:
-    """The modules of a kit, by their names; they are left to the programs that ask for it.
+    """Import the modules of a kit and return them by name.
 
-    They are imported from where they stand, and are no longer there for this process's own imports afterwards.
+    They are removed from `sys.modules` afterwards, so that this process cannot import them by accident.
     """
     home = _home(name)
     files = find_kits(home)[name]
@@ -87,7 +87,7 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
 
 
 def _plain_kit(name: str) -> None:
-    """Imports the kit of a module that has none, by the name that its own would have."""
+    """Import the default kit under the name of a module that has none."""
     spec = importlib.util.spec_from_file_location(name, PLAIN)
     assert spec is not None, "a .py file has a loader"
     assert spec.loader is not None
@@ -96,7 +96,7 @@ def _plain_kit(name: str) -> None:
 
 
 def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
-    """An `__import__` that knows these modules too."""
+    """Return an `__import__` that also finds these modules."""
 
     def find(
         name: str, globals_: Any = None, locals_: Any = None, fromlist: Sequence[str] | None = (), level: int = 0
@@ -109,7 +109,7 @@ def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
 
 
 def kit_names(kit: KitSettings) -> dict[str, Any]:
-    """What a program finds without importing anything, with what makes the modules of its kit importable."""
+    """Return the initial global names of a program, with an `__import__` that finds the modules of its kit."""
     modules = _kit(kit.module)
     names = dict(modules[kit.module].configurer(**kit.parameters))
     visible = {name: value for name, value in names.items() if name not in kit.without}
@@ -119,7 +119,7 @@ def kit_names(kit: KitSettings) -> dict[str, Any]:
 
 
 def call_function(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:
-    """Call a name of a program, which runs in this process, as its kit says that it is called."""
+    """Call a function of a program in this process, through the kit's driver where there is one."""
     driver = names.get(DRIVERS, {}).get(function)
     return names[function](*arguments) if driver is None else driver(names[function], *arguments)
 
@@ -136,8 +136,7 @@ class LocalProgram:
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
         """Call a function on copies of the arguments. Its exceptions become a StudentFault, as in the sandbox.
 
-        Nobody is warned of a division by zero: in the sandbox it is said among what a program prints, here to whoever
-        administers the service.
+        Warnings of numpy are off: the sandbox shows them with the prints, here they would go to the service's log.
         """
         if function not in self.functions:
             raise StudentFault(Outcome.MISSING_FUNCTION, f"la fonction {function} n'est pas définie")
@@ -164,7 +163,7 @@ class LocalProgram:
 
 
 def _plain(value: Value) -> Value:
-    """Sparse matrices as arrays, which is how the sandbox sends them."""
+    """Return a value with sparse matrices as arrays, as the sandbox sends them."""
     if isinstance(value, tuple | list):
         return type(value)(map(_plain, value)) if any(map(_sparse, value)) else value
     return value.toarray() if _sparse(value) else value

@@ -1,4 +1,4 @@
-"""What an author's mistake raises."""
+"""The error raised for an author's mistake."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 class MalformedExerciseError(Exception):
-    """A grader's folder that does not hold together: where (path, line) and why."""
+    """A grader's folder is inconsistent: where (path, line) and why."""
 
     def __init__(self, path: Path, message: str, line: int = 1) -> None:
         super().__init__(f"{path}:{line}: {message}")

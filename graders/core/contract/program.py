@@ -1,6 +1,6 @@
-"""What a grader needs of a student's program: to start it, to call its functions, and nothing else.
+"""The interface between graders and programs: start a program, call its functions, and nothing else.
 
-The sandbox provides one implementation, `graders.core.contract.local` another, for our own code.
+The sandbox implements it for students' programs, `graders.core.contract.local` for trusted code.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from graders.core.contract.values import Arguments, Value
 
 @dataclass(frozen=True)
 class KitSettings:
-    """Which kit a program finds, and the parameters of this execution (map, range, seed).
+    """The kit of a program and the parameters of this execution (map, range, seed).
 
-    `without` are names of the kit that the exercise asks for: the program finds neither these nor what made them.
+    `without` are names of the kit that the exercise asks students to write, and that are hidden from the program.
     """
 
     module: str
@@ -26,14 +26,14 @@ class KitSettings:
 
 
 class Reply(NamedTuple):
-    """What a call returned and, where asked for, its arguments as they are afterwards."""
+    """The value of a call and, on request, its arguments after the call."""
 
     value: Value
     arguments: tuple[Value, ...] | None = None
 
 
 class StudentFault(Exception):
-    """The student's program failed: by an exception, a limit, a forbidden operation, an unreadable answer.
+    """The student's program failed: an exception, a limit, a forbidden operation, an unreadable answer.
 
     `message` is French and meant for the student; `fatal` means that the process is gone.
     """
@@ -58,16 +58,16 @@ class StudentFault(Exception):
 
 
 Answer = Reply | StudentFault
-#: Answers that have come together, one or more: all to the one of those asked that has this number.
+#: One or more answers that arrived together, to the calls of the batch with this index.
 Block = tuple[int, Sequence[Answer]]
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedCalls:
-    """Calls of one function that are made whatever is answered, so that they may be asked before their turn comes.
+    """A batch of calls of one function that do not depend on answers, so that they can be sent in advance.
 
-    None is made after `faults` faults (None: all are). With `keeping`, the arguments come back with each answer.
-    `about` is what who asks wants to know of each call when its answer comes.
+    Calls stop after `faults` faults (None: never). With `return_arguments`, each reply holds the arguments after the
+    call. `context` is data of the caller, one item a call.
     """
 
     function: str
@@ -86,17 +86,17 @@ class Program(Protocol):
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply: ...
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
-        """The answers of several calls, in order. A fault is the answer of its own call.
+        """Yield the answers of several calls in order; a fault is the answer of its own call.
 
-        Calls may be drawn and made ahead of the answers. None is made after a fatal fault, after `faults` faults, or
-        where the function is missing: the last answer tells it.
+        Calls may be drawn and made ahead of the answers. They stop at a fatal fault, after `faults` faults, or where
+        the function is missing; the last answer is then that fault.
         """
         ...
 
     def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
-        """The answers to several of these in order, each with the number of what has asked for it.
+        """Yield the answers to several batches in order, each block with the index of its batch.
 
-        Of each, those that `call_many` would give; none after a fatal fault, which comes alone.
+        Each batch gets the answers of `call_many`; a fatal fault comes alone, and ends them all.
         """
         ...
 
@@ -106,7 +106,7 @@ class Program(Protocol):
 
 
 def flatten_blocks(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
-    """The answers one by one."""
+    """Yield the answers one by one, with the index of their batch."""
     for number, answers in blocks:
         for answer in answers:
             yield number, answer
@@ -131,7 +131,7 @@ def call_sequentially(
     *,
     return_arguments: bool = False,
 ) -> Iterator[Answer]:
-    """`Program.call_many` where nothing is won by calling ahead: each call is made when its answer is taken."""
+    """Implement `Program.call_many` without pipelining: each call is made when its answer is taken."""
     left = faults
     for args in calls:
         try:
@@ -145,15 +145,15 @@ def call_sequentially(
 
 @runtime_checkable
 class PreparablePrograms(Protocol):
-    """Programs that are started sooner where it is said before that they will be."""
+    """Programs that start faster when their launch is announced."""
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
-        """A file is about to be started so many times more."""
+        """Announce further launches of a file."""
         ...
 
 
 class Programs(Protocol):
-    """Where the programs of files are started."""
+    """Starts the programs of files."""
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
         """The program of a file, loaded with this kit. Raises StudentFault when the file does not load.

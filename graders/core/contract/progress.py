@@ -1,7 +1,7 @@
-"""What an attempt mended since the one before, and what is left: by the mistakes that were named, and by the checks.
+"""Progress between two attempts: mistakes and checks that were mended, and those that remain.
 
-A mistake that was named is mended when it is named no more, though something else is, or though fewer checks fail:
-that nothing is recognised any more is no proof.
+A named mistake counts as mended when it is no longer named and either another one is, or fewer checks fail: the
+absence of a name alone proves nothing.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from graders.core.contract.verdict import Verdict
 
 @dataclass(frozen=True)
 class Progress:
-    """Titles in French. `mistakes` are named no more, `checks` pass now, `lost` did before; `left` names what is left,
-    mistakes where some are named, else checks (`left_checks`)."""
+    """Titles in French: `mistakes` are no longer named, `checks` pass now, `lost` passed before; `left` are the
+    remaining mistakes or, where none is named, the remaining checks (`left_checks`)."""
 
     mistakes: tuple[str, ...]
     checks: tuple[str, ...]
@@ -25,7 +25,7 @@ class Progress:
 
 
 def progress(before: Verdict, now: Verdict) -> Progress | None:
-    """From one verdict to the next; None where nothing is to be told: an error of ours, full marks, nothing new."""
+    """Return the progress between two verdicts; None for an error of ours, full marks, or no change."""
     if not before.outcome.counts or not now.outcome.counts or now.outcome is Outcome.OK:
         return None
     passed = {check.id for check in before.checks if check.passed}

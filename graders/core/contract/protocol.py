@@ -1,4 +1,4 @@
-"""What a server needs of a grader, whatever the kind of exercise; and what is known of an exercise, to check it."""
+"""The interface of every grader, and the sample submissions by which it is checked."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from graders.core.contract.program import Programs
 
 @dataclass(frozen=True)
 class KnownSubmission:
-    """A submission of which the verdict is known in advance.
+    """A submission whose verdict is known in advance.
 
-    `write` gives it for a seed. It must get `outcome`, or, where that is None, less than full marks; and be named
-    `diagnosis` where there is one. `rounds`: on how many seeds it is worth trying.
+    It must get `outcome`, or less than full marks where that is None, and the diagnosis `diagnosis` where there is one.
+    `rounds` is the number of seeds on which it is tried.
     """
 
     subject: str
@@ -33,13 +33,13 @@ class Grader(Protocol):
     def exercise(self) -> str: ...
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
-        """The verdict of a submission. An exception that leaves it is our own fault."""
+        """Return the judgement of a submission. An exception raised here is our own fault."""
 
     def rehearse(self) -> None:
-        """Do once what is slow the first time."""
+        """Warm up: do once everything that is slow the first time."""
 
     def known_submissions(self) -> Iterator[KnownSubmission]:
-        """The reference first, then every catalogued mistake and every specimen."""
+        """Yield the reference, then every catalogued mistake and every specimen."""
 
     def mistake_ids(self) -> frozenset[str]:
-        """The ids of the misconceptions that it can name."""
+        """Return the ids of the misconceptions that it can name."""

@@ -1,6 +1,6 @@
-"""Many calls, or many answers, as arrays with one of them a row: one by one they are made when somebody asks for it.
+"""Many calls, or many answers, as arrays with one a row; single items are made on first access.
 
-A check of many small calls costs what its arrays cost, as long as nobody looks at a single one of them.
+A check of many small calls costs what its arrays cost, as long as no single call is accessed.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from graders.core.contract.values import Arguments, Floats, Value
 
 
 class Rows(Sequence[Arguments]):
-    """Calls by their arguments: of each of these, all values (n, …). A call is always made of the same objects.
+    """Calls by columns: for each argument, its values in all calls (n, …). Repeated access gives the same objects.
 
-    Raises TypeError for other numbers than floats of 64 bits: they are sent as these.
+    Raises TypeError for dtypes other than float64.
     """
 
     def __init__(self, *columns: Floats) -> None:
@@ -45,7 +45,7 @@ class Rows(Sequence[Arguments]):
 
 
 class ArrayReplies(Sequence[Answer]):
-    """Answers that are all a float, or arrays of floats of one shape: `values` (n, …). No arguments have come back."""
+    """Replies that are all floats, or arrays of floats of one shape: `values` (n, …); without arguments."""
 
     def __init__(self, values: Floats) -> None:
         self.values = values
@@ -69,7 +69,7 @@ class ArrayReplies(Sequence[Answer]):
 
 
 def as_rows(calls: Sequence[Arguments]) -> Sequence[Arguments]:
-    """The same calls, as rows where their arguments are arrays of floats, of one shape each."""
+    """Return the calls as Rows where each argument is an array of floats of one shape; unchanged otherwise."""
     columns = list(zip(*calls, strict=False))
     alike = len(set(map(len, calls))) == 1 and all(map(_are_alike, columns))
     return Rows(*map(np.array, columns)) if columns and alike else calls
@@ -81,5 +81,5 @@ def _are_alike(column: Sequence[Value]) -> bool:
 
 
 def split_rows(values: Floats) -> list[Value]:
-    """Floats, or arrays."""
+    """Return the rows as a list of floats or of arrays."""
     return values.tolist() if values.ndim == 1 else list(values)

@@ -1,6 +1,6 @@
-"""`mes_fonctions` as our own programs find it: the functions of the course's solutions.
+"""The module `mes_fonctions` for trusted programs: it holds the functions of the course's solutions.
 
-Which ones a student's program may import, and whose they are, is the course's business.
+The course decides which functions a student's program may import, and from whom.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ GRADERS = Path(__file__).resolve().parents[2]
 
 
 class SolutionModule(types.ModuleType):
-    """The module, for a program that finds `names`; each solution is run at the first need of one of its functions."""
+    """The module for a program with the global `names`; a solution runs when one of its functions is first read."""
 
     def __init__(self, module: str, names: Mapping[str, Any], built_in: Mapping[str, Any]) -> None:
         super().__init__(NAME)
@@ -34,7 +34,7 @@ class SolutionModule(types.ModuleType):
 
 @cache
 def _solutions(module: str) -> Mapping[str, Path]:
-    """The solution that defines each function of a module. A « défi » asks again for what an exercise asks for."""
+    """Map each function of a module to its solution's file; exercises go before a « défi » with the same function."""
     homes: dict[str, Path] = {}
     solutions = (GRADERS / module).glob("*/solution.py")
     for path in sorted(solutions, key=lambda path: (path.parent.name.startswith("defi_"), path.parent.name)):

@@ -1,4 +1,4 @@
-"""Randomness that a seed and a name decide."""
+"""Random generators derived from a seed and a name."""
 
 from __future__ import annotations
 
@@ -8,5 +8,5 @@ import numpy as np
 
 
 def stream(seed: int, name: str) -> np.random.Generator:
-    """An independent generator for each name under one seed."""
+    """Return an independent generator for each name under one seed."""
     return np.random.default_rng([seed, zlib.crc32(name.encode())])

@@ -1,4 +1,4 @@
-"""Plain values as they come back from a student's program, and how they are read as numbers.
+"""Plain values returned by a student's program, and their reading as numbers.
 
 A program returns exact base types only: null, bool, int, float, complex, str, ndarray, and tuples, lists and
 dictionaries of these. Reading is generous about the container (list, tuple, array) and strict about the content.
@@ -18,7 +18,7 @@ Arguments: TypeAlias = tuple[Value, ...]
 Floats: TypeAlias = NDArray[np.float64]
 
 NUMERIC_KINDS = "biuf"
-#: Bytes of what is kept of one value, a digest beyond; the largest right answer of the course takes 20 KB.
+#: Bytes of one compact value, beyond which it is a digest; the largest right answer of the course takes 20 KB.
 MAX_COMPACT_BYTES = 1 << 16
 #: More numbers than this are not read one by one, in Python: huge integers, indices.
 MAX_READ_ONE_BY_ONE = 20_000
@@ -55,7 +55,7 @@ def read_array(value: Value) -> Floats:
 
 
 def holds_text(value: Value) -> bool:
-    """Whether a text is in there: numpy would make every item as long as the longest one."""
+    """Whether a value contains text: numpy would make every item as long as the longest one."""
     if isinstance(value, list | tuple):
         return any(map(holds_text, value))
     return isinstance(value, str)
@@ -103,16 +103,13 @@ def _kind(value: Value) -> str:
 
 @dataclass(frozen=True)
 class ValueDigest:
-    """What is kept of a value that is too big to be kept: the same for the same numbers of the same types."""
+    """Digest of a value too large to keep: equal for the same numbers of the same types."""
 
     digest: bytes
 
 
 def compact_value(value: Value) -> Value:
-    """The same value for `same_value`, read once and small whatever was returned: its numbers are one array.
-
-    Comparing it again and again costs what a small array costs; of what is too big, a `Digest` is kept.
-    """
+    """Return an equivalent value for `same_value`, of bounded size: nested numbers as one array, or a digest."""
     small = _read_once(value)
     if _bytes(small) <= MAX_COMPACT_BYTES:
         return small
@@ -133,7 +130,7 @@ def _read_once(value: Value) -> Value:
 
 
 def _feed(digest: hashlib.blake2b, value: Value) -> None:
-    """Every value in its own form, told apart from its neighbours."""
+    """Update the digest with an unambiguous encoding of a value."""
     if isinstance(value, np.ndarray):
         digest.update(f"{value.dtype.str}{value.shape}".encode())
         digest.update(value.tobytes())
@@ -146,7 +143,7 @@ def _feed(digest: hashlib.blake2b, value: Value) -> None:
 
 
 def _bytes(value: Value) -> int:
-    """About what it takes in memory."""
+    """Return the approximate size of a value in memory."""
     if isinstance(value, dict):
         return sum(100 + len(key) + _bytes(item) for key, item in value.items())
     if isinstance(value, tuple):
