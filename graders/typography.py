@@ -12,7 +12,7 @@ LONGEST_KEPT = 400  # letters; what is longer may be a student's, and many would
 
 def french(text: str) -> str:
     """Make the spaces before `; ! ? : »` and after `«` unbreakable, and curve the apostrophes."""
-    return _kept(text) if len(text) <= LONGEST_KEPT else _french(text)
+    return _cached_french(text) if len(text) <= LONGEST_KEPT else _french(text)
 
 
 def _french(text: str) -> str:
@@ -22,7 +22,7 @@ def _french(text: str) -> str:
     return re.sub(r"«[ \u202f]", "«" + WIDE, text)
 
 
-_kept = lru_cache(maxsize=16_384)(_french)
+_cached_french = lru_cache(maxsize=16_384)(_french)
 
 
 def unaccented(text: str) -> str:

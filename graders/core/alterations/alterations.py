@@ -1,4 +1,4 @@
-"""The alterations of a program: every way in which the rules change it at one place."""
+"""Mutation operators on a student's language: every change of a program at one location by the rules."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ RULES = (*expressions.RULES, *calls.RULES, *statements.RULES)
 
 @dataclass(frozen=True)
 class Alteration:
-    """A program changed at one place: `altered`, in `function` ("" outside of all), from its line `line` on.
+    """A program changed at one location: `altered`, in `function` ("" at the top level), from `line` on.
 
-    `own` says that its operator is the course's own: a mistake that it warns of, and which no check may let pass.
+    `is_course_mistake` says that the operator is a mistake of which the course warns, and which every check must catch.
     """
 
     source: str
@@ -31,27 +31,27 @@ class Alteration:
 
     @cached_property
     def removed(self) -> tuple[str, ...]:
-        """The lines that are no longer there, without their margins."""
+        """The removed lines, without indentation."""
         return self._lines("-")
 
     @cached_property
     def added(self) -> tuple[str, ...]:
-        """The lines that stand there instead, without their margins."""
+        """The added lines, without indentation."""
         return self._lines("+")
 
     def _lines(self, sign: str) -> tuple[str, ...]:
         return tuple(line[1:].strip() for line in self.diff(context=0) if line.startswith(sign))
 
     def diff(self, context: int = 1) -> Iterator[str]:
-        """The unified diff, without the names of its files."""
+        """Yield the unified diff, without file names."""
         lines = difflib.unified_diff(self.source.splitlines(), self.altered.splitlines(), n=context, lineterm="")
         yield from list(lines)[2:]
 
 
 def find_alterations(source: str) -> list[Alteration]:
-    """Every alteration of a program that still compiles and is another program, in the order of its lines.
+    """Return every alteration that compiles and changes the syntax tree, in the order of the lines.
 
-    Raises SyntaxError for what is no program.
+    Raises SyntaxError for an invalid source.
     """
     text = ProgramText(source)
     changes = [
@@ -60,7 +60,7 @@ def find_alterations(source: str) -> list[Alteration]:
         for rule in RULES
         for change in rule(text, node)
     ]
-    changes.sort(key=lambda found: (found[0].start, found[0].end, not found[0].is_course_mistake, found[0].text))
+    changes.sort(key=lambda entry: (entry[0].start, entry[0].end, not entry[0].is_course_mistake, entry[0].text))
     alterations_by_text: dict[str, Alteration] = {}
     same = ast.dump(text.tree)
     for change, function, _ in changes:
@@ -74,7 +74,7 @@ def find_alterations(source: str) -> list[Alteration]:
 
 
 def _differs(altered: str, same: str) -> bool:
-    """Is it a program, and another one?"""
+    """Whether a source compiles and has another syntax tree."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)

@@ -1,4 +1,4 @@
-"""What may be altered in a call: what is called, its arguments and their order; and the course's own mistakes there."""
+"""Alterations of calls: the function, its arguments and their order; and the course's own mistakes."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from graders.core.alterations.text import Change, ProgramText
 
 
 def words(text: str) -> frozenset[str]:
-    """Names that are written one after the other."""
+    """Return a set of names from a text separated by spaces."""
     return frozenset(text.split())
 
 
-#: What each function is taken for, and the other for it.
+#: Pairs of functions that are confused with each other.
 NEIGHBOURS = """
     sin cos, min max, minimum maximum, argmin argmax, fmin fmax, amin amax, nanmin nanmax, nanargmin nanargmax,
     sum mean, nansum nanmean, floor ceil, any all, zeros ones, zeros_like ones_like, std var, cumsum cumprod,
     logical_and logical_or, vstack hstack, append extend, log log10
 """
-TAKEN_FOR = {one: other for pair in NEIGHBOURS.split(",") for one, other in (pair.split(), reversed(pair.split()))} | {
+TAKEN_FOR = {
+    name: other for pair in NEIGHBOURS.split(",") for name, other in (pair.split(), reversed(pair.split()))
+} | {
     "round": "floor",
     "rint": "floor",
     "trunc": "ceil",
@@ -29,7 +31,7 @@ TAKEN_FOR = {one: other for pair in NEIGHBOURS.split(",") for one, other in (pai
     "prod": "sum",
     "tan": "sin",
 }
-#: Functions that hand their first argument on nearly as it is: dropped, the argument remains.
+#: Functions whose call may be forgotten, leaving the first argument.
 DROPPED = words(
     """
     abs fabs absolute sqrt exp log log1p expm1 clip copy deepcopy array sorted sort round rint floor ceil trunc int
@@ -37,9 +39,9 @@ DROPPED = words(
     minimum maximum min max hypot norm flip roll reversed conj conjugate atleast_2d diff nan_to_num ravel
     """
 )
-#: Methods that do the same to what they are of.
+#: Methods whose call may be forgotten, leaving the object.
 METHODS = words("copy clip cumsum round transpose conj conjugate ravel flatten sort reverse astype")
-#: Functions of which the order of the arguments says nothing.
+#: Functions that are symmetric in their arguments.
 SYMMETRIC = words(
     "hypot minimum maximum min max fmin fmax logical_and logical_or logical_xor isclose allclose add multiply"
 )
@@ -73,7 +75,7 @@ def _taken_for(text: ProgramText, node: ast.Call) -> Iterator[Change]:
 
 
 def _is_method(text: ProgramText, node: ast.Call) -> bool:
-    """Is it asked of a value, rather than found in a module?"""
+    """Whether a call is a method of a value, rather than a function of a module."""
     root: ast.expr = node.func
     while isinstance(root, ast.Attribute):
         root = root.value
@@ -86,20 +88,20 @@ def _dropped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
     if _is_method(text, node):
         assert isinstance(node.func, ast.Attribute)
         if node.func.attr in METHODS or WRAP.search(node.func.attr):
-            yield from _kept(text, node, node.func.value)
+            yield from _drop_call(text, node, node.func.value)
         elif len(node.args) == 1:
-            yield from _kept_of_ours(text, node)
+            yield from _drop_own_function(text, node)
         return
     if name_of(node) == "array" and isinstance(node.args[0], ast.List | ast.Tuple | ast.ListComp):
         return
     if name_of(node) in DROPPED or WRAP.search(name_of(node)):
         for argument in node.args[: 2 if name_of(node) in SYMMETRIC else 1]:
-            yield from _kept(text, node, argument)
+            yield from _drop_call(text, node, argument)
     elif len(node.args) == 1:
-        yield from _kept_of_ours(text, node)
+        yield from _drop_own_function(text, node)
 
 
-def _kept(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
+def _drop_call(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Change]:
     if isinstance(argument, ast.Starred | ast.GeneratorExp):
         return
     own = bool(WRAP.search(name_of(node)))
@@ -113,7 +115,7 @@ def _kept(text: ProgramText, node: ast.Call, argument: ast.expr) -> Iterator[Cha
 
 
 def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
-    """x, of « sin x » in arctan2(sin x, cos x) or of « exp(1j x) » in angle(exp(1j x)); None for another angle."""
+    """Return x of arctan2(sin x, cos x) or angle(exp(1j x)); None for another argument."""
     if isinstance(node, ast.Call) and name_of(node) == "sin":
         return text.source_of(node.args[0])
     if isinstance(node, ast.Call) and name_of(node) == "exp" and isinstance(node.args[0], ast.BinOp):
@@ -121,11 +123,11 @@ def _inner_angle(text: ProgramText, node: ast.expr) -> str | None:
     return None
 
 
-def _kept_of_ours(text: ProgramText, node: ast.Call) -> Iterator[Change]:
-    """A function of the file itself, of one argument: the argument alone."""
+def _drop_own_function(text: ProgramText, node: ast.Call) -> Iterator[Change]:
+    """Replace a call of a function of the file by its only argument."""
     names = {function.name for function in ast.walk(text.tree) if isinstance(function, ast.FunctionDef)}
     if name_of(node) in names:
-        yield from _kept(text, node, node.args[0])
+        yield from _drop_call(text, node, node.args[0])
 
 
 def _swapped(text: ProgramText, node: ast.Call) -> Iterator[Change]:
@@ -186,7 +188,7 @@ def transposed(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 
 
 def _closing(text: ProgramText, node: ast.Attribute) -> str:
-    """What stands between a value and its attribute's dot: the parentheses that close."""
+    """Return the closing parentheses between a value and its attribute's dot."""
     return text.slice(text.span(node.value)[1], text.span(node)[1]).rsplit(".", 1)[0]
 
 

@@ -1,7 +1,7 @@
-"""`equivalents.toml` of an exercise: alterations of its solution that are still right, each with the reason why.
+"""Equivalent mutants of an exercise: alterations of its solution that are still right, listed in `equivalents.toml`.
 
-A mark says what the alteration looks like, its function and its lines before and after, so that it holds no longer once
-the solution is written otherwise.
+A mark identifies an alteration by its function and its lines before and after, and becomes stale when the solution
+changes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _HEADER = re.compile(r"^[ \t]*\[\[[ \t]*equivalent[ \t]*\]\]", re.MULTILINE)
 
 @dataclass(frozen=True)
 class EquivalentMark:
-    """An alteration that is held equivalent; `removed` and `added` are its lines without their margins."""
+    """An alteration declared equivalent; `removed` and `added` are its lines without indentation."""
 
     file: Path
     line: int
@@ -40,9 +40,9 @@ class EquivalentMark:
 
 
 def read_equivalents(folder: Path) -> tuple[EquivalentMark, ...]:
-    """The marks of an exercise, none where it has no such file.
+    """Return the marks of an exercise; () without a file.
 
-    Raises MalformedExerciseError, with the line, for a mark that lacks a field, has another, or says nothing in one.
+    Raises MalformedExerciseError, with the line, for a mark with missing, unknown or empty fields.
     """
     path = folder / EQUIVALENTS
     if not path.exists():
@@ -89,7 +89,7 @@ def _all_different(marks: Sequence[EquivalentMark]) -> None:
 
 
 def stale_marks(marks: Sequence[EquivalentMark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
-    """What is wrong with the marks of which no alteration is left."""
+    """Yield an error for each mark that matches no alteration."""
     for mark in marks:
         if not any(mark.matches(alteration) for alteration in found):
             words = "aucune altération de la solution n’a plus cette fonction et ces lignes"

@@ -1,4 +1,4 @@
-"""What may be altered in an expression: operators, constants, comparisons, indices, what is put together."""
+"""Alterations of expressions: operators, constants, comparisons, indices, displays."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from graders.core.alterations.text import Change, ProgramText
 
-#: What each operator is taken for.
+#: Operators with which each operator is confused.
 BINARY = {
     ast.Add: ("+", ("-", "*")),
     ast.Sub: ("-", ("+", "*")),
@@ -41,8 +41,8 @@ COMPARED = {
 TOLERANCE = 1e-6
 #: Names of rows and columns, which go in pairs.
 AXES = frozenset(map(frozenset, ("xy", "hw", "ij", ("dx", "dy"), ("ligne", "colonne"), ("lignes", "colonnes"))))
-#: Of a long list or a long tuple, as many neighbours are swapped.
-MOST_SWAPPED = 4
+#: Neighbours that are swapped in one list or tuple.
+MAX_SWAPS = 4
 
 
 def numbers(text: ProgramText, node: ast.AST) -> Iterator[Change]:
@@ -73,14 +73,14 @@ def _others(text: ProgramText, node: ast.AST, value: float) -> Iterator[float]:
     elif 0 < abs(value) <= TOLERANCE:
         yield from (0.0, 1.0)
     else:  # a term left out and a sign are the operator's business
-        found = (
+        match = (
             value + 1,
             value - 1,
             2 * value,
             *(() if term else (value - value,)),
             *(() if signed or term else (-value,)),
         )
-        yield from (other for other in found if other != value and not (term and other == 0))
+        yield from (other for other in match if other != value and not (term and other == 0))
 
 
 def _of_axes(text: ProgramText, node: ast.AST) -> bool:
@@ -231,9 +231,9 @@ def displays(text: ProgramText, node: ast.AST) -> Iterator[Change]:
     """Two neighbours of a list or a tuple swapped, of what is returned or unpacked too; not those of an index."""
     if not isinstance(node, ast.List | ast.Tuple) or isinstance(text.parent(node), ast.Subscript):
         return
-    for first, second in list(zip(node.elts, node.elts[1:], strict=False))[:MOST_SWAPPED]:
+    for first, second in list(zip(node.elts, node.elts[1:], strict=False))[:MAX_SWAPS]:
         if text.source_of(first) != text.source_of(second):
-            own = frozenset(text.source_of(one).lower() for one in (first, second)) in AXES
+            own = frozenset(text.source_of(display).lower() for display in (first, second)) in AXES
             yield text.swapped(first, second, "ligne et colonne" if own else "ordre", own=own)
 
 

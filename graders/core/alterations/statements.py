@@ -1,4 +1,4 @@
-"""What may be altered in a statement: it is dropped, its condition is another, it writes otherwise."""
+"""Alterations of statements: dropped statements, other conditions, other assignments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of a program with its syntax tree: where each node stands, and what is changed there."""
+"""The source of a program with its syntax tree: location of each node, and changes of the text."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-#: What is no code to alter: what is said of types, and what only loads.
+#: Nodes that are not altered: f-strings, imports, declarations.
 _SKIPPED = (ast.JoinedStr, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 @dataclass(frozen=True)
 class Change:
-    """One place of a program, bytes `start` to `end`, and what stands there instead. `own`: the course's own."""
+    """A replacement of the bytes `start` to `end`; `is_course_mistake` as in `Alteration`."""
 
     start: int
     end: int
@@ -24,7 +24,7 @@ class Change:
 
 
 class ProgramText:
-    """A program's source, its tree, and the place of each node in the bytes of the source. Raises SyntaxError."""
+    """A program's source, its tree, and the byte range of each node. Raises SyntaxError."""
 
     def __init__(self, source: str) -> None:
         self.raw = source.encode()
@@ -34,7 +34,7 @@ class ProgramText:
         self.imported = _imported(self.tree)
 
     def span(self, node: ast.AST) -> tuple[int, int]:
-        """Where a node begins and ends; the parentheses around it are not its own."""
+        """Return the byte range of a node, without parentheses around it."""
         start = self._lines[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
         return start, self._lines[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
 
@@ -45,11 +45,11 @@ class ProgramText:
         return self.raw[start:end].decode()
 
     def parent(self, node: ast.AST) -> ast.AST:
-        """The node around it; the tree itself around the tree."""
+        """Return the parent of a node; the tree for itself."""
         return self._parents.get(node, self.tree)
 
     def function(self, node: ast.AST) -> str:
-        """The name of the innermost function around a node, "" outside of them all."""
+        """Return the name of the innermost function around a node, "" at the top level."""
         while node is not self.tree:
             node = self.parent(node)
             if isinstance(node, _FUNCTIONS):
@@ -57,7 +57,7 @@ class ProgramText:
         return ""
 
     def token(self, left: ast.AST, right: ast.AST, spelled: str) -> tuple[int, int]:
-        """Where an operator stands between its operands; `spelled` as Python does, with one space between words."""
+        """Return the byte range of an operator between its operands; `spelled` has one space between words."""
         start, end = self.span(left)[1], self.span(right)[0]
         gap = re.sub(rb"#[^\n]*", lambda comment: b" " * len(comment[0]), self.raw[start:end])
         match = re.search(rb"\s+".join(re.escape(word.encode()) for word in spelled.split()), gap)
@@ -65,7 +65,7 @@ class ProgramText:
         return start + match.start(), start + match.end()
 
     def nodes(self) -> Iterator[ast.AST]:
-        """The nodes that may be altered, in no order: neither annotations, nor decorators, nor docstrings."""
+        """Yield the nodes that may be altered, in any order: no annotations, decorators or docstrings."""
         waiting: list[ast.AST] = [self.tree]
         while waiting:
             node = waiting.pop()
@@ -78,7 +78,7 @@ class ProgramText:
         return Change(*self.span(node), text, operator, own)
 
     def swapped(self, first: ast.AST, second: ast.AST, operator: str, *, own: bool = False) -> Change:
-        """Two nodes, of which the first stands first, each in the other's place."""
+        """Return the change that swaps two nodes, given in the order of the source."""
         (start, left), (right, end) = self.span(first), self.span(second)
         return Change(
             start, end, f"{self.source_of(second)}{self.slice(left, right)}{self.source_of(first)}", operator, own
@@ -99,12 +99,12 @@ def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
 
 
 def _is_text(node: ast.AST) -> bool:
-    """A docstring, or another text that stands alone."""
+    """Whether a statement is a docstring or another constant."""
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
 def _imported(tree: ast.AST) -> frozenset[str]:
-    """The names that stand for modules: those that are imported, and those that every program finds."""
+    """Return the names of modules: imported ones, and those that every kit gives."""
     names = {"np", "math", "cmath"}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import | ast.ImportFrom):

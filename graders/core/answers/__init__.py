@@ -1,7 +1,7 @@
 """Exercises answered without code: numbers, choices, steps to put in order. The same verdict as for code.
 
-What students read stands in the course, in `questions.toml`, and comes here as a sheet. For `choice` and `order` it is
-all that there is; for `numeric`, a grader's folder defines how data are dealt and answers judged.
+The course holds the texts, in `questions.toml`, and passes them as a sheet. `choice` and `order` need nothing else; for
+`numeric`, a grader's folder defines how the data of a variant are drawn and its answers judged.
 """
 
 from graders.core.answers.choice import ChoiceSheet, Option, choice

@@ -1,4 +1,4 @@
-"""How much of a list stands in an order that some dependencies allow."""
+"""Longest subsequence of a list that respects a partial order of dependencies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Predecessors = Mapping[str, AbstractSet[str]]
 
 
 def transitive_predecessors(after: Mapping[str, Sequence[str]]) -> Predecessors:
-    """All that must stand before each name, at whatever remove; `after` has the names in an order that it allows."""
+    """Return the transitive predecessors of each name; `after` lists direct ones, in a topological order."""
     before: dict[str, frozenset[str]] = {}
     for name, direct in after.items():
         before[name] = frozenset(direct).union(*(before[other] for other in direct))
@@ -19,11 +19,10 @@ def transitive_predecessors(after: Mapping[str, Sequence[str]]) -> Predecessors:
 
 
 def longest_chain(names: Sequence[str], before: Predecessors) -> int:
-    """The length of the longest subsequence of `names`, all different, that some order which `before` allows contains.
+    """Return the length of the longest subsequence of distinct `names` that extends to an order allowed by `before`.
 
-    Two names clash when the second must stand before the first. Clashing is transitive, so that the names without a
-    clash that are most numerous are as many as the chains of clashes that cover all of them (Dilworth's theorem):
-    what a greatest matching leaves.
+    Two names clash when the second must precede the first. Clashing is a partial order, so that the largest set without
+    clashes has as many names as a minimum cover by chains (Dilworth's theorem), found by maximum matching.
     """
     clashes = np.array([[index < later and other in before[name] for later, other in enumerate(names)]
                         for index, name in enumerate(names)], dtype=np.int8)  # fmt: skip

@@ -62,7 +62,7 @@ class ChoiceSheet:
 
 
 def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
-    """The grader that a sheet makes; its misconceptions stand in `folder`.
+    """Return the grader of a sheet, with the misconceptions in `folder`.
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
     """
@@ -125,7 +125,7 @@ class ChoiceGrader(AnswersGrader):
         slip = false.misconception if false else None
         share = max(0, 2 * len(hits) - len(options)) / len(question.right) if question.several else 0.0
         return check.failed(
-            "\n\n".join(self._told(question, options, false)),
+            "\n\n".join(self._explanations(question, options, false)),
             inputs={},
             expected=ALL if question.several else "une autre réponse",
             got=", ".join(letters.by_name[name] for name in ticked),
@@ -133,8 +133,8 @@ class ChoiceGrader(AnswersGrader):
             slip=slip,
         )
 
-    def _told(self, question: ChoiceQuestion, ticked: Sequence[Option], false: Option | None) -> Iterator[str]:
-        """What a wrong answer is told: nothing of the options that were not ticked, nor how many are right."""
+    def _explanations(self, question: ChoiceQuestion, ticked: Sequence[Option], false: Option | None) -> Iterator[str]:
+        """Yield the message of a wrong answer, which reveals neither unticked options nor the number of right ones."""
         if false is None:
             yield LACKING
             yield _reasons(ticked)
@@ -146,7 +146,7 @@ class ChoiceGrader(AnswersGrader):
             yield f"Erreur reconnue : {self.catalogue[false.misconception].brief}"
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
-        """A name for the whole, only where every wrong answer has it: each question tells its own."""
+        """Return the misconception common to all wrong answers, if any; each question reports its own."""
         slips = {finding.slip for finding in findings if finding.cause is Outcome.WRONG_ANSWER}
         slip = slips.pop() if len(slips) == 1 else None
         return self.catalogue[slip].diagnosis if slip else None
@@ -180,7 +180,7 @@ class ChoiceGrader(AnswersGrader):
 
     def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
         return [
-            _told(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
+            _transcript(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
             for question in self.questions
             if not is_blank(answers.get(question.id))
         ]
@@ -221,10 +221,7 @@ def _written(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str |
 
 
 def _explained(ticked: Sequence[Option]) -> Option | None:
-    """The wrong option that is explained, one with a name if there is one.
-
-    The others are not: ticking everything must not explain everything.
-    """
+    """Return the one wrong option to explain, preferably with a misconception: ticking all must not explain all."""
     false = [option for option in ticked if not option.right]
     return next((option for option in false if option.misconception), next(iter(false), None))
 
@@ -234,7 +231,7 @@ def _reasons(options: Sequence[Option]) -> str:
 
 
 def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
-    """The names of the ticked options, or why the answer cannot be read."""
+    """Return the names of the ticked options, or the reason why the answer cannot be read."""
     ticked = [raw] if isinstance(raw, str) else raw
     offered = ", ".join(letters.by_letter)
     if not isinstance(ticked, list) or not all(isinstance(letter, str) for letter in ticked):
@@ -252,7 +249,7 @@ def _renamed(value: Any, names: Mapping[str, str]) -> Any:
     return names.get(value, value) if isinstance(value, str) else rename_items(value, names)
 
 
-def _told(question: ChoiceQuestion, value: Any, pieces: Mapping[str, PaperPiece]) -> AnswerTranscript:
+def _transcript(question: ChoiceQuestion, value: Any, pieces: Mapping[str, PaperPiece]) -> AnswerTranscript:
     ids = [value] if isinstance(value, str) else value
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
         return AnswerTranscript(question.id, question.title, "", tuple(pieces[letter] for letter in ids))

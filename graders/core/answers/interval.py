@@ -1,4 +1,4 @@
-"""An interval that says how large a number is, without saying the number."""
+"""A random interval that gives the magnitude of a number without revealing it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ NEAREST, FURTHEST = 1.3, 3.0  # how far the ends are, as factors
 
 
 def rounded_interval(size: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Two rounded ends on either side of `size`, which is positive, each at a distance of its own."""
+    """Return two rounded bounds around a positive `size`, at independent random distances."""
     below, above = np.exp(rng.uniform(np.log(NEAREST), np.log(FURTHEST), 2))
     return _rounded(size / below, math.floor), _rounded(size * above, math.ceil)
 
 
 def _rounded(size: float, towards: object) -> float:
-    """One significant digit, away from the value."""
+    """Round to one significant digit, away from the value."""
     assert callable(towards)
     exponent = math.floor(math.log10(size))
     return float(f"{towards(size / 10.0**exponent) * 10.0**exponent:.6g}")

@@ -1,4 +1,4 @@
-"""Grading of answers: what every form of exercise shares. A form says what its questions are and judges each answer."""
+"""Grading of answers: the base of all forms of exercise. A form defines its questions and judges each answer."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from graders.core.contract.protocol import KnownSubmission
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 Answers = Mapping[str, Any]
-CHECKED_SEEDS = 25  # seeds on which a known answer is tried by `balise check`
+CHECKED_SEEDS = 25  # seeds on which `balise check` tries a known answer
 NO_ANSWER = "Il n'y a pas encore de réponse à cette question."
 UNKNOWN = "Ce fichier répond à des questions qui n'existent pas. Les questions sont : {names}."
 
 
 @dataclass(frozen=True)
 class AnswerCheck:
-    """What a check is, before any answer: its place in the verdict."""
+    """A check before any answer: its line of the verdict."""
 
     id: str
     title: str
@@ -36,7 +36,7 @@ class AnswerCheck:
 
     @property
     def unaided(self) -> AnswerCheck:
-        """The same without its hint, for what says nothing of how the question was understood."""
+        """The check without its hint, for answers that show nothing of how the question was understood."""
         return replace(self, hint=None)
 
     def passed(self, message: str = "") -> Finding:
@@ -69,7 +69,7 @@ class AnswerCheck:
 
 @dataclass(frozen=True, eq=False)
 class AnswersGrader(ABC):
-    """Grades the answers to one exercise; the same for the same seed, which also deals what the student is given.
+    """Grades the answers to one exercise. The seed determines the student's variant and the verdict.
 
     `folder` holds its `misconceptions.toml` and its specimens.
     """
@@ -80,34 +80,34 @@ class AnswersGrader(ABC):
 
     @abstractmethod
     def paper(self, seed: int) -> Paper:
-        """What the student is given."""
+        """Return the question paper of a variant."""
 
     @abstractmethod
     def checks(self) -> Sequence[AnswerCheck]:
-        """The checks of a verdict, whose points sum to 20."""
+        """Return the checks of a verdict, whose points sum to 20."""
 
     @abstractmethod
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
-        """One finding for each check. `answers` speaks of known questions only; its values are any JSON."""
+        """Return one finding for each check. `answers` holds known questions only; its values are any JSON."""
 
     @abstractmethod
     def right_answers(self, seed: int) -> Answers:
-        """Answers that get full marks."""
+        """Return answers that get full marks."""
 
     @abstractmethod
     def wrong_answers(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
-        """Answers that must be rejected: what they are, the misconception that they must be named by, the answers."""
+        """Yield answers that must be rejected: a description, the expected misconception, the answers for a seed."""
 
     @abstractmethod
     def transcribe(self, answers: Answers, seed: int) -> Sequence[AnswerTranscript]:
-        """Answers as one reads them again, whatever they are."""
+        """Return any answers in readable form."""
 
     @abstractmethod
     def correction(self, seed: int) -> str:
-        """The full correction of this deal, in Markdown."""
+        """Return the full correction of a variant, in Markdown."""
 
     def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Judgement:
-        """The verdict of a file of answers. Nothing runs: `programs` is what exercises of code need."""
+        """Return the judgement of a file of answers. `programs` is not used: nothing runs."""
         started = time.perf_counter()
         findings = self._findings(source, seed)
         took = round(1000.0 * (time.perf_counter() - started), 3)
@@ -132,7 +132,7 @@ class AnswersGrader(ABC):
         return self.judge({name: value for name, value in answers.items() if not is_blank(value)}, seed)
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
-        """The misconception seen in most of the failed checks; of several, the one that was seen first."""
+        """Return the misconception of most failed checks; the first one of several."""
         slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
         return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
 
@@ -152,7 +152,7 @@ class AnswersGrader(ABC):
             yield KnownSubmission(subject, self._specimen(path.read_bytes()), Outcome(path.parent.name))
 
     def _specimen(self, source: bytes) -> Callable[[int], bytes]:
-        """Specimens name options and steps as the course does, since letters change with the seed."""
+        """Return a specimen for a seed; specimens name options and steps as the course does, as letters vary."""
 
         def write(seed: int) -> bytes:
             try:
@@ -164,15 +164,15 @@ class AnswersGrader(ABC):
         return write
 
     def with_letters(self, answers: Answers, seed: int) -> Answers | None:
-        """Answers given with the course's names, under the letters of a deal; None where nothing has a letter."""
+        """Translate answers from the course's names to the letters of a variant; None where nothing has a letter."""
         return None
 
     def sample(self, wording: str) -> str:
-        """A text of the sheet as a student may read it: with the numbers of some deal in it."""
+        """Return a text of the sheet with the numbers of some variant."""
         return wording
 
     def reletter(self, answers: Answers, old: int, new: int) -> Answers:
-        """Answers to one deal as answers to another, where the letters differ."""
+        """Translate answers from the letters of one variant to those of another."""
         return answers
 
 

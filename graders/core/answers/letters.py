@@ -1,6 +1,7 @@
-"""Options and steps leave the server under letters dealt with the seed: neither name nor order tells anything.
+"""Options and steps are shown under letters shuffled by the seed, so that neither name nor order reveals anything.
 
-Verdicts tell the seed: who knows it must not find the places in the course's file again, where right ones come first.
+Verdicts reveal the seed. The shuffle therefore starts from hashes of the names, not from their order in the course's
+file, where right options come first.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any
 from graders.core.contract.streams import stream
 
 MAX_LETTERS = len(ascii_lowercase)
-#: A submission asks several times for the letters of each of its questions.
+#: Cached shuffles: a submission uses the letters of each of its questions several times.
 CACHE_SIZE = 1024
 
 
@@ -27,7 +28,7 @@ class Letters:
 
     @classmethod
     def from_seed(cls, names: Sequence[str], seed: int, key: str) -> Letters:
-        """The letters that `seed` gives to `names`, which are at most 26; `key` separates one question from another."""
+        """Return the letters of at most 26 `names` under a seed; `key` makes questions independent."""
         return _dealt(tuple(names), seed, key)
 
     @cached_property
@@ -47,7 +48,7 @@ def _dealt(names: tuple[str, ...], seed: int, key: str) -> Letters:
 
 
 def rename_items(value: Any, names: Mapping[str, str]) -> Any:
-    """An answer's list with each name replaced; what is no list, or no known name, as it is."""
+    """Replace the names in an answer's list; other values and unknown names stay."""
     if not isinstance(value, list):
         return value
     return [names.get(item, item) if isinstance(item, str) else item for item in value]

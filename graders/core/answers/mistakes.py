@@ -24,7 +24,7 @@ class Mistake:
 
     @property
     def brief(self) -> str:
-        """What a check says of it; the diagnosis explains."""
+        """The short text for a check; the diagnosis has the explanation."""
         return f"{self.title.strip().rstrip('.')}. {self.question.strip()}"
 
     @property
@@ -33,7 +33,7 @@ class Mistake:
 
 
 def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
-    """By id, in the order of the file; none where there is no file. Raises MalformedExerciseError."""
+    """Return the mistakes by id, in the order of the file; {} without a file. Raises MalformedExerciseError."""
     path = folder / "misconceptions.toml"
     if not path.is_file():
         return {}
@@ -55,7 +55,7 @@ def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
 
 
 def check_same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str]) -> None:
-    """What the exercise speaks of and what is catalogued are the same. Raises MalformedExerciseError."""
+    """Raise MalformedExerciseError unless the catalogue holds exactly the mistakes that the exercise uses."""
     path = folder / "misconceptions.toml"
     for name in sorted(used ^ catalogued.keys()):
         where = "une réponse y mène, mais elle n’est pas ici" if name in used else "aucune réponse n’y mène"

@@ -1,4 +1,4 @@
-"""Reads a number as a student types it: « 0,1 », « 1/3 », « 2π », « cos(0,3)/2 », « 4,7·10^-3 ». Nothing is evaluated.
+"""Parser of numbers as students type them: « 0,1 », « 1/3 », « 2π », « cos(0,3)/2 », « 4,7·10^-3 », without `eval`.
 
 A grammar of its own, bounded in length and depth; the result is a finite float or an explanation in French.
 """
@@ -54,11 +54,11 @@ _IMPOSSIBLE = {"sqrt": "prendre la racine", "ln": "prendre le logarithme", "log1
 
 
 class NotANumberError(Exception):
-    """What cannot be read as a number; `args[0]` says why, in French; of the text it repeats at most a word."""
+    """The text is not a number; `args[0]` says why, in French, and quotes at most one word of the text."""
 
 
 def read_number(text: str) -> float:
-    """The value of `text`. Raises NotANumberError."""
+    """Return the value of `text`. Raises NotANumberError."""
     if len(text) > MAX_LENGTH:
         raise NotANumberError(f"cette réponse est trop longue pour un nombre (plus de {MAX_LENGTH} caractères)")
     tokens = _tokens(_plain(text))
@@ -74,7 +74,7 @@ def read_number(text: str) -> float:
 
 
 def check_finite(value: float) -> float:
-    """The same number, when it is finite and of a sane size. Raises NotANumberError."""
+    """Return the number if it is finite and at most MAX_VALUE in magnitude. Raises NotANumberError."""
     if math.isnan(value):
         raise NotANumberError("ce n'est pas un nombre (NaN)")
     if math.isinf(value) or abs(value) > MAX_VALUE:
@@ -206,7 +206,7 @@ class _Parser:
         raise NotANumberError("une opération n'est pas à sa place")
 
     def _arguments(self, name: str, count: int) -> list[float]:
-        """What stands in parentheses after the name of a function."""
+        """Read the parenthesised arguments of a function."""
         if self._next() != "(":
             raise NotANumberError(f"mettez ce qui suit {name} entre parenthèses")
         self._take()

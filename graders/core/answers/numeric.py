@@ -1,4 +1,4 @@
-"""Questions answered by a number, on data dealt afresh for each student."""
+"""Questions answered by a number, on random data of each account (its variant)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class NumericDefinition(Definition):
     quantities: tuple[Quantity, ...]
 
     def bind(self, sheet: NumericSheet) -> NumericGrader:
-        """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
+        """Return the grader. Raises MalformedExerciseError where definition and sheet disagree."""
         grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.draw_data, self.quantities, sheet)
         question_ids, judged = (
             [question.id for question in sheet.questions],
@@ -95,7 +95,7 @@ def numeric(
 
 @dataclass(frozen=True)
 class NumericVariant:
-    """One deal: the data, the right values, and what each slip gives in their place."""
+    """One variant: the data, the right values, and the value of each slip by question."""
 
     data: Data
     right: Values
@@ -286,13 +286,13 @@ def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
 
 
 def _slipped(quantity: Quantity, name: str, dealt: NumericVariant, own: Values) -> tuple[float, ...]:
-    """What a slip gives from the right earlier values, and from the student's own."""
+    """Return the values of a slip, computed from the right earlier values and from the student's own."""
     followed = _computed(quantity.slips[name], dealt.data, own)
     return (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
 
 
 def _computed(formula: Formula, data: Data, own: Values) -> float | None:
-    """What a formula gives from a student's own values, which may be anything finite."""
+    """Return a formula's value for a student's own finite values; None where it fails or is not finite."""
     try:
         with np.errstate(all="ignore"):
             value = float(formula(data, own))
@@ -302,7 +302,7 @@ def _computed(formula: Formula, data: Data, own: Values) -> float | None:
 
 
 def _read(raw: Any) -> float | str:
-    """The number that was answered, or why it is none."""
+    """Return the number of an answer, or the reason why it is none."""
     try:
         if isinstance(raw, str):
             return read_number(raw)

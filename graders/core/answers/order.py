@@ -24,7 +24,7 @@ CHAIN = AnswerCheck("ordre", "Chaque étape après celles dont elle a besoin", 1
 
 @dataclass(frozen=True)
 class Step:
-    """`role` is what its place of the proof needs; `after` are the steps that must stand before it."""
+    """`role` is its purpose in the proof; `after` are the steps that must precede it."""
 
     id: str
     text: str
@@ -34,7 +34,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Distractor:
-    """A false step; `why` it is false."""
+    """A false step; `why` explains the error."""
 
     id: str
     text: str
@@ -54,7 +54,7 @@ class OrderSheet:
 
 
 def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
-    """The grader that a sheet makes; its misconceptions stand in `folder`.
+    """Return the grader of a sheet, with the misconceptions in `folder`.
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
     """
@@ -138,9 +138,9 @@ class OrderGrader(AnswersGrader):
         )
 
     def _chain(self, names: Sequence[str], letters: Letters) -> Finding:
-        """Marked by the longest part that stands in a right order, whatever is false or lacking in between.
+        """Mark the longest subsequence in a right order, whatever is false or missing in between.
 
-        What is told is the kind of fault: the step that it is, or its place, would be found by trying.
+        The message gives the kind of fault only: with the step or its position, one could solve by trial.
         """
         before = transitive_predecessors({step.id: step.after for step in self.sheet.steps})
         true = [name for name in names if name in before]
@@ -196,7 +196,7 @@ class OrderGrader(AnswersGrader):
 
 
 def _faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[str]:
-    """The kinds of fault in the order of the true steps, in sentences."""
+    """Yield one sentence for each kind of fault in the order of the true steps."""
     if not true:
         yield "Aucune étape de la démonstration n'est placée."
         return
@@ -216,7 +216,7 @@ def _faults(true: Sequence[str], before: Predecessors, length: int) -> Iterator[
 
 
 def _read(raw: Any, letters: Letters) -> list[str] | str:
-    """The names of the steps in the order of the answer, or why it cannot be read."""
+    """Return the names of the steps in the order of the answer, or the reason why it cannot be read."""
     if not isinstance(raw, list) or not all(isinstance(letter, str) for letter in raw):
         return "on attend la liste des lettres des étapes, dans l'ordre"
     if any(letter not in letters.by_letter for letter in raw):

@@ -1,4 +1,4 @@
-"""What one question on dealt numbers asks, and when an answer to it is right."""
+"""The quantity that one numeric question asks for, and its tolerance."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Formula = Callable[[Data, Values], float]
 
 @dataclass(frozen=True)
 class Quantity:
-    """What one question asks, and how it is judged.
+    """The quantity that one question asks for, and how an answer is judged.
 
     `expected(data, earlier)` computes it with `reference/`; `earlier` holds the values of the questions before it.
     An answer is right within `abs` + `rel` |value| (modulo 2π for an `angle`). `slips` are wrong formulas, by the

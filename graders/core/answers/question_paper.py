@@ -1,4 +1,4 @@
-"""What a student is given: the data of their deal, the questions in Markdown, nothing that tells an answer."""
+"""The question paper of a student: the data of their variant and the questions in Markdown, without any answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Form = Literal["number", "one", "several", "order"]
 
 @dataclass(frozen=True)
 class GivenDatum:
-    """One datum of the deal. `symbol` is TeX, `text` the number in French, as it is to be used."""
+    """One datum of the variant. `symbol` is TeX, `text` the number in French, rounded as it must be used."""
 
     symbol: str
     name: str
@@ -20,7 +20,7 @@ class GivenDatum:
 
 @dataclass(frozen=True)
 class PaperPiece:
-    """An option, or a step, under the letter that this deal gives it."""
+    """An option or a step, under its letter in this variant."""
 
     id: str
     text: str
@@ -45,7 +45,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Paper:
-    """The questions of one deal."""
+    """The data and questions of one variant."""
 
     given: tuple[GivenDatum, ...]
     questions: tuple[Question, ...]
@@ -53,7 +53,7 @@ class Paper:
 
 @dataclass(frozen=True)
 class AnswerTranscript:
-    """The answer to a question, to be read again: as it was typed, or the pieces that were chosen."""
+    """The answer to a question in readable form: the typed text, or the chosen pieces."""
 
     question: str
     title: str
@@ -62,5 +62,5 @@ class AnswerTranscript:
 
 
 def quote_markdown(text: str) -> str:
-    """A text of the sheet as the inside of a Markdown quotation: its first line follows the sign."""
+    """Return a text as the inside of a Markdown quotation, whose first line follows the sign."""
     return text.strip().replace("\n", "\n> ")

@@ -1,4 +1,4 @@
-"""From the bytes of a submission to the answers in it, whatever was sent; and back, in one canonical form."""
+"""Parsing of a submission's bytes into answers, and their canonical serialisation."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class UnreadableAnswersError(Exception):
 
 
 def read_answers(source: bytes) -> dict[str, Any]:
-    """The answers by question. Raises UnreadableAnswersError.
+    """Return the answers by question. Raises UnreadableAnswersError.
 
-    Numbers that no float holds come out as infinities, and are refused where they are read as an answer.
+    Numbers beyond every float become infinities, which are rejected where an answer is read.
     """
     if len(source) > MAX_FILE_BYTES:
         raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {MAX_FILE_BYTES // 1024} Kio.")
@@ -47,12 +47,12 @@ def _integer(digits: str) -> float:
 
 
 def canonical_json(answers: Mapping[str, Any]) -> str:
-    """The same answers always give the same text. Raises ValueError (RecursionError) for what is nested too deep."""
+    """Return the canonical JSON of answers. Raises ValueError (RecursionError) for values nested too deep."""
     return json.dumps(answers, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
 
 
 def display_text(value: Any) -> str:
-    """An answer as it was given, short, and safe to store and to print."""
+    """Return a short text of an answer, safe to store and to print."""
     try:
         text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
     except RecursionError:
@@ -62,5 +62,5 @@ def display_text(value: Any) -> str:
 
 
 def is_blank(value: Any) -> bool:
-    """Nothing was answered: no value, an empty text, nothing ticked."""
+    """Whether nothing was answered: no value, an empty text, nothing ticked."""
     return value is None or value == [] or (isinstance(value, str) and not value.strip())

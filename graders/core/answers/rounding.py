@@ -1,4 +1,4 @@
-"""Whether a number that was typed is a value of which too few digits are left."""
+"""Recognition of a typed number as a value rounded to too few digits."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-MIN_DIGITS = 2  # of what says more than an order of magnitude
+MIN_DIGITS = 2  # significant digits: fewer give an order of magnitude only
 _PLAIN = re.compile(r"[-+−–]?\s*([0-9]*)(?:[.,]([0-9]*))?", re.ASCII)
 _DUST = 1e-9
 
 
 @dataclass(frozen=True)
 class TypedDecimal:
-    """A decimal number as it was typed: its value, and how many digits stand after the comma."""
+    """A typed decimal number: its value, and the number of digits after the comma."""
 
     value: float
     decimals: int
 
     def rounds(self, value: float) -> bool:
-        """Whether this is `value`, rounded or cut at the last digit that was typed."""
+        """Whether this is `value`, rounded or truncated at the last typed digit."""
         unit = 10.0**-self.decimals
         rounded = abs(self.value - value) <= (0.5 + _DUST) * unit
         cut = self.value * value >= 0 and 0 <= abs(value) - abs(self.value) < unit
@@ -28,7 +28,7 @@ class TypedDecimal:
 
 
 def parse_decimal(raw: Any, value: float) -> TypedDecimal | None:
-    """An answer that reads as `value`, where it is a decimal number of two significant digits or more."""
+    """Return an answer with the given value as a TypedDecimal; None unless it is one of two significant digits."""
     match = _PLAIN.fullmatch((raw if isinstance(raw, str) else repr(raw)).strip())
     if match is None:
         return None
@@ -37,5 +37,5 @@ def parse_decimal(raw: Any, value: float) -> TypedDecimal | None:
 
 
 def decimals_for(tolerance: float) -> int:
-    """How many digits after the comma leave no more than `tolerance` between a value and its rounding."""
+    """Return the number of decimals whose rounding error is at most `tolerance`."""
     return max(0, math.ceil(math.log10(0.5 / tolerance) - _DUST))

@@ -1,4 +1,4 @@
-"""The wording of questions on dealt numbers, and the numbers put in it as a French reader writes them."""
+"""The texts of numeric questions, and the formatting of numbers in them, in French."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DIGITS = 4  # of a value that is computed
 
 @dataclass(frozen=True)
 class Datum:
-    """How one number of the deal is shown: `digits` after the decimal comma; `symbol` is TeX."""
+    """The format of one number of the variant: `digits` after the decimal comma; `symbol` is TeX."""
 
     name: str
     symbol: str
@@ -32,7 +32,7 @@ class Datum:
 
 @dataclass(frozen=True)
 class NumericWording:
-    """A question as it is read. `text` and `correction` may hold {{name}} of the data (`correction` of answers too)."""
+    """The texts of a question. `text` and `correction` may hold {{name}} of data (`correction` of answers too)."""
 
     id: str
     title: str
@@ -48,7 +48,7 @@ class NumericSheet:
     questions: tuple[NumericWording, ...]
 
     def fill_placeholders(self, text: str, values: Mapping[str, float]) -> str:
-        """The text with its placeholders replaced by numbers, inside formulas and outside."""
+        """Return the text with its placeholders replaced by numbers, inside formulas and outside."""
         parts = FORMULAS.split(text)
         return "".join(self._filled(part, values, tex=index % 2 == 1) for index, part in enumerate(parts))
 
@@ -62,7 +62,7 @@ class NumericSheet:
         return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
 
     def unknown_placeholders(self) -> list[list[str]]:
-        """For each question, the names in placeholders that nothing replaces."""
+        """Return, for each question, the names of placeholders without a value."""
         data = {datum.name for datum in self.data}
         answers = {question.id for question in self.questions}
         return [

@@ -256,8 +256,10 @@ class BehaviourObserver:
         """Whether several answers are right, so that the solution itself may differ from the model."""
         if series not in self._free:
             answers = [] if series.keeping else [self._solved(series, args) for args in series.calls]
-            shown = stored_answers(series, answers)
-            self._free[series] = not series.keeping and bool(self._wrong(series, _SeriesResult(answers, shown), shown))
+            stored = stored_answers(series, answers)
+            self._free[series] = not series.keeping and bool(
+                self._wrong(series, _SeriesResult(answers, stored), stored)
+            )
         return self._free[series]
 
 

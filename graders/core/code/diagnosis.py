@@ -83,7 +83,7 @@ def is_ruled_out(
 
 
 def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
-    """What both programs gave at the same place of the same check, of the same function."""
+    """Return the pairs of observations of both programs at the same index of the same check and function."""
     theirs = {(o.check, o.index, o.function): o for o in seen}
     return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
 
@@ -101,9 +101,9 @@ def _diagnosis(misconception: Misconception) -> Diagnosis:
 
 def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
     """Return one diagnosis of several mistakes or slips: the id of the first, the texts of all."""
-    named: dict[str, Misconception | Slip] = {**SLIPS, **{one.id: one for one in misconceptions}}
-    first, *others = [named[one] for one in ids]
-    title = AND_ALSO.join(one.title for one in (first, *others))
+    named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
+    first, *others = [named[mistake] for mistake in ids]
+    title = AND_ALSO.join(mistake.title for mistake in (first, *others))
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"Autre erreur : {lowercase_title(other.title)}. {other.explanation}", other.question]

@@ -9,12 +9,12 @@ from graders.core.contract.values import Floats, UnreadableError, Value, read_ar
 
 def drawable_as(expected: Value, got: Value) -> Floats | tuple[Floats, ...] | None:
     """Return `drawable` in the shape of the expected value, item by item for a tuple of arrays; None if one fails."""
-    if not isinstance(expected, tuple) or not any(isinstance(one, np.ndarray) for one in expected):
+    if not isinstance(expected, tuple) or not any(isinstance(part, np.ndarray) for part in expected):
         return drawable(got, np.shape(expected))
     if not isinstance(got, tuple | list) or len(got) != len(expected):
         return None
-    items = [drawable(value, np.shape(one)) for value, one in zip(got, expected, strict=True)]
-    arrays = tuple(one for one in items if one is not None)
+    items = [drawable(value, np.shape(part)) for value, part in zip(got, expected, strict=True)]
+    arrays = tuple(part for part in items if part is not None)
     return arrays if len(arrays) == len(items) else None
 
 

@@ -143,7 +143,7 @@ def number(value: complex, digits: int = 6) -> str:
 
 
 def _beyond(value: float) -> str | None:
-    """What digits cannot say: not a number, an infinity, an integer beyond every float."""
+    """Return the text of NaN, an infinity, or an integer beyond every float; None for other numbers."""
     if isinstance(value, int) and value.bit_length() > _FLOAT_BITS:
         return f"environ {MINUS if value < 0 else ''}10^{int(value.bit_length() * math.log10(2))}"
     if math.isnan(value):

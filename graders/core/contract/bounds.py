@@ -76,12 +76,12 @@ def _lighter(check: CheckResult, level: int, figures: dict[str, Any]) -> CheckRe
     return replace(
         check,
         message=f"{message} {_NO_DRAWING}".strip() if lost else message,
-        counterexample=check.counterexample and _shown(check.counterexample, lambda value: _light(value, level)),
+        counterexample=check.counterexample and _map_values(check.counterexample, lambda value: _light(value, level)),
         figure=None if lost else check.figure,
     )
 
 
-def _shown(counterexample: Counterexample, light: Callable[[Any], Any]) -> Counterexample:
+def _map_values(counterexample: Counterexample, light: Callable[[Any], Any]) -> Counterexample:
     inputs = {name: light(value) for name, value in counterexample.inputs.items()}
     return Counterexample(inputs, light(counterexample.expected), light(counterexample.got))
 

@@ -31,9 +31,9 @@ def _copied(value: Value) -> Value:
     if kind is np.ndarray and not value.dtype.hasobject:
         return value.copy(order="K")
     if kind is list:
-        return [_copied(one) for one in value]
+        return [_copied(item) for item in value]
     if kind is tuple:
-        return tuple([_copied(one) for one in value])
+        return tuple([_copied(item) for item in value])
     if kind is dict:
-        return {_copied(key): _copied(one) for key, one in value.items()}
+        return {_copied(key): _copied(item) for key, item in value.items()}
     return copy.deepcopy(value)

@@ -15,7 +15,7 @@ Kind = Literal["code", "answers"]
 
 
 class Blame(Enum):
-    """Who is answerable for an outcome."""
+    """The party responsible for an outcome."""
 
     OURS = "ours"
     STUDENT = "student"
@@ -24,7 +24,7 @@ class Blame(Enum):
 
 @dataclass(frozen=True)
 class Wording:
-    """What the page says, in French: a title, then one sentence.
+    """The text of the page, in French: a title, then one sentence.
 
     The outcome is that of the worst check, and the first one that failed may have another: the sentence must be true
     beside it, and what is to be mended is said by the checks.
@@ -36,7 +36,7 @@ class Wording:
 
 @dataclass(frozen=True)
 class OutcomeRow:
-    """What is known of an outcome. `brief` is for the command line; `answers` where an exercise answered without code
+    """The properties of an outcome. `brief` is for the command line; `answers` where an exercise answered without code
     has words of its own.
     """
 
@@ -47,7 +47,7 @@ class OutcomeRow:
 
 
 class Outcome(StrEnum):
-    """How a submission ended. Of several, the one that stands first here names the whole submission."""
+    """The end of a submission. Of several outcomes, the first in this order names the whole submission."""
 
     _value_: str
     row: OutcomeRow
@@ -191,7 +191,7 @@ class Outcome(StrEnum):
         return self.row.brief
 
     def wording(self, kind: Kind = "code") -> Wording:
-        """What the page of an exercise of this kind says."""
+        """Return the text of the page for an exercise of this kind."""
         return self.row.answers if kind == "answers" and self.row.answers is not None else self.row.code
 
 

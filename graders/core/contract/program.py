@@ -113,7 +113,7 @@ def flatten_blocks(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
 
 
 def call_batches_sequentially(program: Program, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
-    """`Program.together` where nothing is won by it: each call is made when its answer is taken."""
+    """Implement `Program.call_batches` without pipelining: each call is made when its answer is taken."""
     for number, batch in enumerate(batches):
         for answer in call_sequentially(
             program, batch.function, batch.calls, batch.faults, return_arguments=batch.return_arguments
@@ -156,8 +156,8 @@ class Programs(Protocol):
     """Starts the programs of files."""
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
-        """The program of a file, loaded with this kit. Raises StudentFault when the file does not load.
+        """Load a file with this kit and return its program. Raises StudentFault when the file does not load.
 
-        What is asked `ahead`, which may be on its way with the file, is what `together` must be called with first.
+        The batches `ahead` may travel with the file; `call_batches` must then be called with them first.
         """
         ...

@@ -97,7 +97,7 @@ class CheckResult:
 
 #: Between the titles of several mistakes, in the one title of a diagnosis.
 AND_ALSO = " — et aussi : "
-#: Who makes a diagnosis that is not the grader's.
+#: The source of a diagnosis that a teacher writes.
 TEACHER = "teacher"
 
 
