@@ -29,9 +29,9 @@ from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_unavailable, utc_now
 from server.figures.pictures import Pictures
-from server.figures.program import program
+from server.figures.program import helper_program
 from server.figures.service import Figures
-from server.figures.store import Store
+from server.figures.store import PictureStore
 from server.grading import regrade_task
 from server.grading.grading_task import give_up_handlers
 from server.grading.job_lanes import JOB_LANES
@@ -136,8 +136,8 @@ class Services:
 
     @cached_property
     def figures(self) -> Figures:
-        kept = Store(self.settings.data_dir / "figures")
-        return Figures(self.course, self.database, Pictures(Helper(program()), kept))
+        kept = PictureStore(self.settings.data_dir / "figures")
+        return Figures(self.course, self.database, Pictures(Helper(helper_program()), kept))
 
     @cached_property
     def downloads(self) -> Downloads:

@@ -20,8 +20,8 @@ from server.course.models import Course, Exercise
 from server.database import Database, is_unavailable
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
-from server.figures.orders import MEDIA_TYPES, Form, Theme
-from server.figures.service import Wanted
+from server.figures.drawing_requests import MEDIA_TYPES, Form, Theme
+from server.figures.service import VerdictFigureQuery
 from server.gradebook import service as gradebook
 from server.identity.dependencies import ApiAccount, BearerToken, TokenFirstRoute, account_of_token
 from server.identity.models import Account
@@ -191,8 +191,8 @@ class FigureRequest:
         self._submission_id, self._name, self._theme = submission_id, name, theme
 
     async def answer(self, form: Form) -> Response:
-        wanted = Wanted(self._submission_id, self._name, form, self._theme)
-        picture = await self._figures.of_verdict(self._account, wanted, self._address)
+        wanted = VerdictFigureQuery(self._submission_id, self._name, form, self._theme)
+        picture = await self._figures.draw_verdict_figure(self._account, wanted, self._address)
         return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, no-cache"})
 
 

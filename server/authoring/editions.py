@@ -7,31 +7,31 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from graders import courses
-from server.authoring.new import Refused
+from server.authoring.new import NameRefused
 from server.course.editions import MODULE_SLUG, edition_of, following
 
-LEFT_OUT = {"__pycache__"}
+IGNORED_FOLDERS = {"__pycache__"}
 
 
-def write(module: str, course: Path) -> list[Path]:
+def copy_to_next_edition(module: str, course: Path) -> list[Path]:
     """Copies a module's folders beside them, its name replaced in names and texts; the files. Raises Refused, having
     written nothing."""
     if not MODULE_SLUG.fullmatch(module) or not (course / courses.CURRICULUM / module / "module.toml").is_file():
-        raise Refused(f"le module « {module} » n’existe pas dans {course}")
-    made = _next(module)
+        raise NameRefused(f"le module « {module} » n’existe pas dans {course}")
+    made = _next_edition(module)
     word = re.compile(rf"(?<![a-z0-9]){module}(?![a-z0-9])")
     files: dict[Path, bytes] = {}
     for room in (courses.CURRICULUM, courses.GRADERS):
         for path in _files(course / room / module):
             place = course / room / made / path.relative_to(course / room / module)
-            files[place.with_name(word.sub(made, place.name))] = _renamed(path.read_bytes(), word, made)
+            files[place.with_name(word.sub(made, place.name))] = _replace_module_name(path.read_bytes(), word, made)
     for path, content in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     return list(files)
 
 
-def _next(module: str) -> str:
+def _next_edition(module: str) -> str:
     """The edition after the last that any course has."""
     family = edition_of(module).family
     there = {path.name for room in courses.room_folders(courses.CURRICULUM) for path in room.iterdir()}
@@ -40,12 +40,12 @@ def _next(module: str) -> str:
 
 def _files(folder: Path) -> Iterator[Path]:
     for path in sorted(folder.rglob("*")):
-        hidden = any(part in LEFT_OUT or part.startswith(".") for part in path.relative_to(folder).parts)
+        hidden = any(part in IGNORED_FOLDERS or part.startswith(".") for part in path.relative_to(folder).parts)
         if path.is_file() and not hidden:
             yield path
 
 
-def _renamed(content: bytes, word: re.Pattern[str], made: str) -> bytes:
+def _replace_module_name(content: bytes, word: re.Pattern[str], made: str) -> bytes:
     try:
         return word.sub(made, content.decode("utf-8")).encode()
     except UnicodeDecodeError:  # a picture, an archive: no name is written there

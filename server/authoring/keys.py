@@ -27,7 +27,7 @@ from server.sandbox.policy import LIMIT_SPECS, Policy
 class Key:
     """`example` is TOML, as one writes it after `key = `."""
 
-    words: str
+    meaning: str
     example: str
 
     @property

@@ -20,16 +20,16 @@ from server.text.markup.text import SLUG as PAGE_SLUG
 SKELETONS = Path(__file__).with_name("skeletons")
 COURSE = "course"
 MODULE = "module"
-STEP = 10
+ORDER_STEP = 10
 FOLDERS = {kind.folder: kind.name for kind in LESSONS}
 
 
-class Refused(Exception):
+class NameRefused(Exception):
     """A name that cannot be given; the message is French, and says what to write."""
 
 
 @dataclass(frozen=True)
-class Name:
+class SkeletonName:
     """What a skeleton is made for: `folder` is that of a page's kind."""
 
     module: str
@@ -37,68 +37,72 @@ class Name:
     folder: str = ""
 
 
-def write(kind: str, name: str, course: Path) -> list[Path]:
+def write_skeleton(kind: str, name: str, course: Path) -> list[Path]:
     """Writes a skeleton into the folder of a course; the files, in the order of reading. Raises Refused, having written
     nothing, where a name does not do or something stands there already."""
-    read = _module(name) if kind == MODULE else _name(kind, name)
+    read = _parse_module_name(name) if kind == MODULE else _parse_name(kind, name)
     home = course / courses.CURRICULUM / read.module
     if kind == MODULE:
-        _must_be_free(read.module, course)
+        _check_module_free(read.module, course)
     elif not (home / "module.toml").is_file():
-        raise Refused(f"le module « {read.module} » n’existe pas dans {course} : « balise new module {read.module} »")
-    words = _words(kind, read, home, course)
+        raise NameRefused(
+            f"le module « {read.module} » n’existe pas dans {course} : « balise new module {read.module} »"
+        )
+    words = _placeholders(kind, read, home, course)
     skeletons = [SKELETONS / kind]
     if kind == MODULE and not (course / courses.CURRICULUM).is_dir():
         skeletons.append(SKELETONS / COURSE)
-    files = {path: text for skeleton in skeletons for path, text in _filled(skeleton, words, course)}
+    files = {path: text for skeleton in skeletons for path, text in _render_skeleton(skeleton, words, course)}
     for path in [path for path in files if path.name == "__init__.py" and path.exists()]:
         del files[path]
     taken = [path for path in files if path.exists()]
     taken += home.glob(f"*/{read.slug}.md") if kind == "page" else ()
     if taken:
-        raise Refused(f"il y a déjà quelque chose ici : {taken[0]}")
+        raise NameRefused(f"il y a déjà quelque chose ici : {taken[0]}")
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     return list(files)
 
 
-def _module(name: str) -> Name:
+def _parse_module_name(name: str) -> SkeletonName:
     if not MODULE_SLUG.fullmatch(name):
-        raise Refused(f"« {name} » : un module se nomme par des minuscules puis un nombre, comme « l19 »")
-    return Name(name)
+        raise NameRefused(f"« {name} » : un module se nomme par des minuscules puis un nombre, comme « l19 »")
+    return SkeletonName(name)
 
 
-def _must_be_free(module: str, course: Path) -> None:
+def _check_module_free(module: str, course: Path) -> None:
     for room in courses.room_folders(courses.CURRICULUM):
         if (room / module).is_dir() and room != course / courses.CURRICULUM:
-            raise Refused(f"un autre cours a déjà un module « {module} » : {room / module}")
+            raise NameRefused(f"un autre cours a déjà un module « {module} » : {room / module}")
 
 
-def _name(kind: str, name: str) -> Name:
+def _parse_name(kind: str, name: str) -> SkeletonName:
     module, *folders, slug = name.split("/") if "/" in name else ("", name)
     if not MODULE_SLUG.fullmatch(module):
-        raise Refused(f"« {name} » : dites aussi le module, comme « l19/{slug} »")
+        raise NameRefused(f"« {name} » : dites aussi le module, comme « l19/{slug} »")
     if kind == "page":
         folder = folders[0] if folders else LESSONS[0].folder
         if folder not in FOLDERS or len(folders) > 1:
-            raise Refused(f"« {'/'.join(folders)} » : les dossiers de pages sont {', '.join(FOLDERS)}")
-        return Name(
-            module, _fitting(slug, re.compile(PAGE_SLUG), "des minuscules sans accent, chiffres et tirets"), folder
+            raise NameRefused(f"« {'/'.join(folders)} » : les dossiers de pages sont {', '.join(FOLDERS)}")
+        return SkeletonName(
+            module,
+            _validate_slug(slug, re.compile(PAGE_SLUG), "des minuscules sans accent, chiffres et tirets"),
+            folder,
         )
     if folders:
-        raise Refused(f"« {name} » : un module et un nom, comme « {module}/{slug} »")
+        raise NameRefused(f"« {name} » : un module et un nom, comme « {module}/{slug} »")
     slug = slug.replace("-", "_") if kind == "replay" else slug
-    return Name(module, _fitting(slug, EXERCISE_SLUG, "des minuscules sans accent, chiffres et « _ »"))
+    return SkeletonName(module, _validate_slug(slug, EXERCISE_SLUG, "des minuscules sans accent, chiffres et « _ »"))
 
 
-def _fitting(slug: str, pattern: re.Pattern[str], words: str) -> str:
+def _validate_slug(slug: str, pattern: re.Pattern[str], words: str) -> str:
     if not pattern.fullmatch(slug) or slug[0].isdigit():
-        raise Refused(f"« {slug} » : un nom est fait de {words}, et commence par une lettre")
+        raise NameRefused(f"« {slug} » : un nom est fait de {words}, et commence par une lettre")
     return slug
 
 
-def _words(kind: str, name: Name, home: Path, course: Path) -> dict[str, str]:
+def _placeholders(kind: str, name: SkeletonName, home: Path, course: Path) -> dict[str, str]:
     """What the marks of a skeleton stand for."""
     slug = re.sub(r"[^a-z0-9]+", "-", course.resolve().name.lower()).strip("-") or "cours"
     slug = slug if slug.startswith("cours") else f"cours-{slug}"
@@ -108,13 +112,13 @@ def _words(kind: str, name: Name, home: Path, course: Path) -> dict[str, str]:
         "__SLUG__": name.slug,
         "__NAME__": name.slug.replace("_", "-"),
         "__FOLDER__": name.folder,
-        "__ORDER__": str(max([0, *_orders(kind, name, home)]) + STEP),
+        "__ORDER__": str(max([0, *_existing_orders(kind, name, home)]) + ORDER_STEP),
         "__COURSE__": slug,
         "__PACKAGE__": slug.replace("-", "_"),
     }
 
 
-def _orders(kind: str, name: Name, home: Path) -> Iterator[int]:
+def _existing_orders(kind: str, name: SkeletonName, home: Path) -> Iterator[int]:
     """The places that are taken where the new one goes, by what can be read."""
     pages = kind == "page"
     for path in home.glob(f"{name.folder}/*.md" if pages else "exercices/*/exercise.toml"):
@@ -124,7 +128,7 @@ def _orders(kind: str, name: Name, home: Path) -> Iterator[int]:
             continue
 
 
-def _filled(skeleton: Path, words: dict[str, str], course: Path) -> Iterator[tuple[Path, str]]:
+def _render_skeleton(skeleton: Path, words: dict[str, str], course: Path) -> Iterator[tuple[Path, str]]:
     mark = re.compile("|".join(words))
     for path in sorted(skeleton.rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
@@ -135,7 +139,7 @@ def _filled(skeleton: Path, words: dict[str, str], course: Path) -> Iterator[tup
             yield course / place, text
 
 
-def place_of(name: str) -> Path:
+def default_course_folder(name: str) -> Path:
     """The course that a new name goes to where none is said: its module's, or the folder where one stands."""
     folder = courses.module_folder(name.split("/", maxsplit=1)[0])
     return folder.parents[1] if folder.is_dir() else Path.cwd()

@@ -96,23 +96,23 @@ class GlossaryFile(Strict):
 
 
 @dataclass(frozen=True)
-class Shape:
+class FileShape:
     """A kind of file: `model` of all of it (or of its front matter), `places` below the folder of a course."""
 
     name: str
     model: type[BaseModel] | tuple[type[BaseModel], ...]
-    places: tuple[str, ...]
+    path_patterns: tuple[str, ...]
 
 
 SHAPES = (
-    Shape("module", ModuleFile, ("curriculum/*/module.toml",)),
-    Shape("glossaire", GlossaryFile, ("curriculum/*/glossaire.toml",)),
-    Shape("exercise", ExerciseFile, ("curriculum/*/exercices/*/exercise.toml",)),
-    Shape("questions", (ChoiceFile, OrderFile, NumericFile), ("curriculum/*/exercices/*/questions.toml",)),
-    Shape("misconceptions", MisconceptionsFile, ("graders/*/*/misconceptions.toml",)),
-    Shape("mistakes", MistakesFile, ("curriculum/*/exercices/*/misconceptions.toml",)),
-    Shape("equivalents", EquivalentsFile, ("graders/*/*/equivalents.toml",)),
-    Shape("entete", FrontMatter, ()),
+    FileShape("module", ModuleFile, ("curriculum/*/module.toml",)),
+    FileShape("glossaire", GlossaryFile, ("curriculum/*/glossaire.toml",)),
+    FileShape("exercise", ExerciseFile, ("curriculum/*/exercices/*/exercise.toml",)),
+    FileShape("questions", (ChoiceFile, OrderFile, NumericFile), ("curriculum/*/exercices/*/questions.toml",)),
+    FileShape("misconceptions", MisconceptionsFile, ("graders/*/*/misconceptions.toml",)),
+    FileShape("mistakes", MistakesFile, ("curriculum/*/exercices/*/misconceptions.toml",)),
+    FileShape("equivalents", EquivalentsFile, ("graders/*/*/equivalents.toml",)),
+    FileShape("entete", FrontMatter, ()),
 )
 
 
@@ -124,10 +124,10 @@ def faults(course: Course) -> Iterator[Problem]:
         model: type[BaseModel] = MisconceptionsFile if exercise.answers is None else MistakesFile
         for path, shape in ((graders / MISCONCEPTIONS, model), (graders / "equivalents.toml", EquivalentsFile)):
             if path.is_file():
-                yield from _faults(path, shape)
+                yield from _validate_file(path, shape)
 
 
-def _faults(path: Path, model: type[BaseModel]) -> Iterator[Problem]:
+def _validate_file(path: Path, model: type[BaseModel]) -> Iterator[Problem]:
     try:
         toml_file.read(path, model)
     except CourseFault as fault:

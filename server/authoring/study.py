@@ -30,47 +30,47 @@ from server.course.models import Exercise
 from server.grading.sandbox_grader import SandboxGrader
 
 #: How many smaller programs are tried, each launched twice.
-TRIES = 60
-TO_WORD = "À DIRE"
+MAX_SHRINK_TRIES = 60
+PLACEHOLDER = "À DIRE"
 
 
 @dataclass(frozen=True)
-class Found:
+class UnexplainedGroup:
     """A group: in how many attempts, by how many students, how it fails, what a teacher calls it if one does.
 
     `source` is its shortest program, `names` those of its author; `version` is the exercise's, when it was asked.
     """
 
-    group: str
+    group_id: str
     attempts: int
     students: int
     functions: tuple[str, ...]
     example: dict[str, Any] | None
     version: str
-    words: GroupDescription | None
+    description: GroupDescription | None
     source: bytes
     names: tuple[str, ...]
 
 
-class CannotWrite(Exception):
+class MisconceptionWriteError(Exception):
     """A misconception that cannot be written; the message is French."""
 
 
-def groups(db: Session, exercise: str, most: int) -> list[Found]:
+def load_unexplained_groups(db: Session, exercise: str, most: int) -> list[UnexplainedGroup]:
     """The most frequent first."""
     return [
         found
         for row in repository.list_unexplained_groups(db, exercise, most)
-        if (found := _found(db, *row)) is not None
+        if (found := _load_group(db, *row)) is not None
     ]
 
 
-def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | None:
+def _load_group(db: Session, group_id: str, attempts: int, students: int) -> UnexplainedGroup | None:
     group, program = repository.find_group(db, group_id), repository.load_shortest_program(db, group_id)
     if group is None or program is None:
         return None
     name = repository.find_latest_name(db, group_id)
-    return Found(
+    return UnexplainedGroup(
         group_id,
         attempts,
         students,
@@ -83,7 +83,7 @@ def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | 
     )
 
 
-def program_of(found: Found, exercise: Exercise, grader: SandboxGrader | None) -> str:
+def minimise_program(found: UnexplainedGroup, exercise: Exercise, grader: SandboxGrader | None) -> str:
     """Its program, as small as it can be made where there is a sandbox. Raises Invalid for one that cannot be read."""
     bare = anonymise_program(found.source, found.names)
     if grader is None or not isinstance(exercise.grader, CodeGrader):
@@ -96,14 +96,14 @@ def program_of(found: Found, exercise: Exercise, grader: SandboxGrader | None) -
     wanted = behaviour(bare)
     if not wanted.shows_mistake:
         return bare
-    return shrunk(bare, lambda text: same_answers(behaviour(text).answers, wanted.answers))
+    return shrink_program(bare, lambda text: same_answers(behaviour(text).answers, wanted.answers))
 
 
-def shrunk(program: str, alike: Callable[[str], bool], tries: int = TRIES) -> str:
+def shrink_program(program: str, alike: Callable[[str], bool], tries: int = MAX_SHRINK_TRIES) -> str:
     """The program without the statements, and the branches, that may go while it stays `alike`."""
     place, changed = 0, False
     for _ in range(tries):
-        smaller = next(itertools.islice(_smaller(program), place, None), None)
+        smaller = next(itertools.islice(_smaller_programs(program), place, None), None)
         if smaller is None and not changed:
             break
         if smaller is None:  # what went may have been all that needed something else
@@ -115,11 +115,11 @@ def shrunk(program: str, alike: Callable[[str], bool], tries: int = TRIES) -> st
     return program
 
 
-def _smaller(program: str) -> Iterator[str]:
+def _smaller_programs(program: str) -> Iterator[str]:
     """The program with one statement less, or with what is inside of one in its place; the outermost first."""
     for place in itertools.count():
         tree = ast.parse(program)
-        found = next(itertools.islice(_blocks(tree), place, None), None)
+        found = next(itertools.islice(_statement_positions(tree), place, None), None)
         if found is None:
             return
         block, index, may_be_empty = found
@@ -134,7 +134,7 @@ def _smaller(program: str) -> Iterator[str]:
                 yield text
 
 
-def _blocks(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
+def _statement_positions(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
     """Each statement as a place in a block, and whether that block may be empty."""
     for node in ast.walk(tree):
         for name in ("body", "orelse"):
@@ -143,14 +143,14 @@ def _blocks(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
                 yield from ((block, index, name == "orelse" or node is tree) for index in range(len(block)))
 
 
-def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
+def write_misconception(found: UnexplainedGroup, exercise: Exercise, program: str) -> list[Path]:
     """Adds a misconception to the exercise's grader, for its author to word. Raises CannotWrite."""
     if not isinstance(exercise.grader, CodeGrader):
-        raise CannotWrite(f"« {exercise.id} » n’est pas un exercice de code")
-    title = found.words.title if found.words else f"erreur {found.group}"
+        raise MisconceptionWriteError(f"« {exercise.id} » n’est pas un exercice de code")
+    title = found.description.title if found.description else f"erreur {found.group_id}"
     identity = misconception_id(title, exercise.grader.mistake_ids() | SLIPS.keys())
-    words = found.words or GroupDescription(
-        f"{TO_WORD} : l’erreur en quelques mots", f"{TO_WORD} : pourquoi", f"{TO_WORD} ?"
+    words = found.description or GroupDescription(
+        f"{PLACEHOLDER} : l’erreur en quelques mots", f"{PLACEHOLDER} : pourquoi", f"{PLACEHOLDER} ?"
     )
     functions = [one.name for one in exercise.functions if one.name in found.functions]
     folder = exercise.grader.folder
@@ -161,18 +161,18 @@ def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
         file.parent.mkdir(exist_ok=True)
         file.write_text(guard_unread_program(program), encoding="utf-8")
         with catalogue.open("a", encoding="utf-8") as written:
-            written.write(f"\n# {told(found)}\n{table}")
+            written.write(f"\n# {describe_frequency(found)}\n{table}")
     except OSError as error:
-        raise CannotWrite(f"impossible d’écrire dans « {folder} » : {error.strerror}") from error
+        raise MisconceptionWriteError(f"impossible d’écrire dans « {folder} » : {error.strerror}") from error
     return [catalogue, file]
 
 
-def told(found: Found) -> str:
+def describe_frequency(found: UnexplainedGroup) -> str:
     """How often, in a line."""
     return f"{found.attempts} essai{'s' * (found.attempts > 1)}, {found.students} élève{'s' * (found.students > 1)}"
 
 
-def shown(found: Found) -> Sequence[str]:
+def describe_counterexample(found: UnexplainedGroup) -> Sequence[str]:
     """The input that shows it best."""
     if not found.example:
         return ()

@@ -33,7 +33,7 @@ TYPES = {
 }  # fmt: skip
 
 #: What each field of a class of the graders is, in French.
-FIELDS: Mapping[type, Mapping[str, str]] = {
+FIELD_MEANINGS: Mapping[type, Mapping[str, str]] = {
     Check: {
         "id": "nom, unique dans l’exercice",
         "title": "ce que l’élève lit de la vérification",
@@ -88,7 +88,7 @@ FIELDS: Mapping[type, Mapping[str, str]] = {
 COMPARATORS = (comparison.CloseTo, comparison.ScalarCloseTo, comparison.SameIndices, poses.SamePose)
 SHRINKERS = (shrinking.keep, shrinking.shrink_number, shrinking.shrink_array, poses.shrink_pose)
 #: What the docstrings say, in French.
-SAID = {
+FRENCH_SUMMARIES = {
     "CloseTo": "tableaux ou nombres de même forme et, à la tolérance près, de mêmes valeurs",
     "ScalarCloseTo": "un nombre, à la tolérance près (`float`, `int`, scalaire de numpy, tableau 0-d)",
     "SameIndices": "les mêmes entiers, dans le même ordre",
@@ -100,97 +100,109 @@ SAID = {
 }
 
 
-def table(name: str) -> str:
+def render_table(name: str) -> str:
     """One table, in Markdown. Raises KeyError for what there is none of."""
-    made = {"Comparateurs": _comparators, "Simplificateurs": _shrinkers, "Limites": _limits, "Issues": _outcomes}
+    made = {
+        "Comparateurs": _comparator_table,
+        "Simplificateurs": _shrinker_table,
+        "Limites": _limit_table,
+        "Issues": _outcome_table,
+    }
     if name in made:
         return made[name]()
     if name == "Pages":
         rows = [[f"`{kind.folder}/`", kind.shelf or "séances, sur la page du module"] for kind in KINDS]
-        return _table(["dossier", "ce qui s’y lit"], rows)
+        return _markdown_table(["dossier", "ce qui s’y lit"], rows)
     models = {model.__name__: model for model in KEYS}
-    return _of_model(models[name]) if name in models else _of_class({one.__name__: one for one in FIELDS}[name])
+    return (
+        _model_table(models[name])
+        if name in models
+        else _class_table({one.__name__: one for one in FIELD_MEANINGS}[name])
+    )
 
 
-def _table(heads: list[str], rows: list[list[str]]) -> str:
+def _markdown_table(heads: list[str], rows: list[list[str]]) -> str:
     lines = [heads, ["---"] * len(heads), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
 
 
-def _of_model(model: type[BaseModel]) -> str:
+def _model_table(model: type[BaseModel]) -> str:
     schema = model.model_json_schema()
     required = set(schema.get("required", ()))
     rows = [
         [
             f"`{name}`" + (" *" if name in required else ""),
-            _type(schema, schema["properties"][name]),
-            KEYS[model][name].words,
+            _french_type(schema, schema["properties"][name]),
+            KEYS[model][name].meaning,
             f"`{name} = {KEYS[model][name].example}`",
         ]
         for name in model.model_fields
     ]
-    return _table(["clé", "type", "ce que c’est", "exemple"], rows)
+    return _markdown_table(["clé", "type", "ce que c’est", "exemple"], rows)
 
 
-def _type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
+def _french_type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
     if "$ref" in value:
-        return _type(schema, schema["$defs"][value["$ref"].rsplit("/", 1)[1]])
+        return _french_type(schema, schema["$defs"][value["$ref"].rsplit("/", 1)[1]])
     if "anyOf" in value:
-        return " ou ".join(dict.fromkeys(filter(None, (_type(schema, one) for one in value["anyOf"]))))
+        return " ou ".join(dict.fromkeys(filter(None, (_french_type(schema, one) for one in value["anyOf"]))))
     if "const" in value or "enum" in value:
         return " ou ".join(f"`{one}`" for one in value.get("enum", [value.get("const")]))
     if value.get("type") == "array" and "items" in value:
-        inside = _type(schema, value["items"])
+        inside = _french_type(schema, value["items"])
         return f"liste de {inside}s" if " " not in inside else f"liste ({inside})"
     return TYPES[value["type"]]
 
 
-def _of_class(kind: type) -> str:
+def _class_table(kind: type) -> str:
     inherited = {name for base in kind.__mro__[1:] for name in getattr(base, "__dataclass_fields__", {})}
     rows = [
-        [f"`{one.name}`" + (" *" if _needed(one) else ""), f"`{one.type}`", FIELDS[kind][one.name]]
+        [f"`{one.name}`" + (" *" if _is_required(one) else ""), f"`{one.type}`", FIELD_MEANINGS[kind][one.name]]
         for one in dataclasses.fields(kind)
         if one.name not in inherited
     ]
-    return _table(["paramètre", "type", "ce que c’est"], rows)
+    return _markdown_table(["paramètre", "type", "ce que c’est"], rows)
 
 
-def _needed(one: dataclasses.Field[Any]) -> bool:
+def _is_required(one: dataclasses.Field[Any]) -> bool:
     return one.default is dataclasses.MISSING and one.default_factory is dataclasses.MISSING
 
 
-def _comparators() -> str:
+def _comparator_table() -> str:
     rows = [
-        [f"`{one.__name__}{inspect.signature(one)}`".replace(" -> None", ""), SAID[one.__name__]] for one in COMPARATORS
+        [f"`{one.__name__}{inspect.signature(one)}`".replace(" -> None", ""), FRENCH_SUMMARIES[one.__name__]]
+        for one in COMPARATORS
     ]
-    return _table(["comparateur", "accepte"], rows)
+    return _markdown_table(["comparateur", "accepte"], rows)
 
 
-def _shrinkers() -> str:
-    return _table(["simplificateur", "essaie"], [[f"`{one.__name__}`", SAID[one.__name__]] for one in SHRINKERS])
+def _shrinker_table() -> str:
+    return _markdown_table(
+        ["simplificateur", "essaie"], [[f"`{one.__name__}`", FRENCH_SUMMARIES[one.__name__]] for one in SHRINKERS]
+    )
 
 
-def _limits() -> str:
+def _limit_table() -> str:
     default = Policy()
     rows = [
         [f"`{name}`", row.label, str(getattr(default, name)), f"{row.minimum:g} à {row.maximum:g}"]
         for name, row in LIMIT_SPECS.items()
     ]
-    return _table(["clé", "ce que c’est", "sans elle", "permis"], rows)
+    return _markdown_table(["clé", "ce que c’est", "sans elle", "permis"], rows)
 
 
-def _outcomes() -> str:
-    return _table(["dossier", "verdict"], [[f"`{one.value}/`", one.wording("code").title] for one in Outcome])
+def _outcome_table() -> str:
+    return _markdown_table(["dossier", "verdict"], [[f"`{one.value}/`", one.wording("code").title] for one in Outcome])
 
 
-def filled(text: str) -> str:
+def fill_tables(text: str) -> str:
     """A page with its tables made anew."""
-    return MARK.sub(lambda found: f"{found[1]}{table(found[2])}{found[3]}", text)
+    return MARK.sub(lambda found: f"{found[1]}{render_table(found[2])}{found[3]}", text)
 
 
 def main(pages: Path = PAGES) -> None:
     for path in sorted(pages.glob("*.md")):
-        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+        path.write_text(fill_tables(path.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

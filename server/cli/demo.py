@@ -18,8 +18,8 @@ from server.cli.sandboxes import Probing
 from server.cli.serve import serve
 from server.course import Course
 from server.database import Database
-from server.demo.living import Lesson
-from server.demo.loading import Loaded, load, shown
+from server.demo.living import OngoingLesson
+from server.demo.loading import DemoClass, create_demo_class, demo_module
 from server.identity import repository as identity
 from server.submissions.service import Submissions
 
@@ -27,15 +27,15 @@ from server.submissions.service import Submissions
 def run(arguments: Namespace) -> int:
     with _folder(arguments.data) as folder:
         settings = read_settings(data_dir=folder)
-        loaded: list[Loaded] = []
-        lessons: list[Lesson] = []
+        loaded: list[DemoClass] = []
+        lessons: list[OngoingLesson] = []
 
         def prepare(settings: Settings, course: Course, probing: Probing) -> None:
             loaded.append(_loaded(settings, course, probing, arguments.seed, arguments.students))
 
         def announce(app: FastAPI, address: str) -> None:
             _announce(loaded[0], address)
-            lesson = Lesson(
+            lesson = OngoingLesson(
                 get_service(app, Database), get_service(app, Course), get_service(app, Submissions), loaded[0]
             )
             lesson.start()
@@ -57,7 +57,7 @@ def _folder(asked: Path | None) -> Iterator[Path]:
         yield Path(folder)
 
 
-def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> Loaded:
+def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> DemoClass:
     if not course.modules:
         raise CannotRun("ce cours n’a pas de module.")
     database = Database(settings.url)
@@ -69,8 +69,8 @@ def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, stu
                 )
         print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
         with local_grader(course, probing) as grader:
-            return load(
-                database, course, shown(course), grader.grade, settings, seed=seed, students=students, told=_tell
+            return create_demo_class(
+                database, course, demo_module(course), grader.grade, settings, seed=seed, students=students, told=_tell
             )
     finally:
         database.close()
@@ -80,7 +80,7 @@ def _tell(done: int, total: int) -> None:
     print(f"  {done} essais corrigés sur {total}", file=sys.stderr, flush=True)
 
 
-def _announce(loaded: Loaded, address: str) -> None:
+def _announce(loaded: DemoClass, address: str) -> None:
     (teacher, password), (student, other) = loaded.logins.items()
     print(f"\nBalise est prête : {address}/classes/{loaded.class_id}")
     print(f"  Enseignante : identifiant {teacher}, mot de passe {password}")

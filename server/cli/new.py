@@ -11,10 +11,10 @@ from server.cli.authors import EDITION
 
 
 def run(arguments: Namespace) -> int:
-    course: Path = arguments.into or new.place_of(arguments.name)
+    course: Path = arguments.into or new.default_course_folder(arguments.name)
     try:
         files = _written(arguments.kind, arguments.name, course)
-    except new.Refused as refused:
+    except new.NameRefused as refused:
         raise CannotRun(f"{refused}.") from refused
     except OSError as error:
         raise CannotRun(f"impossible d’écrire dans « {course} » : {error.strerror}.") from error
@@ -25,7 +25,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _written(kind: str, name: str, course: Path) -> list[Path]:
-    return editions.write(name, course) if kind == EDITION else new.write(kind, name, course)
+    return editions.copy_to_next_edition(name, course) if kind == EDITION else new.write_skeleton(kind, name, course)
 
 
 def _next(kind: str, name: str, course: Path) -> list[str]:

@@ -29,7 +29,7 @@ def run(arguments: Namespace) -> int:
         address = f"http://{LOCALHOST}:{listener.getsockname()[1]}/{module}"
         print(f"Aperçu de {os.path.relpath(place)} : {address}", flush=True)
         print("  Chaque changement se voit aussitôt. Ctrl+C pour arrêter.\n", flush=True)
-        Supervisor(place, listener, serving.serve, faults.look, _say).run()
+        Supervisor(place, listener, serving.serve, faults.write_faults, _say).run()
     return 0
 
 

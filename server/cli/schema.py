@@ -9,7 +9,7 @@ from server.cli import CannotRun
 
 def run(arguments: Namespace) -> int:
     try:
-        files = schema.write(arguments.into)
+        files = schema.write_schemas(arguments.into)
     except OSError as error:
         raise CannotRun(f"impossible d’écrire dans « {arguments.into} » : {error.strerror}.") from error
     for path in files:

@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from server.authoring import study
-from server.authoring.study import Found
+from server.authoring.study import UnexplainedGroup
 from server.base.errors import Invalid
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -21,9 +21,9 @@ def run(arguments: Namespace) -> int:
     course = load_course()
     exercise = find(course, arguments.exercise)
     found = _groups(arguments, exercise)
-    chosen = [one for one in found if arguments.write in (None, one.group)]
+    chosen = [one for one in found if arguments.write in (None, one.group_id)]
     if arguments.write and not chosen:
-        raise CannotRun(f"aucun groupe « {arguments.write} ». Groupes : {', '.join(one.group for one in found)}.")
+        raise CannotRun(f"aucun groupe « {arguments.write} ». Groupes : {', '.join(one.group_id for one in found)}.")
     if not found:
         print(f"{exercise.id} : rien de ce qui échoue n’est sans nom.")
         return 0
@@ -33,26 +33,26 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[Found]:
+def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[UnexplainedGroup]:
     with opened(read_settings(data_dir=arguments.data)) as database, database.read() as db:
-        return study.groups(db, exercise.id, arguments.most)
+        return study.load_unexplained_groups(db, exercise.id, arguments.most)
 
 
-def _tell(found: Found, exercise: Exercise, grader: SandboxGrader, *, write: bool) -> None:
+def _tell(found: UnexplainedGroup, exercise: Exercise, grader: SandboxGrader, *, write: bool) -> None:
     try:
-        program = study.program_of(found, exercise, grader)
+        program = study.minimise_program(found, exercise, grader)
     except Invalid as refused:
         program = f"# {refused}\n"
-    name = f" — « {found.words.title} », dit un enseignant" if found.words else ""
+    name = f" — « {found.description.title} », dit un enseignant" if found.description else ""
     older = "" if found.version == exercise.version else " (d’une autre version de l’exercice)"
-    print(f"{found.group} : {study.told(found)}{older}{name}")
-    for line in study.shown(found):
+    print(f"{found.group_id} : {study.describe_frequency(found)}{older}{name}")
+    for line in study.describe_counterexample(found):
         print(f"  {line}")
     print("".join(f"    {line}\n" for line in program.splitlines()))
     if write:
         try:
-            files = study.write(found, exercise, program)
-        except study.CannotWrite as refused:
+            files = study.write_misconception(found, exercise, program)
+        except study.MisconceptionWriteError as refused:
             raise CannotRun(f"{refused}.") from refused
         print("\n".join(os.path.relpath(path) for path in files))
         print("Ce programme est d’un élève, et sera exécuté sans bac à sable : relisez-le, puis dites-le en tête.")

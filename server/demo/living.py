@@ -10,8 +10,8 @@ from graders.core.answers.reading import read_answers
 from server.base.errors import ServiceError
 from server.course import Course
 from server.database import Database, utc_now
-from server.demo.loading import Loaded, source_of
-from server.demo.story import Step
+from server.demo.loading import DemoClass, attempt_source
+from server.demo.story import PlannedAttempt
 from server.identity import repository as identity
 from server.submissions.service import Submissions
 from server.submissions.variants import get_or_create_seed
@@ -20,10 +20,10 @@ log = logging.getLogger(__name__)
 ADDRESS = "198.51.100.1"  # of documentation: nobody's
 
 
-class Lesson:
+class OngoingLesson:
     """A thread that sends each attempt at its time, until there is none left or it is stopped."""
 
-    def __init__(self, database: Database, course: Course, store: Submissions, loaded: Loaded) -> None:
+    def __init__(self, database: Database, course: Course, store: Submissions, loaded: DemoClass) -> None:
         self._database, self._course, self._store, self._loaded = database, course, store, loaded
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="lesson", daemon=True)
@@ -40,14 +40,14 @@ class Lesson:
         self.join()
 
     def _run(self) -> None:
-        steps: Sequence[Step] = self._loaded.to_come
+        steps: Sequence[PlannedAttempt] = self._loaded.upcoming
         for step in steps:
             wait = (step.sent_at - utc_now()).total_seconds()
             if self._stopping.wait(max(0.0, wait)):
                 return
             self._send(step)
 
-    def _send(self, step: Step) -> None:
+    def _send(self, step: PlannedAttempt) -> None:
         exercise = self._course.exercises[step.exercise]
         try:
             with self._database.write() as db:
@@ -55,10 +55,12 @@ class Lesson:
                 if account is None:
                     return
                 if exercise.kind == "code":
-                    text = source_of(step, self._loaded.seeds[step.exercise], code=True).decode()
+                    text = attempt_source(step, self._loaded.seeds[step.exercise], code=True).decode()
                     self._store.submit(db, account, step.exercise, text, address=ADDRESS)
                 else:
-                    answers = read_answers(step.known.source_for_seed(get_or_create_seed(db, account, step.exercise)))
+                    answers = read_answers(
+                        step.submission.source_for_seed(get_or_create_seed(db, account, step.exercise))
+                    )
                     self._store.submit_answers(db, account, step.exercise, answers, address=ADDRESS)
         except ServiceError as refused:
             log.warning("the lesson goes on without an attempt at %s: %s", step.exercise, refused.detail)

@@ -19,8 +19,8 @@ from server.classes.models import ClassRole, Membership, SchoolClass
 from server.course import Course, Module
 from server.database import Database, utc_now
 from server.demo import teaching
-from server.demo.people import Pupil, pupils
-from server.demo.story import Step, lesson_starts, story
+from server.demo.people import Pupil, draw_pupils
+from server.demo.story import PlannedAttempt, lesson_starts, plan_attempts
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
 from server.identity import secrets
@@ -33,30 +33,30 @@ CLASS_NAME = "MPSI 2 (démonstration)"
 TEACHER = ("martin", "Claire Martin")
 ASSISTANT = ("nguyen", "Paul Nguyen")
 WEEK = timedelta(days=7)
-TAKES = timedelta(milliseconds=60)
-AT_ONCE = 100  # attempts written in one transaction
+GRADING_TIME = timedelta(milliseconds=60)
+BATCH_SIZE = 100  # attempts written in one transaction
 
 Grade = Callable[[str, bytes, int], Judgement]
-Told = Callable[[int, int], None]
+ProgressCallback = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Loaded:
+class DemoClass:
     """The class as it was written: passwords of who may enter, and what the lesson still brings."""
 
     class_id: UUID
     logins: Mapping[str, str]
-    to_come: Sequence[Step]
+    upcoming: Sequence[PlannedAttempt]
     accounts: Sequence[UUID]
     seeds: Mapping[str, int]
 
 
-def shown(course: Course) -> Module:
+def demo_module(course: Course) -> Module:
     """The module that a demonstration is of: the one with the most exercises."""
     return max(course.modules.values(), key=lambda module: len(module.exercises))
 
 
-def load(
+def create_demo_class(
     database: Database,
     course: Course,
     module: Module,
@@ -65,41 +65,41 @@ def load(
     *,
     seed: int,
     students: int,
-    told: Told,
-) -> Loaded:
+    told: ProgressCallback,
+) -> DemoClass:
     """Into an empty database. `grade` says the judgement of a file; `told` hears how many attempts are written."""
     random, now = Random(seed), utc_now()
-    everyone = pupils(random, students)
-    steps = story(module, everyone, random, now)
+    everyone = draw_pupils(random, students)
+    steps = plan_attempts(module, everyone, random, now)
     seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
     with database.write() as db:
-        made, teacher, accounts, logins = _people(db, module, everyone, now)
+        made, teacher, accounts, logins = _create_people(db, module, everyone, now)
         room = teaching.Classroom(course, module, made, teacher, accounts)
-        test = teaching.give(db, room, now)
+        test = teaching.create_assignments(db, room, now)
     past = [step for step in steps if step.sent_at <= now]
-    _history(database, course, past, accounts, seeds, grade, told)
+    _write_history(database, course, past, accounts, seeds, grade, told)
     with database.write() as db:
-        room = replace(room, made=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
-        teaching.sat(db, room, db.get_one(Assignment, test.id), past)
-        teaching.say(db, room, past, settings)
-    return Loaded(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
+        room = replace(room, school_class=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
+        teaching.record_sittings(db, room, db.get_one(Assignment, test.id), past)
+        teaching.write_comments(db, room, past, settings)
+    return DemoClass(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
 
-def _people(
+def _create_people(
     db: Session, module: Module, everyone: Sequence[Pupil], now: datetime
 ) -> tuple[SchoolClass, Account, list[UUID], dict[str, str]]:
     first = lesson_starts(now)[0]
     logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
-    teacher = _account(db, *TEACHER, Role.teacher, logins)
-    assistant = _account(db, *ASSISTANT, Role.teacher, logins)
+    teacher = _create_account(db, *TEACHER, Role.teacher, logins)
+    assistant = _create_account(db, *ASSISTANT, Role.teacher, logins)
     made = classes.create_class(db, teacher, CLASS_NAME, module.slug)
     made.created_at = first - WEEK
     db.add(Membership(class_id=made.id, account_id=assistant.id, role=ClassRole.assistant))
-    accounts = [_student(db, made, pupil, first, logins) for pupil in everyone]
+    accounts = [_enrol_student(db, made, pupil, first, logins) for pupil in everyone]
     return made, teacher, accounts, logins
 
 
-def _account(db: Session, login: str, name: str, role: Role, passwords: Mapping[str, str]) -> Account:
+def _create_account(db: Session, login: str, name: str, role: Role, passwords: Mapping[str, str]) -> Account:
     hashed = secrets.hash_password(passwords[login]) if login in passwords else None
     account = Account(login=login, name=name, role=role, password_hash=hashed)
     db.add(account)
@@ -107,8 +107,8 @@ def _account(db: Session, login: str, name: str, role: Role, passwords: Mapping[
     return account
 
 
-def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, passwords: Mapping[str, str]) -> UUID:
-    account = _account(db, pupil.login, pupil.name, Role.student, passwords)
+def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, passwords: Mapping[str, str]) -> UUID:
+    account = _create_account(db, pupil.login, pupil.name, Role.student, passwords)
     row = Membership(
         class_id=made.id,
         account_id=account.id,
@@ -123,38 +123,40 @@ def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, pass
     return account.id
 
 
-def source_of(step: Step, seed: int, *, code: bool) -> bytes:
+def attempt_source(step: PlannedAttempt, seed: int, *, code: bool) -> bytes:
     """The file of an attempt. The same program again differs from itself, as what students send does."""
-    source = step.known.source_for_seed(seed)
-    return source + f"\nessai = {step.again + 1}\n".encode() if code and step.again else source
+    source = step.submission.source_for_seed(seed)
+    return source + f"\nessai = {step.repeats + 1}\n".encode() if code and step.repeats else source
 
 
-def _history(
+def _write_history(
     database: Database,
     course: Course,
-    steps: Sequence[Step],
+    steps: Sequence[PlannedAttempt],
     accounts: Sequence[UUID],
     seeds: Mapping[str, int],
     grade: Grade,
-    told: Told,
+    told: ProgressCallback,
 ) -> None:
     """The same file of code on the same seed is graded once; answers are to each student's own deal."""
     judged: dict[tuple[str, bytes, int], Judgement] = {}
-    for start in range(0, len(steps), AT_ONCE):
+    for start in range(0, len(steps), BATCH_SIZE):
         with database.write() as db:
-            for step in steps[start : start + AT_ONCE]:
+            for step in steps[start : start + BATCH_SIZE]:
                 exercise, account = course.exercises[step.exercise], db.get_one(Account, accounts[step.pupil])
                 code = exercise.kind == "code"
                 seed = seeds[step.exercise] if code else get_or_create_seed(db, account, step.exercise)
-                source = source_of(step, seed, code=code)
+                source = attempt_source(step, seed, code=code)
                 key = (step.exercise, source, seed)
                 if key not in judged:
                     judged[key] = grade(*key)
-                _sent(db, account, step, source, seed, judged[key])
-        told(min(start + AT_ONCE, len(steps)), len(steps))
+                _record_attempt(db, account, step, source, seed, judged[key])
+        told(min(start + BATCH_SIZE, len(steps)), len(steps))
 
 
-def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, judgement: Judgement) -> None:
+def _record_attempt(
+    db: Session, account: Account, step: PlannedAttempt, source: bytes, seed: int, judgement: Judgement
+) -> None:
     text = source.decode("utf-8", errors="replace")
     row = Submission(
         account_id=account.id,
@@ -166,5 +168,5 @@ def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, j
     )
     db.add(row)
     db.flush()
-    gradebook.record_grading(db, row.id, GradingResult(judgement, step.sent_at, step.sent_at + TAKES))
+    gradebook.record_grading(db, row.id, GradingResult(judgement, step.sent_at, step.sent_at + GRADING_TIME))
     classes_stored.update_last_seen(db, account.id, step.sent_at, step.sent_at)

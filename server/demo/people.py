@@ -37,13 +37,13 @@ class Pupil:
         return f"{self.given} {self.family}"
 
 
-def pupils(random: Random, count: int) -> tuple[Pupil, ...]:
+def draw_pupils(random: Random, count: int) -> tuple[Pupil, ...]:
     """So many, no two of one login; as many names as there are bound how many."""
     pairs = [(given, family) for given in GIVEN for family in FAMILY]
     chosen = random.sample(pairs, count)
     return tuple(
         Pupil(
-            *(given, family, f"{_plain(given)}.{_plain(family)}"),
+            *(given, family, f"{_ascii_letters(given)}.{_ascii_letters(family)}"),
             group=GROUPS[number * len(GROUPS) // count],
             ease=random.betavariate(4.0, 3.0),
             pace=random.uniform(1.5, 4.5),
@@ -52,6 +52,6 @@ def pupils(random: Random, count: int) -> tuple[Pupil, ...]:
     )
 
 
-def _plain(name: str) -> str:
+def _ascii_letters(name: str) -> str:
     letters = unicodedata.normalize("NFD", name.casefold())
     return "".join(letter for letter in letters if letter.isascii() and letter.isalpha())

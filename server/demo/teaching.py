@@ -26,15 +26,15 @@ from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
 from server.course import Course, Exercise, Module
 from server.demo.people import GROUPS
-from server.demo.story import LASTING, Step, lesson_starts, programme
+from server.demo.story import LESSON_DURATION, PlannedAttempt, exercises_by_lesson, lesson_starts
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.marks import service as marks
 
 WEEK = timedelta(days=7)
 DAY = timedelta(days=1)
-TESTED = 1  # the lesson at the end of which there was a test
-IN_TEST = 2  # its last exercises
+TEST_LESSON = 1  # the lesson at the end of which there was a test
+TEST_LENGTH = 2  # its last exercises
 PHRASE = "Le calcul est juste, mais relisez l’unité : un angle s’écrit ici en radians."
 LINE = "Cette ligne mérite un nom plus parlant : on doit comprendre sans lire la suite."
 ANSWERED = "Je ne comprends pas cette remarque, pouvez-vous m’expliquer ?"
@@ -49,41 +49,45 @@ class Classroom:
 
     course: Course
     module: Module
-    made: SchoolClass
+    school_class: SchoolClass
     teacher: Account
     students: Sequence[UUID]
 
 
-def give(db: Session, room: Classroom, now: datetime) -> Assignment:
+def create_assignments(db: Session, room: Classroom, now: datetime) -> Assignment:
     """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
-    starts, lessons = lesson_starts(now), programme(room.module)
+    starts, lessons = lesson_starts(now), exercises_by_lesson(room.module)
     for number, (start, exercises) in enumerate(zip(starts, lessons, strict=True)):
         late, per_day = (LatePolicy.accept, None) if number % 2 else (LatePolicy.penalty, 2.0)
-        given = exercises[:-IN_TEST] if number == TESTED and len(exercises) > IN_TEST else exercises
+        given = exercises[:-TEST_LENGTH] if number == TEST_LESSON and len(exercises) > TEST_LENGTH else exercises
         due = start + WEEK
-        last = _made(
-            db, room, AssignmentInput(f"Semaine {number + 1}", _all(given), start, due, due + WEEK, late, per_day)
+        last = _create_assignment(
+            db, room, AssignmentInput(f"Semaine {number + 1}", _weighted(given), start, due, due + WEEK, late, per_day)
         )
     grant = ExemptionInput(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
-    _exempt(db, room, last, ExemptionTarget(label=GROUPS[-1]), grant)
+    _grant_exemption(db, room, last, ExemptionTarget(label=GROUPS[-1]), grant)
     opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
     asked = (lessons[0][-1], lessons[-1][-1])
-    end = _made(db, room, _test("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55))
-    _exempt(db, room, end, ExemptionTarget((room.students[-1],)), ExemptionInput(time_factor=4 / 3))
-    start = starts[TESTED]
-    test = _test("Contrôle de mi-parcours", lessons[TESTED][-IN_TEST:], start, start + LASTING, None)
-    return _made(db, room, test)
+    end = _create_assignment(
+        db, room, _test_input("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55)
+    )
+    _grant_exemption(db, room, end, ExemptionTarget((room.students[-1],)), ExemptionInput(time_factor=4 / 3))
+    start = starts[TEST_LESSON]
+    test = _test_input(
+        "Contrôle de mi-parcours", lessons[TEST_LESSON][-TEST_LENGTH:], start, start + LESSON_DURATION, None
+    )
+    return _create_assignment(db, room, test)
 
 
-def _all(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
+def _weighted(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
     return tuple(WeightedExercise(one.id) for one in exercises)
 
 
-def _test(
+def _test_input(
     title: str, asked: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None
 ) -> AssignmentInput:
     return AssignmentInput(
-        *(title, _all(asked), opens, None, closes),
+        *(title, _weighted(asked), opens, None, closes),
         late=LatePolicy.refuse,
         weight=2.0,
         mode=Mode.test,
@@ -91,21 +95,23 @@ def _test(
     )
 
 
-def _made(db: Session, room: Classroom, wanted: AssignmentInput) -> Assignment:
-    return editing.create_assignment(db, room.course, room.made, room.teacher.id, wanted)
+def _create_assignment(db: Session, room: Classroom, wanted: AssignmentInput) -> Assignment:
+    return editing.create_assignment(db, room.course, room.school_class, room.teacher.id, wanted)
 
 
-def _exempt(db: Session, room: Classroom, one: Assignment, whom: ExemptionTarget, wanted: ExemptionInput) -> None:
-    exemption_service.grant_exemptions(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
+def _grant_exemption(
+    db: Session, room: Classroom, one: Assignment, whom: ExemptionTarget, wanted: ExemptionInput
+) -> None:
+    exemption_service.grant_exemptions(db, room.school_class, room.teacher.id, one, _members(db, room), whom, wanted)
 
 
 def _members(db: Session, room: Classroom) -> Sequence[Member]:
-    return classes.load_members(db, room.made.id)
+    return classes.load_members(db, room.school_class.id)
 
 
-def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -> None:
+def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Sequence[PlannedAttempt]) -> None:
     """Those who came to that lesson sat the test, which is released since."""
-    end = test.opens_at + LASTING
+    end = test.opens_at + LESSON_DURATION
     came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
     for pupil in came:
         sitting_repository.insert_sitting(db, test.id, room.students[pupil], test.opens_at)
@@ -115,7 +121,7 @@ def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -
     assignments.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
-def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings) -> None:
+def write_comments(db: Session, room: Classroom, steps: Sequence[PlannedAttempt], settings: Settings) -> None:
     """A mark that is set, a comment on a line, a kept phrase, questions answered and open, a word to several.
 
     About what the first students have sent last to code exercises.
@@ -128,7 +134,7 @@ def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings)
         assert attempt is not None
         if place == 0:
             marks.set_override(
-                *(db, room.course, room.made, room.teacher, author.id, step.exercise),
+                *(db, room.course, room.school_class, room.teacher, author.id, step.exercise),
                 points=15.0,
                 excused=False,
                 reason="Le raisonnement a été expliqué à l’oral.",
@@ -140,6 +146,6 @@ def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings)
             comments.reply_to_thread(db, room.teacher, thread, ANSWER, settings)
     if latest:
         exercise = latest[-1].exercise
-        known = notes_repository.load_current_misconceptions(db, room.made.id, exercise)
+        known = notes_repository.load_current_misconceptions(db, room.school_class.id, exercise)
         misconception = known[0][0] if known else None
-        notes.send_note(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)
+        notes.send_note(db, room.teacher, room.school_class, exercise, misconception, WORD, "", settings)

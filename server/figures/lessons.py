@@ -19,28 +19,28 @@ THEMES = ("light", "dark")
 
 
 @dataclass(frozen=True)
-class Drawn:
+class RenderedDrawing:
     """A drawing as a file, and its true size in inches."""
 
     picture: bytes
     size: tuple[float, float]
 
 
-def draw(drawing: Drawing, theme: str, extension: str) -> Drawn:
+def draw(drawing: Drawing, theme: str, extension: str) -> RenderedDrawing:
     """Draw as "svg" or "png". Loads matplotlib. What the drawing function raises goes through."""
-    return draw_with(drawing.path, drawing.function, drawing.size, theme, extension)
+    return draw_function(drawing.path, drawing.function, drawing.size, theme, extension)
 
 
-def draw_with(path: Path, function: str, size: tuple[float, float], theme: str, extension: str) -> Drawn:
+def draw_function(path: Path, function: str, size: tuple[float, float], theme: str, extension: str) -> RenderedDrawing:
     """The same, by what of a drawing changes its picture."""
     from graders.plotting import to_bytes
 
-    with _filled(path, function, size, theme) as figure:
-        return Drawn(to_bytes(figure, extension), _inches(figure))
+    with _drawn_figure(path, function, size, theme) as figure:
+        return RenderedDrawing(to_bytes(figure, extension), _inches(figure))
 
 
 @contextmanager
-def _filled(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
+def _drawn_figure(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
     from graders.plotting import drawing, palette
 
     fill = getattr(load_file(path), function)
@@ -73,7 +73,7 @@ def faults(course: Course) -> Iterator[Problem]:
     for module in course.modules.values():
         for drawing in module.drawings.values():
             try:
-                sizes = {draw(drawing, THEMES[0], "svg").size, *(_size(drawing, theme) for theme in THEMES[1:])}
+                sizes = {draw(drawing, THEMES[0], "svg").size, *(_drawn_size(drawing, theme) for theme in THEMES[1:])}
                 message = next(filter(None, (size_fault(drawing, size) for size in sizes)), "")
             except Exception as error:  # whatever an author's function raises is reported with its place
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
@@ -81,6 +81,6 @@ def faults(course: Course) -> Iterator[Problem]:
                 yield Problem(drawing.path, drawing.line, message)
 
 
-def _size(drawing: Drawing, theme: str) -> tuple[float, float]:
-    with _filled(drawing.path, drawing.function, drawing.size, theme) as figure:
+def _drawn_size(drawing: Drawing, theme: str) -> tuple[float, float]:
+    with _drawn_figure(drawing.path, drawing.function, drawing.size, theme) as figure:
         return _inches(figure)

@@ -14,16 +14,16 @@ from server.base.caches import LRUCache
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
-from server.figures.orders import WARM, Order
-from server.figures.store import Store
+from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
+from server.figures.store import PictureStore
 
 log = logging.getLogger(__name__)
 
 #: Different pictures that wait to be drawn: a class that looks at its verdicts at once must find room.
-MOST_WAITING = 256
-REMEMBERED_BYTES = 32 << 20
+MAX_WAITING = 256
+MEMORY_CACHE_BYTES = 32 << 20
 #: Bytes of what is to be drawn.
-LONGEST_QUESTION = 1 << 20
+MAX_PAYLOAD_BYTES = 1 << 20
 
 
 class Drawer(Protocol):
@@ -35,12 +35,12 @@ class Drawer(Protocol):
     async def close(self) -> None: ...
 
 
-class _Coming:
+class InFlight:
     """A picture on its way, and how many wait for it; from `begun` on, it is drawn whoever leaves."""
 
     def __init__(self) -> None:
         self.viewers = 0
-        self.begun = False
+        self.started = False
 
     def begin(self, bringing: Coroutine[None, None, bytes]) -> None:
         self.task = asyncio.create_task(bringing)
@@ -49,66 +49,66 @@ class _Coming:
 class Pictures:
     """For one event loop."""
 
-    def __init__(self, drawer: Drawer, store: Store, *, most_waiting: int = MOST_WAITING) -> None:
+    def __init__(self, drawer: Drawer, store: PictureStore, *, most_waiting: int = MAX_WAITING) -> None:
         self._drawer, self._store = drawer, store
-        self._turns = FairLimiter(1, most_waiting)
-        self._lately: LRUCache[str, bytes] = LRUCache(REMEMBERED_BYTES, len)
-        self._coming: dict[str, _Coming] = {}
+        self._limiter = FairLimiter(1, most_waiting)
+        self._cache: LRUCache[str, bytes] = LRUCache(MEMORY_CACHE_BYTES, len)
+        self._in_flight: dict[str, InFlight] = {}
         self._warming: asyncio.Task[None] | None = None
 
-    async def picture(self, order: Order, address: str) -> bytes:
+    async def get(self, order: DrawingRequest, address: str) -> bytes:
         """Raises Crowded, or Failed to all who wait for it.
 
         Whoever leaves does not stop it for the others; what all have left before it was begun is not drawn.
         """
-        known = self._lately.get(order.key)
+        known = self._cache.get(order.key)
         if known is not None:
             return known
-        coming = self._coming.get(order.key) or self._sent_for(order, address)
+        coming = self._in_flight.get(order.key) or self._start(order, address)
         coming.viewers += 1
         try:
             return await asyncio.shield(coming.task)
         finally:
             coming.viewers -= 1
-            if not coming.viewers and not coming.begun:
-                self._forget(order.key, coming)
+            if not coming.viewers and not coming.started:
+                self._remove(order.key, coming)
                 coming.task.cancel()
 
-    def _sent_for(self, order: Order, address: str) -> _Coming:
-        coming = self._coming[order.key] = _Coming()
-        coming.begin(self._brought(order, address, coming))
-        coming.task.add_done_callback(partial(self._over, order.key, coming))
+    def _start(self, order: DrawingRequest, address: str) -> InFlight:
+        coming = self._in_flight[order.key] = InFlight()
+        coming.begin(self._load_or_render(order, address, coming))
+        coming.task.add_done_callback(partial(self._finish, order.key, coming))
         return coming
 
-    def _over(self, key: str, coming: _Coming, task: asyncio.Task[bytes]) -> None:
-        self._forget(key, coming)
+    def _finish(self, key: str, coming: InFlight, task: asyncio.Task[bytes]) -> None:
+        self._remove(key, coming)
         if not task.cancelled():
             task.exception()  # where nobody waits any more, too
 
-    def _forget(self, key: str, coming: _Coming) -> None:
+    def _remove(self, key: str, coming: InFlight) -> None:
         """The next to look sends for it anew, if somebody has not done so already."""
-        if self._coming.get(key) is coming:
-            del self._coming[key]
+        if self._in_flight.get(key) is coming:
+            del self._in_flight[key]
 
-    async def _brought(self, order: Order, address: str, coming: _Coming) -> bytes:
+    async def _load_or_render(self, order: DrawingRequest, address: str, coming: InFlight) -> bytes:
         kept = await run_in_threadpool(self._store.get, order.key)
-        picture = await self._drawn(order, address, coming) if kept is None else kept
-        return self._lately.put(order.key, picture)
+        picture = await self._render(order, address, coming) if kept is None else kept
+        return self._cache.put(order.key, picture)
 
-    async def _drawn(self, order: Order, address: str, coming: _Coming) -> bytes:
-        if len(order.question) > LONGEST_QUESTION:
-            raise InternalFailure(order.words.failed)
+    async def _render(self, order: DrawingRequest, address: str, coming: InFlight) -> bytes:
+        if len(order.payload) > MAX_PAYLOAD_BYTES:
+            raise InternalFailure(order.messages.failed)
         try:
-            await self._turns.acquire(address)
+            await self._limiter.acquire(address)
         except LimiterFullError:
-            raise Overloaded(order.words.crowded, retry_after=5) from None
-        coming.begun = True
+            raise Overloaded(order.messages.crowded, retry_after=5) from None
+        coming.started = True
         try:
-            picture = await self._drawer.ask(order.question)
+            picture = await self._drawer.ask(order.payload)
         except HelperError as error:
-            raise InternalFailure(order.words.failed) from error
+            raise InternalFailure(order.messages.failed) from error
         finally:
-            self._turns.release()
+            self._limiter.release()
         await run_in_threadpool(self._store.put, order.key, picture)
         return picture
 
@@ -118,7 +118,7 @@ class Pictures:
 
     async def _warm(self) -> None:
         try:
-            await self._drawer.ask(WARM)
+            await self._drawer.ask(WARM_UP_PAYLOAD)
         except HelperError:
             log.warning("the process that draws could not be made ready beforehand")
 
@@ -126,5 +126,5 @@ class Pictures:
         if self._warming is not None:
             self._warming.cancel()
         await self._drawer.close()
-        left = [coming.task for coming in self._coming.values()]
+        left = [coming.task for coming in self._in_flight.values()]
         await asyncio.gather(*left, *filter(None, [self._warming]), return_exceptions=True)

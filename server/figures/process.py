@@ -16,14 +16,14 @@ from typing import Any
 from graders.plotting import counterexample
 from server.base import helper_line
 from server.base.helper_line import ServiceLine
-from server.figures.program import LARGEST, LARGEST_REPLAY, MEMORY
+from server.figures.program import MAX_MEMORY_BYTES, MAX_PICTURE_BYTES, MAX_REPLAY_BYTES
 
 log = logging.getLogger(__name__)
 
 
 def serve(line: ServiceLine) -> None:
     """Until the line is closed."""
-    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_DATA, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
     questions = line.questions()
     _, told = next(questions)
     allowed = json.loads(told)["cpu_seconds"]
@@ -35,45 +35,47 @@ def serve(line: ServiceLine) -> None:
 
 def _answer(line: ServiceLine, number: int, asked: bytes) -> None:
     try:
-        picture = drawn(json.loads(asked))
+        picture = render(json.loads(asked))
     except Exception:
         log.exception("a figure or a replay could not be drawn: %.200r", asked)
         line.answer(number, helper_line.FAILED, b"")
         return
-    if len(picture) > LARGEST:
+    if len(picture) > MAX_PICTURE_BYTES:
         log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
         line.answer(number, helper_line.FAILED, b"")
     else:
         line.answer(number, helper_line.DONE, picture)
 
 
-def drawn(question: dict[str, Any]) -> bytes:
+def render(question: dict[str, Any]) -> bytes:
     """The picture or the replay that an `Order` asks for; nothing where it is only to be ready for one."""
     if question["kind"] == "warm":
-        return _warmed()
+        return _warm_up()
     if question["kind"] == "film":
-        return _replay(question)
+        return _render_replay(question)
     theme, form = question["theme"], question["form"]
     if question["kind"] == "lesson":
-        from server.figures.lessons import draw_with  # slow to import: who waits for a verdict's figure need not wait
+        from server.figures.lessons import (
+            draw_function,  # slow to import: who waits for a verdict's figure need not wait
+        )
 
         width, height = question["size"]
-        return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
+        return draw_function(Path(question["path"]), question["function"], (width, height), theme, form).picture
     return counterexample(question["exercise"], question["data"], theme=theme, extension=form)
 
 
-def _replay(question: dict[str, Any]) -> bytes:
+def _render_replay(question: dict[str, Any]) -> bytes:
     """JSON, compressed."""
     from graders.scene.films import wire
 
     scene = wire(question["exercise"], question["data"], question["title"])
     body = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
-    if len(body) > LARGEST_REPLAY:
+    if len(body) > MAX_REPLAY_BYTES:
         raise ValueError(f"a replay of {len(body)} bytes is too large")
     return gzip.compress(body, 6, mtime=0)
 
 
-def _warmed() -> bytes:
+def _warm_up() -> bytes:
     """Everything that drawing loads at the first need is loaded: libraries, fonts, formulas."""
     import server.figures.lessons  # noqa: F401
     from graders.plotting import drawing, to_bytes

@@ -12,16 +12,16 @@ COMMAND = (sys.executable, "-P", "-m", "server.figures")
 #: Seconds of processor for one drawing: however busy the machine is, it is the same drawings that are refused.
 CPU_SECONDS = 10.0
 #: Seconds after which the process is taken for hung, its start included. It is niced, and may have to wait.
-PATIENCE = 60.0
+ANSWER_TIMEOUT = 60.0
 #: Bytes of one picture: the largest of the course is a tenth of that.
-LARGEST = 4 << 20
+MAX_PICTURE_BYTES = 4 << 20
 #: Bytes of one replay, before they are compressed.
-LARGEST_REPLAY = 2 << 20
+MAX_REPLAY_BYTES = 2 << 20
 #: Bytes of memory that drawing may take: the data are partly a student's.
-MEMORY = 2 << 30
+MAX_MEMORY_BYTES = 2 << 30
 
 
-def program(*, patience: float = PATIENCE, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
+def helper_program(*, patience: float = ANSWER_TIMEOUT, cpu_seconds: float = CPU_SECONDS) -> HelperProgram:
     """It needs nothing of the settings, and is given none."""
     beginning = json.dumps({"cpu_seconds": cpu_seconds}).encode()
-    return HelperProgram(COMMAND, bare_environment(), LARGEST, patience, first_message=beginning)
+    return HelperProgram(COMMAND, bare_environment(), MAX_PICTURE_BYTES, patience, first_message=beginning)

@@ -18,21 +18,21 @@ from cachetools import LRUCache
 
 log = logging.getLogger(__name__)
 
-KEPT_BYTES = 256 << 20
+MAX_STORE_BYTES = 256 << 20
 KEY = re.compile(r"[0-9a-f]{64}")
 UNFINISHED = ".new"
-_SEAL = hashlib.sha256().digest_size
+_DIGEST_BYTES = hashlib.sha256().digest_size
 
 
-class Store:
+class PictureStore:
     """A file is a digest of the picture, then the picture. For several threads; the folder is this process's own.
 
     What cannot be read is not there, what cannot be written is not kept, and both are no more than that.
     """
 
-    def __init__(self, folder: Path, most: int = KEPT_BYTES) -> None:
+    def __init__(self, folder: Path, most: int = MAX_STORE_BYTES) -> None:
         self._folder, self._most = folder, most
-        self._files: _Files | None = None
+        self._files: FileIndex | None = None
         self._lock = Lock()
 
     def get(self, key: str) -> bytes | None:
@@ -40,7 +40,7 @@ class Store:
             files = self._opened()
             if key not in files:
                 return None
-            picture = _unsealed(self._folder / key)
+            picture = _read_verified(self._folder / key)
             if picture is None:
                 files.forget(key)
                 return None
@@ -54,19 +54,19 @@ class Store:
             if len(content) > self._most:
                 return
             try:
-                _write(self._folder / key, content)
+                _write_atomically(self._folder / key, content)
             except OSError as error:
                 log.warning("a picture could not be kept: %r", error)
             else:
                 files[key] = len(content)
 
-    def _opened(self) -> _Files:
+    def _opened(self) -> FileIndex:
         if self._files is None:
-            self._files = _Files(self._folder, self._most)
+            self._files = FileIndex(self._folder, self._most)
         return self._files
 
 
-class _Files(LRUCache[str, int]):
+class FileIndex(LRUCache[str, int]):
     """The size of each file, in the order of use; one that leaves for lack of room leaves the disk."""
 
     def __init__(self, folder: Path, most: int) -> None:
@@ -104,16 +104,16 @@ class _Files(LRUCache[str, int]):
         return key, size
 
 
-def _unsealed(path: Path) -> bytes | None:
+def _read_verified(path: Path) -> bytes | None:
     try:
         content = path.read_bytes()
     except OSError:
         return None
-    seal, picture = content[:_SEAL], content[_SEAL:]
+    seal, picture = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
     return picture if hashlib.sha256(picture).digest() == seal else None
 
 
-def _write(path: Path, content: bytes) -> None:
+def _write_atomically(path: Path, content: bytes) -> None:
     """All of it, or nothing."""
     unfinished = path.with_name(path.name + UNFINISHED)
     try:

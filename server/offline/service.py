@@ -19,7 +19,7 @@ from server.base.errors import NotFound, Overloaded, WrongMoment
 from server.base.files import write_atomically
 from server.course import Course, Module
 from server.course.editions import MODULE
-from server.figures.orders import Theme
+from server.figures.drawing_requests import Theme
 from server.figures.service import Figures
 from server.offline import site
 from server.reading.downloads import Downloads
@@ -116,7 +116,7 @@ class Archives:
     async def _picture(self, module: str, name: str, theme: Theme) -> bytes:
         while True:
             try:
-                return await self._figures.of_lesson(module, name, theme, ADDRESS)
+                return await self._figures.draw_lesson_figure(module, name, theme, ADDRESS)
             except Overloaded:
                 await asyncio.sleep(PAUSE)
 

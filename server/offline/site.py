@@ -14,8 +14,8 @@ from markupsafe import Markup
 
 from server.base.files import ROOT, TEMPLATES, digest_files, reproducible_zip
 from server.course import Course, Exercise, Module
-from server.figures import orders
-from server.figures.orders import Theme
+from server.figures import drawing_requests
+from server.figures.drawing_requests import Theme
 from server.offline.addresses import ON_THE_SERVER, Places
 from server.offline.schemas import OfflineExercise
 from server.reading import gates
@@ -46,7 +46,7 @@ def version(module: Module) -> str:
         ("text", ROOT / "server" / "text"),
         ("offline", Path(__file__).parent),
     ]
-    return digest_files(parts, f"{assets.build_stamp()} {orders.code_version()}".encode())
+    return digest_files(parts, f"{assets.build_stamp()} {drawing_requests.code_version()}".encode())
 
 
 def pictured(module: Module) -> list[tuple[str, Theme]]:

@@ -9,8 +9,8 @@ from fastapi import APIRouter, Request, Response
 
 from server.base.http import client_address
 from server.figures.dependencies import FiguresOf
-from server.figures.orders import MEDIA_TYPES, Theme
-from server.figures.service import Wanted
+from server.figures.drawing_requests import MEDIA_TYPES, Theme
+from server.figures.service import VerdictFigureQuery
 from server.identity.dependencies import OptionalAccount
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
@@ -29,8 +29,8 @@ async def figure(
     correction: UUID | None = None,
 ) -> Response:
     """Of the grading `correction`, for ever; of the one that counts, which another may follow, where none is named."""
-    wanted = Wanted(submission_id, name, "svg", theme, correction)
-    picture = await figures.of_verdict(account, wanted, client_address(request))
+    wanted = VerdictFigureQuery(submission_id, name, "svg", theme, correction)
+    picture = await figures.draw_verdict_figure(account, wanted, client_address(request))
     headers = {"Cache-Control": _kept(correction), "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)
 
@@ -45,7 +45,7 @@ async def film(
     correction: UUID | None = None,
 ) -> Response:
     """What the program did in a check, for the player; `correction` as of a figure."""
-    compressed = await figures.of_film(account, submission_id, check, correction, client_address(request))
+    compressed = await figures.render_film(account, submission_id, check, correction, client_address(request))
     headers = {"Cache-Control": _kept(correction), "Vary": "Accept-Encoding"}
     if "gzip" not in request.headers.get("accept-encoding", ""):
         return Response(gzip.decompress(compressed), media_type="application/json", headers=headers)

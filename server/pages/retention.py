@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from server.base.settings import Settings, variable_name
 from server.base.validation import format_size
-from server.figures.store import KEPT_BYTES
+from server.figures.store import MAX_STORE_BYTES
 from server.identity.service import BUCKET_RETENTION
 from server.personal.service import GUEST_GRACE
 
@@ -189,7 +189,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda _: Row(
         "Figures et animations dessinées, sans nom ni compte",
-        f"tant qu’il y a de la place : {format_size(KEPT_BYTES)}, les moins regardées partent d’abord",
+        f"tant qu’il y a de la place : {format_size(MAX_STORE_BYTES)}, les moins regardées partent d’abord",
         "le service",
         (),
         (),

@@ -172,7 +172,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
                 "answered_at": _time(poll_answer.answered_at),
                 "last_at": _time(poll_answer.last_at),
             }
-            for poll_answer in polls.all_of(db, account_id)
+            for poll_answer in polls.load_answers(db, account_id)
         ],
         "solutions_opened": [
             {"exercise": opening.exercise, "opened_at": _time(opening.opened_at)}

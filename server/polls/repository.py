@@ -11,10 +11,10 @@ from sqlalchemy.orm import Session
 from server.classes.models import ClassRole, Membership, Status
 from server.database import prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.polls.models import PollAnswer
-from server.polls.schemas import Said
+from server.polls.schemas import AnswerCount
 
 
-def keep(db: Session, account_id: UUID, poll: str, answer: str) -> None:
+def save_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     """Keeps an answer: the first one stays what it was, and this one becomes the last."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
@@ -23,7 +23,7 @@ def keep(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     db.execute(statement.on_conflict_do_update(index_elements=["account_id", "poll"], set_=again))
 
 
-def keep_first(db: Session, account_id: UUID, poll: str, answer: str) -> None:
+def save_first_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     """Keeps an answer, unless there is one already: of two requests at once, the first one's stays."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
@@ -31,12 +31,12 @@ def keep_first(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     db.execute(statement.on_conflict_do_nothing())
 
 
-def all_of(db: Session, account_id: UUID) -> Sequence[PollAnswer]:
+def load_answers(db: Session, account_id: UUID) -> Sequence[PollAnswer]:
     query = select(PollAnswer).where(PollAnswer.account_id == account_id).order_by(PollAnswer.poll)
     return db.execute(query).scalars().all()
 
 
-def first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mapping[str, str]:
+def load_first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mapping[str, str]:
     """What was said first, of these polls."""
     query = select(PollAnswer.poll, PollAnswer.answer)
     query = query.where(PollAnswer.account_id == account_id, PollAnswer.poll.in_(polls))
@@ -44,7 +44,7 @@ def first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mappin
 
 
 @prepared_statement
-def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
+def _answer_counts_query(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
     columns = (PollAnswer.poll, PollAnswer.answer, PollAnswer.last)
     query = select(*columns, func.count()).join(Membership, Membership.account_id == PollAnswer.account_id)
     query = query.where(
@@ -56,24 +56,24 @@ def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
     return query.group_by(*columns).order_by(*columns)
 
 
-def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
+def load_answer_counts(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[AnswerCount]:
     """How the active students of a class answered these polls: one query for all."""
-    return [Said._make(row) for row in select_core(db, *_spread(class_id, polls))]
+    return [AnswerCount._make(row) for row in select_core(db, *_answer_counts_query(class_id, polls))]
 
 
 @prepared_statement
-def _students(class_id: UUID) -> Select[int]:
+def _active_students_query(class_id: UUID) -> Select[int]:
     active = (Membership.role == ClassRole.student, Membership.status == Status.active)
     return select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
 
 
-def students(db: Session, class_id: UUID) -> int:
+def count_active_students(db: Session, class_id: UUID) -> int:
     """How many active students a class has."""
-    found: int = select_core(db, *_students(class_id)).scalar_one()
+    found: int = select_core(db, *_active_students_query(class_id)).scalar_one()
     return found
 
 
-def move(db: Session, old: UUID, new: UUID) -> None:
+def move_answers(db: Session, old: UUID, new: UUID) -> None:
     """Moves the answers to polls that `new` has not answered."""
     answered = select(PollAnswer.poll).where(PollAnswer.account_id == new)
     moved = update(PollAnswer).where(PollAnswer.account_id == old, PollAnswer.poll.not_in(answered))

@@ -11,7 +11,7 @@ from graders.scene.prediction import Placed
 
 
 @dataclass(frozen=True)
-class Option:
+class PollOption:
     """`words` in French, with its typography, as HTML that stands in a line."""
 
     id: str
@@ -32,8 +32,8 @@ class Poll:
     title: str
     href: str
     question: Markup
-    options: tuple[Option, ...]
-    before: bool
+    options: tuple[PollOption, ...]
+    is_prediction: bool
     several: bool = False
     place: Placed | None = None
 
@@ -42,7 +42,7 @@ class Poll:
         """The right answer, as answers are kept."""
         return ",".join(sorted(option.id for option in self.options if option.right))
 
-    def chosen(self, answer: str) -> frozenset[str]:
+    def counted_options(self, answer: str) -> frozenset[str]:
         """The options that an answer is counted for; none where the question does not, or no longer, take it."""
         if self.place is not None:
             told = self.place.told(answer)
@@ -53,7 +53,7 @@ class Poll:
 
 
 @dataclass(frozen=True)
-class Marked:
+class MarkedAnswer:
     """What becomes of an answer: what was said `first`, or nothing where nothing is kept; of a question that is marked
     in place, whether this one is right, and why, as HTML."""
 
@@ -62,7 +62,7 @@ class Marked:
     why: str = ""
 
 
-class Said(NamedTuple):
+class AnswerCount(NamedTuple):
     """So many students of a class answered `first` to a poll, and `last` in the end."""
 
     poll: str

@@ -19,54 +19,54 @@ from server.course.code import load_file
 from server.course.models import Exercise, Lesson, Module
 from server.identity.models import Account
 from server.polls import repository
-from server.polls.schemas import Marked, Option, Poll, Said
+from server.polls.schemas import AnswerCount, MarkedAnswer, Poll, PollOption
 
 #: Of the letters, hence of the order of the options: the same for all who read.
-ORDER = 20
+SHUFFLE_SEED = 20
 NO_QUESTION = "Cette question n’existe pas."
 
 
 @lru_cache(maxsize=32)
-def of_module(module: Module) -> Mapping[str, Poll]:
+def polls_of_module(module: Module) -> Mapping[str, Poll]:
     """Every question of a module, by name, in the order of the lessons."""
-    return {name: poll for lesson in module.lessons for name, poll in of_lesson(module, lesson).items()}
+    return {name: poll for lesson in module.lessons for name, poll in polls_of_lesson(module, lesson).items()}
 
 
 @lru_cache(maxsize=1024)
-def of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
+def polls_of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
     """Those of a lesson, which know nothing of the other lessons."""
-    return {poll.name: poll for poll in _of_lesson(module, lesson)}
+    return {poll.name: poll for poll in _lesson_polls(module, lesson)}
 
 
-def _of_lesson(module: Module, lesson: Lesson) -> Iterator[Poll]:
+def _lesson_polls(module: Module, lesson: Lesson) -> Iterator[Poll]:
     for name in lesson.replays:
         source = load_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
         prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
-            yield _before(lesson, name, source.TITLE, prediction)
+            yield _prediction_poll(lesson, name, source.TITLE, prediction)
     for name in lesson.questions:
-        found = _ticked(module, name)
+        found = _find_choice_question(module, name)
         if found is not None:
-            yield _after(lesson, name, *found)
+            yield _choice_poll(lesson, name, *found)
 
 
-def _before(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
-    options = tuple(Option(one, escape(french(words)), one == asked.right) for one, words in asked.answers)
+def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
+    options = tuple(PollOption(one, escape(french(words)), one == asked.right) for one, words in asked.answers)
     href = f"/{lesson.module}/lire/{lesson.slug}#rejeu-{name}"
     place = asked if isinstance(asked, Placed) else None
     return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, True, place=place)
 
 
-def _after(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
+def _choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
     """Its options stand in an order that does not tell the right one."""
-    order = [question.option(one) for one in question.letters(ORDER).by_letter.values()]
-    options = tuple(Option(one.id, Markup(exercise.line(one.text)), one.right) for one in order)
+    order = [question.option(one) for one in question.letters(SHUFFLE_SEED).by_letter.values()]
+    options = tuple(PollOption(one.id, Markup(exercise.line(one.text)), one.right) for one in order)
     href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
     asked = Markup(exercise.line(question.text))
-    return Poll(name, french(question.title), href, asked, options, before=False, several=question.several)
+    return Poll(name, french(question.title), href, asked, options, is_prediction=False, several=question.several)
 
 
-def _ticked(module: Module, name: str) -> tuple[Exercise, ChoiceQuestion] | None:
+def _find_choice_question(module: Module, name: str) -> tuple[Exercise, ChoiceQuestion] | None:
     """The question of an exercise, `slug/question`; None where it is no longer there."""
     slug, _, identity = name.partition("/")
     for exercise in module.exercises:
@@ -75,60 +75,62 @@ def _ticked(module: Module, name: str) -> tuple[Exercise, ChoiceQuestion] | None
     return None
 
 
-def find(module: Module, name: str) -> Poll:
+def find_poll(module: Module, name: str) -> Poll:
     """Raises NotFound."""
-    poll = of_module(module).get(name)
+    poll = polls_of_module(module).get(name)
     if poll is None:
         raise NotFound(NO_QUESTION)
     return poll
 
 
-def say(db: Session, account: Account | None, module: Module, poll: Poll, answer: str) -> Marked:
+def submit_answer(db: Session, account: Account | None, module: Module, poll: Poll, answer: str) -> MarkedAnswer:
     """Keeps an answer, of who has an account; of what one expects of a replay, the first alone. Marks it, but for that.
 
     Raises Invalid; Unauthorised for what a visitor expects, which their browser keeps; Conflict where a test asks it.
     """
-    ids = poll.chosen(answer)
+    ids = poll.counted_options(answer)
     if not ids:
         raise Invalid("Cette réponse n’est pas de celles que la question propose.")
-    if account is None and poll.before:
+    if account is None and poll.is_prediction:
         raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")
-    marked = Marked("") if poll.before else _marked(db, account, module, poll, ids)
+    marked = MarkedAnswer("") if poll.is_prediction else _mark_answer(db, account, module, poll, ids)
     if account is None:
         return marked
     name = f"{module.slug}/{poll.name}"
-    (repository.keep_first if poll.before else repository.keep)(db, account.id, name, answer)
-    return replace(marked, first=repository.first_answers(db, account.id, [name])[name])
+    (repository.save_first_answer if poll.is_prediction else repository.save_answer)(db, account.id, name, answer)
+    return replace(marked, first=repository.load_first_answers(db, account.id, [name])[name])
 
 
-def _marked(db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]) -> Marked:
+def _mark_answer(db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]) -> MarkedAnswer:
     """As the exercise that the question is of would mark it."""
-    found = _ticked(module, poll.name)
+    found = _find_choice_question(module, poll.name)
     if found is None:
         raise NotFound(NO_QUESTION)
     exercise, question = found
     if account is not None and feedback.load_holds(db, account.id, exercise.id).tests:
         raise Conflict("Cette question est d’un contrôle : sa réponse vous sera dite quand il sera rendu.")
     assert isinstance(exercise.answers, ChoiceGrader)
-    letters = sorted(question.letters(ORDER).by_name[one] for one in ids)
+    letters = sorted(question.letters(SHUFFLE_SEED).by_name[one] for one in ids)
     written = letters if question.several else letters[0]
-    findings = exercise.answers.judge({question.id: written}, ORDER)
+    findings = exercise.answers.judge({question.id: written}, SHUFFLE_SEED)
     result = next(finding.result for finding in findings if finding.result.id == question.id)
-    return Marked("", result.passed, exercise.prose(result.message))
+    return MarkedAnswer("", result.passed, exercise.prose(result.message))
 
 
-def said_in(db: Session, account: Account | None, module: Module, lesson: Lesson) -> Mapping[str, str]:
+def load_lesson_answers(db: Session, account: Account | None, module: Module, lesson: Lesson) -> Mapping[str, str]:
     """What somebody said first to the questions of a lesson, by name. Nothing of a visitor: their browser keeps it."""
-    names = [f"{module.slug}/{name}" for name in of_lesson(module, lesson)]
+    names = [f"{module.slug}/{name}" for name in polls_of_lesson(module, lesson)]
     if account is None or not names:
         return {}
-    found = repository.first_answers(db, account.id, names)
+    found = repository.load_first_answers(db, account.id, names)
     return {name.removeprefix(f"{module.slug}/"): answer for name, answer in found.items()}
 
 
-def spread(db: Session, class_id: UUID, module: Module) -> Mapping[str, Sequence[Said]]:
+def load_class_answer_counts(db: Session, class_id: UUID, module: Module) -> Mapping[str, Sequence[AnswerCount]]:
     """How a class answered each question of its module, by name; those that nobody answered are not there."""
-    found: dict[str, list[Said]] = {}
-    for said in repository.spread(db, class_id, [f"{module.slug}/{name}" for name in of_module(module)]):
+    found: dict[str, list[AnswerCount]] = {}
+    for said in repository.load_answer_counts(
+        db, class_id, [f"{module.slug}/{name}" for name in polls_of_module(module)]
+    ):
         found.setdefault(said.poll.removeprefix(f"{module.slug}/"), []).append(said)
     return found

@@ -22,7 +22,7 @@ def read_ahead(course: Course) -> None:
     for module in course.modules.values():
         for lesson in module.lessons:
             try:
-                polls.of_lesson(module, lesson)
+                polls.polls_of_lesson(module, lesson)
                 _ = lesson.headings
                 time.sleep(PAUSE)
             except Exception:

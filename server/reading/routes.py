@@ -15,7 +15,7 @@ from server.base.errors import NotFound
 from server.base.http import client_address
 from server.course.dependencies import CourseOf
 from server.figures.dependencies import FiguresOf
-from server.figures.orders import MEDIA_TYPES, Theme
+from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.gradebook.dependencies import SolutionToggle
 from server.polls import service as polls
 from server.reading import service
@@ -64,8 +64,8 @@ def open_or_close_answers(module: str, slug: str, course: CourseOf, door: Soluti
 def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
     """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
-    poll = polls.find(course_module, body.question)
-    marked = polls.say(reader.db, reader.account, course_module, poll, body.answer)
+    poll = polls.find_poll(course_module, body.question)
+    marked = polls.submit_answer(reader.db, reader.account, course_module, poll, body.answer)
     told = {**asdict(marked), "why": root_path.with_external_paths(marked.why)}
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
 
@@ -84,7 +84,7 @@ def search(request: Request, module: str, reader: CurrentReader, q: Annotated[st
 
 @router.get("/{module:module}/figures/{name}.svg")
 async def figure(request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light") -> Response:
-    picture = await figures.of_lesson(module, name, theme, client_address(request))
+    picture = await figures.draw_lesson_figure(module, name, theme, client_address(request))
     return with_etag(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
 
 

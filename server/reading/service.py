@@ -175,7 +175,7 @@ def duration(minutes: int) -> str:
 
 
 def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
-    said = polls.said_in(reader.db, reader.account, module, lesson)
+    said = polls.load_lesson_answers(reader.db, reader.account, module, lesson)
     gate = gates.gate(reader, lesson, past_warning=past_warning)
     return lesson_view(module, lesson, gradebook.load_progress(reader.db, reader.account), said, gate)
 
@@ -218,7 +218,7 @@ def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
     macros: Any = jinja_environment().get_template("reading/asked.html").module
 
     def written(match: re.Match[str]) -> str:
-        poll = polls.of_lesson(module, lesson).get(match[1])
+        poll = polls.polls_of_lesson(module, lesson).get(match[1])
         if poll is None:  # of an exercise that is at fault, and not served
             return match[0]
         return match[0] + str((macros.asked if heard else macros.read)(module.slug, poll))

@@ -16,21 +16,21 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
-MOST_CODES = 250
-MEMORY = 1024 * 1024 * 1024  # of addresses, what the libraries take to begin with among them
-SECONDS = 40
-GRAM = 25  # characters of a code without names: what is shorter is never found
+MAX_CODES = 250
+MAX_MEMORY_BYTES = 1024 * 1024 * 1024  # of addresses, what the libraries take to begin with among them
+CPU_SECONDS = 40
+GRAM_LENGTH = 25  # characters of a code without names: what is shorter is never found
 WINDOW = 1
 #: Own characters of the model: below, codes written apart look alike (15 of 893 pairs did with 349, of two hands that
 #: had never met; none with 754 but those of one hand).
-SHORTEST_MODEL = 400
-SHORTEST = 200  # own characters of a code
-ALIKE = 0.75  # of both codes' own characters
-MOST_PAIRS = 50
+MIN_MODEL_LENGTH = 400
+MIN_CODE_LENGTH = 200  # own characters of a code
+MIN_SHARE = 0.75  # of both codes' own characters
+MAX_PAIRS = 50
 
 
 @dataclass(frozen=True)
-class Alike:
+class MatchingPair:
     """Two codes by their places, which part of each one's own characters the other has, and the lines, from 1."""
 
     first: int
@@ -39,9 +39,9 @@ class Alike:
     lines: tuple[tuple[int, ...], tuple[int, ...]]
 
 
-def bound() -> None:
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+def limit_resources() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
@@ -54,40 +54,40 @@ def fingerprint(code: str, known: Collection[int] = ()) -> Any:
     from copydetect import CodeFingerprint
     from copydetect.utils import get_token_coverage
 
-    found = CodeFingerprint("solution.py", GRAM, WINDOW, fp=io.StringIO(code), language="python")
+    found = CodeFingerprint("solution.py", GRAM_LENGTH, WINDOW, fp=io.StringIO(code), language="python")
     for gram in found.hashes.intersection(known):
         del found.hash_idx[gram]
     found.hashes.difference_update(known)
-    found.token_coverage = get_token_coverage(found.hash_idx, GRAM, len(found.filtered_code))
+    found.token_coverage = get_token_coverage(found.hash_idx, GRAM_LENGTH, len(found.filtered_code))
     return found
 
 
-def known_grams(codes: Sequence[str]) -> frozenset[int]:
+def collect_grams(codes: Sequence[str]) -> frozenset[int]:
     return frozenset(gram for code in codes for gram in fingerprint(code).hashes)
 
 
-def own_length(code: str, known: Collection[int]) -> int:
+def own_code_length(code: str, known: Collection[int]) -> int:
     """Characters of a code, without names and layout, that the course does not have."""
     return int(fingerprint(code, known).token_coverage)
 
 
-def alike(codes: Sequence[str], course: Sequence[str]) -> Iterator[Alike]:
+def find_matching_pairs(codes: Sequence[str], course: Sequence[str]) -> Iterator[MatchingPair]:
     """The pairs of codes of which each has most of what the other has of its own, in their order."""
     from copydetect import compare_files
 
-    known = known_grams(course)
+    known = collect_grams(course)
     prints = [fingerprint(code, known) for code in codes]
     for first, second in combinations(range(len(codes)), 2):
         one, other = prints[first], prints[second]
-        if min(one.token_coverage, other.token_coverage) < SHORTEST:
+        if min(one.token_coverage, other.token_coverage) < MIN_CODE_LENGTH:
             continue
         _, shares, slices = compare_files(one, other)
-        if min(shares) >= ALIKE:
-            lines = (_lines(one.raw_code, slices[0]), _lines(other.raw_code, slices[1]))
-            yield Alike(first, second, (float(shares[0]), float(shares[1])), lines)
+        if min(shares) >= MIN_SHARE:
+            lines = (_matched_lines(one.raw_code, slices[0]), _matched_lines(other.raw_code, slices[1]))
+            yield MatchingPair(first, second, (float(shares[0]), float(shares[1])), lines)
 
 
-def _lines(code: str, slices: Any) -> tuple[int, ...]:
+def _matched_lines(code: str, slices: Any) -> tuple[int, ...]:
     """The lines, from 1, in which something of these slices of characters stands."""
     found: set[int] = set()
     for start, end in zip(*slices, strict=True):
@@ -96,21 +96,21 @@ def _lines(code: str, slices: Any) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-def answer(question: dict[str, Any]) -> dict[str, Any]:
+def compare_codes(question: dict[str, Any]) -> dict[str, Any]:
     """`course`: what everyone has; `model`: how the exercise may be answered; `known`: other answers of the course;
     `codes`: what students sent.
 
     `too_short`: too little of the model is its own for codes to be compared.
     """
-    length = own_length(question["model"], known_grams(question["course"]))
-    if length < SHORTEST_MODEL:
+    length = own_code_length(question["model"], collect_grams(question["course"]))
+    if length < MIN_MODEL_LENGTH:
         return {"too_short": True, "pairs": []}
     course = [*question["course"], question["model"], *question["known"]]
-    pairs = sorted(alike(question["codes"], course), key=lambda pair: -sum(pair.shares))
-    told = [[pair.first, pair.second, *pair.shares, *pair.lines] for pair in pairs[:MOST_PAIRS]]
+    pairs = sorted(find_matching_pairs(question["codes"], course), key=lambda pair: -sum(pair.shares))
+    told = [[pair.first, pair.second, *pair.shares, *pair.lines] for pair in pairs[:MAX_PAIRS]]
     return {"too_short": False, "pairs": told}
 
 
 if __name__ == "__main__":
-    bound()
-    json.dump(answer(json.load(sys.stdin)), sys.stdout)
+    limit_resources()
+    json.dump(compare_codes(json.load(sys.stdin)), sys.stdout)

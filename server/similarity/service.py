@@ -18,10 +18,10 @@ from server.base.errors import Invalid, Overloaded
 from server.base.processes import bare_environment
 from server.course import Course, Exercise
 from server.similarity import repository
-from server.similarity.compare import MOST_CODES, SECONDS
+from server.similarity.compare import CPU_SECONDS, MAX_CODES
 
 BUSY = "Une autre comparaison est en cours : réessayez dans quelques secondes."
-TOO_MANY = f"Il y a trop de copies pour les comparer : {MOST_CODES} au plus."
+TOO_MANY = f"Il y a trop de copies pour les comparer : {MAX_CODES} au plus."
 FAILED = "Ces copies n’ont pas pu être comparées : l’une d’elles est trop longue ou trop étrange."
 NO_CODE = "Cet exercice ne demande pas de code : il n’y a rien à comparer."
 _comparing = threading.Lock()
@@ -55,24 +55,24 @@ class Comparison:
     pairs: tuple[Pair, ...]
 
 
-def copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[Copy]:
+def load_copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[Copy]:
     """Each student's best attempt while the assignment was open. Raises Invalid where there are too many."""
     if exercise.answers is not None:
         raise Invalid(NO_CODE)
-    rows = repository.best_codes(
+    rows = repository.load_best_codes(
         db,
         assignment.class_id,
         exercise.id,
         assignment.opens_at,
         assignment.closes_at,
-        most=MOST_CODES + 1,
+        most=MAX_CODES + 1,
     )
-    if len(rows) > MOST_CODES:
+    if len(rows) > MAX_CODES:
         raise Invalid(TOO_MANY)
     return [Copy(student, name, source.decode("utf-8-sig", errors="replace")) for student, name, source in rows]
 
 
-def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Comparison:
+def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Comparison:
     """In a process of its own, one at a time. Raises Crowded, or Invalid where it does not come to an end."""
     module = course.modules[exercise.module]
     known = [
@@ -86,7 +86,7 @@ def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Compari
         "known": known,
         "codes": [one.code for one in sent],
     }
-    found = _asked(json.dumps(question))
+    found = _run_comparison(json.dumps(question))
     pairs = tuple(
         Pair(sent[first], sent[second], (one, other), (tuple(lines), tuple(others)))
         for first, second, one, other, lines, others in found["pairs"]
@@ -94,7 +94,7 @@ def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Compari
     return Comparison(len(sent), bool(found["too_short"]), pairs)
 
 
-def _asked(question: str) -> dict[str, list[tuple[int, int, float, float, list[int], list[int]]]]:
+def _run_comparison(question: str) -> dict[str, list[tuple[int, int, float, float, list[int], list[int]]]]:
     if not _comparing.acquire(blocking=False):
         raise Overloaded(BUSY, retry_after=5)
     try:
@@ -102,7 +102,7 @@ def _asked(question: str) -> dict[str, list[tuple[int, int, float, float, list[i
             [sys.executable, "-m", "server.similarity.compare"],
             input=question.encode(errors="replace"),
             capture_output=True,
-            timeout=2 * SECONDS,
+            timeout=2 * CPU_SECONDS,
             env=bare_environment(),
             check=False,
         )

@@ -27,7 +27,7 @@ WRITTEN = (
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("commande")
     for kind, name in WRITTEN:
-        assert new.write(kind, name, folder)
+        assert new.write_skeleton(kind, name, folder)
     return folder
 
 

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from server.authoring import schema, shapes
 from server.authoring.keys import KEYS
-from server.authoring.tables import FIELDS, PAGES, filled
+from server.authoring.tables import FIELD_MEANINGS, PAGES, fill_tables
 from server.cli import _parser, main
 from server.course import Course
 from tests.support.quick import the_course
@@ -31,17 +31,17 @@ def blocks(text: str, language: str) -> list[str]:
 
 @pytest.mark.parametrize("page", TEXTS)
 def test_tables_are_those_of_the_code(page: str) -> None:
-    assert filled(TEXTS[page]) == TEXTS[page], "python -m server.authoring.tables"
+    assert fill_tables(TEXTS[page]) == TEXTS[page], "python -m server.authoring.tables"
 
 
 def test_every_key_is_told_once_and_no_other() -> None:
     for model, keys in KEYS.items():
         assert list(keys) == list(model.model_fields), model
-    for kind, fields in FIELDS.items():
+    for kind, fields in FIELD_MEANINGS.items():
         inherited = {name for base in kind.__mro__[1:] for name in getattr(base, "__dataclass_fields__", {})}
         assert set(fields) == {one.name for one in dataclasses.fields(kind)} - inherited, kind
     tables = re.findall(r"<!-- table: (\w+) -->", "".join(TEXTS.values()))
-    told = {one.__name__ for one in (*KEYS, *FIELDS)} - WRAPPERS - {"PolicyEntry"}
+    told = {one.__name__ for one in (*KEYS, *FIELD_MEANINGS)} - WRAPPERS - {"PolicyEntry"}
     assert sorted(tables) == sorted(told | {"Comparateurs", "Simplificateurs", "Limites", "Issues", "Pages"})
 
 
@@ -82,7 +82,7 @@ def test_links_lead_somewhere_and_samples_are_python(page: str) -> None:
 
 
 def test_schemas_are_of_the_models_and_speak_french(course: Course) -> None:
-    made = {shape.name: schema.schema(shape) for shape in shapes.SHAPES}
+    made = {shape.name: schema.json_schema(shape) for shape in shapes.SHAPES}
     assert made["exercise"]["properties"]["title"]["description"] == "titre de l’exercice"
     assert made["exercise"]["$defs"]["FunctionEntry"]["additionalProperties"] is False
     assert set(made["questions"]["discriminator"]["mapping"]) == {"choice", "order", "numeric"}

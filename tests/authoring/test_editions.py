@@ -11,7 +11,7 @@ import pytest
 
 from graders.core.contract.local import LOCAL
 from server.authoring import editions
-from server.authoring.new import Refused
+from server.authoring.new import NameRefused
 from server.course import Course, load
 from server.course.editions import edition_of, following, latest
 from server.web.editions import exercise_in_edition, later_editions
@@ -29,9 +29,9 @@ def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) 
     course = tmp_path / "kalman"
     shutil.copytree(place, course, ignore=shutil.ignore_patterns("__pycache__"))
     with taken_in(course):
-        files = editions.write("l21", course)
+        files = editions.copy_to_next_edition("l21", course)
         assert all("l21" not in path.parts for path in (one.relative_to(course) for one in files))
-        assert editions.write("l21", course)[0].relative_to(course).parts[1] == "l21e3"
+        assert editions.copy_to_next_edition("l21", course)[0].relative_to(course).parts[1] == "l21e3"
         read = load(course / "curriculum", code=course, render=False)
         assert [one.message for one in read.problems if "n’a pas d’exercice" not in one.message] == []
         assert [module.slug for module in read.latest] == ["l21e3"]
@@ -39,8 +39,8 @@ def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) 
         exercise = read.exercises["l21e2/gain"]
         judgement = exercise.grader.grade(exercise.grader.solution.encode(), LOCAL, seed=3, version="x")
         assert (judgement.verdict.exercise, judgement.verdict.score) == ("l21e2/gain", 1.0)
-    with pytest.raises(Refused):
-        editions.write("l18", course)
+    with pytest.raises(NameRefused):
+        editions.copy_to_next_edition("l18", course)
 
 
 def test_exercises_are_found_by_name_in_another_edition(course: Course) -> None:

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 from server.app import create_app
-from server.authoring.preview.pages import Previewed, Version, router
-from server.authoring.preview.serving import settings_of
-from server.authoring.preview.supervising import Session, Supervisor, _end
+from server.authoring.preview.pages import PreviewMiddleware, ServedVersion, router
+from server.authoring.preview.serving import preview_settings
+from server.authoring.preview.supervising import PreviewSession, Supervisor, _stop
 from server.course import Course, Problem
 from server.database import Database
 from server.submissions.models import Submission
@@ -31,18 +31,18 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def database(kept: Path) -> Iterator[Database]:
-    made = migrated(settings_of(kept))
+    made = migrated(preview_settings(kept))
     yield made
     made.close()
 
 
 @pytest.fixture(scope="module")
 def preview(place: Path, course: Course, kept: Path, database: Database) -> Iterator[TestClient]:
-    app = create_app(settings_of(kept), course=course)
+    app = create_app(preview_settings(kept), course=course)
     fault = Problem(place / "curriculum" / "l21" / "module.toml", 3, "un <défaut>")
-    version = app.state.preview = Version(Session(place, kept, 7), (fault,), None)  # type: ignore[arg-type]
+    version = app.state.preview = ServedVersion(PreviewSession(place, kept, 7), (fault,), None)  # type: ignore[arg-type]
     app.include_router(router)
-    with TestClient(Previewed(app, version, course), base_url="http://localhost:8010") as client:
+    with TestClient(PreviewMiddleware(app, version, course), base_url="http://localhost:8010") as client:
         yield client
 
 
@@ -105,7 +105,7 @@ def test_a_version_that_does_not_come_up_leaves_the_one_before_it(tmp_path: Path
     text, said = tmp_path / "text", list[str]()
     with socket.create_server(("127.0.0.1", 0)) as listener:
 
-        def serve(session: Session, listener: socket.socket, ready: Any) -> None:
+        def serve(session: PreviewSession, listener: socket.socket, ready: Any) -> None:
             written = text.read_text()
             if written == "bad":
                 raise SystemExit
@@ -119,16 +119,16 @@ def test_a_version_that_does_not_come_up_leaves_the_one_before_it(tmp_path: Path
                 return one.recv(100).decode()
 
         supervisor = Supervisor(tmp_path, listener, serve, lambda session: time.sleep(60), said.append)
-        supervisor.kept = tmp_path
+        supervisor.data_dir = tmp_path
         text.write_text("one")
         running = supervisor._start()
         answers = [asked()]
         for written in ("bad", "two"):
             text.write_text(written)
-            supervisor._timed(running)
+            supervisor._restart(running)
             answers += [asked()]
-        _end(running)
+        _stop(running)
     assert answers == ["1 one", "1 one", "3 two"]
     assert [line for line in said if "ne démarre pas" in line]
     with pytest.raises(ProcessLookupError):
-        os.kill(running.looker, 0)
+        os.kill(running.checker, 0)

@@ -60,13 +60,13 @@ def test_groups_that_nothing_names_come_with_their_frequency(sqlite: Database, s
     assert ask_all(sqlite, settings) == 4
     group = groups(sqlite)
     with sqlite.read() as db:
-        found = study.groups(db, EXERCISE, 10)
-        assert study.groups(db, EXERCISE, 1) == found[:1]
-        assert study.groups(db, "l20/lidar", 10) == []
-    counted = [(one.group, one.attempts, one.students) for one in found]
+        found = study.load_unexplained_groups(db, EXERCISE, 10)
+        assert study.load_unexplained_groups(db, EXERCISE, 1) == found[:1]
+        assert study.load_unexplained_groups(db, "l20/lidar", 10) == []
+    counted = [(one.group_id, one.attempts, one.students) for one in found]
     assert counted == [(group[first], 2, 2), (group[named], 1, 1)], "what a misconception names is not counted"
     assert found[0].source in {SUM.encode(), SUM_AGAIN.encode()}
-    assert study.shown(found[0])[1].startswith("attendu")
+    assert study.describe_counterexample(found[0])[1].startswith("attendu")
 
 
 def test_a_program_is_shown_without_its_author_and_what_it_does_not_need(sqlite: Database, settings: Settings) -> None:
@@ -77,10 +77,10 @@ def test_a_program_is_shown_without_its_author_and_what_it_does_not_need(sqlite:
     ask_all(sqlite, settings)
     exercise = the_course().exercises[EXERCISE]
     with sqlite.read() as db:
-        (found,) = study.groups(db, EXERCISE, 10)
+        (found,) = study.load_unexplained_groups(db, EXERCISE, 10)
     assert {"Ada", "Lovelace", "Augusta", "Byron"} <= set(found.names), "as the lists of classes have them too"
-    assert "byron" not in study.program_of(found, exercise, None)
-    program = study.program_of(found, exercise, InThisProcess())  # type: ignore[arg-type]
+    assert "byron" not in study.minimise_program(found, exercise, None)
+    program = study.minimise_program(found, exercise, InThisProcess())  # type: ignore[arg-type]
     assert "Ada" not in program
     assert "c = a + b" in program
     assert [word for word in ("import", "unused", "print", "else") if word in program] == [], program
@@ -90,10 +90,10 @@ def test_a_program_is_shown_without_its_author_and_what_it_does_not_need(sqlite:
 def test_shrinking_stops_at_what_it_may_cost() -> None:
     asked: list[str] = []
     lines = "".join(f"x{number} = {number}\n" for number in range(40))
-    kept = study.shrunk(lines, lambda text: not asked.append(text) and "x7 = 7" in text, tries=500)
+    kept = study.shrink_program(lines, lambda text: not asked.append(text) and "x7 = 7" in text, tries=500)
     assert kept == "x7 = 7\n"
     asked.clear()
-    study.shrunk(lines, lambda text: not asked.append(text), tries=5)
+    study.shrink_program(lines, lambda text: not asked.append(text), tries=5)
     assert len(asked) == 5
 
 
@@ -129,11 +129,11 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     shutil.copytree(exercise.grader.folder, folder, ignore=shutil.ignore_patterns("__pycache__", "specimens"))
     grader = replace(exercise.grader, folder=folder)
     here = replace(exercise, make=lambda: grader)
-    found = study.Found("ab12", 4, 3, ("composer",), None, exercise.version, None, b"", ())
-    catalogue, file = study.write(found, here, "def composer(a, b):\n    return a\n")
+    found = study.UnexplainedGroup("ab12", 4, 3, ("composer",), None, exercise.version, None, b"", ())
+    catalogue, file = study.write_misconception(found, here, "def composer(a, b):\n    return a\n")
     shape = toml_file.read(catalogue, shapes.MisconceptionsFile)
     assert shape.misconception[-1].id == file.stem == "erreur_ab12"
-    assert study.TO_WORD in shape.misconception[-1].title
+    assert study.PLACEHOLDER in shape.misconception[-1].title
     *_, last = read_misconceptions(folder, "")
     assert (last.id, last.functions) == ("erreur_ab12", ("composer",))
     names: dict[str, object] = {}
@@ -142,5 +142,5 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     exec(compile(file.read_text(encoding="utf-8").replace("False", "True", 1), "<read>", "exec"), names)
     assert "composer" in names
     assert "4 essais, 3 élèves" in catalogue.read_text(encoding="utf-8")
-    with pytest.raises(study.CannotWrite):
-        study.write(found, the_course().exercises["l20/verification"], "")
+    with pytest.raises(study.MisconceptionWriteError):
+        study.write_misconception(found, the_course().exercises["l20/verification"], "")

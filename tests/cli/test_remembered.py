@@ -42,7 +42,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.delenv("CI", raising=False)
     folder = tmp_path / "commande"
     for kind, name in (("module", "l21"), ("exercise", "l21/gain")):
-        new.write(kind, name, folder)
+        new.write_skeleton(kind, name, folder)
     with taken_in(folder):
         yield folder
 

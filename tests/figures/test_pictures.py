@@ -11,9 +11,9 @@ import pytest
 
 from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
-from server.figures.orders import WARM, Order
-from server.figures.pictures import LONGEST_QUESTION, Pictures
-from server.figures.store import Store
+from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
+from server.figures.pictures import MAX_PAYLOAD_BYTES, Pictures
+from server.figures.store import PictureStore
 from tests.support.quick import in_a_loop
 
 
@@ -44,18 +44,18 @@ class Drawer:
         self.go.set()
 
 
-def order(name: str) -> Order:
-    return Order(name.encode(), name.encode().hex().zfill(64))
+def order(name: str) -> DrawingRequest:
+    return DrawingRequest(name.encode(), name.encode().hex().zfill(64))
 
 
 def looks(pictures: Pictures, name: str, address: str = "here") -> asyncio.Task[bytes]:
-    return asyncio.create_task(pictures.picture(order(name), address))
+    return asyncio.create_task(pictures.get(order(name), address))
 
 
 def play(folder: Path, scene: Callable[[Drawer, Pictures], Awaitable[None]], *, most_waiting: int = 64) -> None:
     async def whole() -> None:
         drawer = Drawer()
-        pictures = Pictures(drawer, Store(folder), most_waiting=most_waiting)
+        pictures = Pictures(drawer, PictureStore(folder), most_waiting=most_waiting)
         await asyncio.wait_for(scene(drawer, pictures), 300)
         await pictures.close()
 
@@ -141,10 +141,10 @@ def test_who_looks_as_the_last_one_leaves_has_it_drawn(tmp_path: Path) -> None:
 def test_a_process_that_cannot_be_made_ready_stops_nothing(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: Pictures) -> None:
         drawer.go.set()
-        drawer.fails.add(WARM.decode())
+        drawer.fails.add(WARM_UP_PAYLOAD.decode())
         pictures.warm()
         await drawer.begun.wait()
-        assert drawer.drawn == {WARM.decode(): 1}
+        assert drawer.drawn == {WARM_UP_PAYLOAD.decode(): 1}
         assert await looks(pictures, "a") == b"<a>"
 
     play(tmp_path, scene)
@@ -168,7 +168,7 @@ def test_a_failure_is_told_to_all_who_wait_and_not_remembered(tmp_path: Path) ->
 
 
 async def until_waiting(pictures: Pictures, number: int) -> None:
-    while pictures._turns.waiting != number:
+    while pictures._limiter.waiting != number:
         await asyncio.sleep(0.001)
 
 
@@ -235,7 +235,7 @@ def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> 
 def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: Pictures) -> None:
         with pytest.raises(InternalFailure):
-            await pictures.picture(Order(b"x" * (LONGEST_QUESTION + 1), "0" * 64), "here")
+            await pictures.get(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here")
         assert not drawer.drawn
 
     play(tmp_path, scene)
@@ -244,7 +244,7 @@ def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
 def test_the_end_of_the_service_waits_for_nobody(tmp_path: Path) -> None:
     async def scene() -> None:
         drawer = Drawer()
-        pictures = Pictures(drawer, Store(tmp_path))
+        pictures = Pictures(drawer, PictureStore(tmp_path))
         coming = looks(pictures, "a")
         await drawer.begun.wait()
         await asyncio.wait_for(pictures.close(), 300)

@@ -16,9 +16,9 @@ from graders.plotting import counterexample
 from graders.scene.films import wire
 from server.base.helpers import Helper, HelperError, HelperProgram
 from server.course.models import Drawing
-from server.figures import orders
+from server.figures import drawing_requests
 from server.figures.lessons import draw
-from server.figures.program import LARGEST_REPLAY, program
+from server.figures.program import MAX_REPLAY_BYTES, helper_program
 from tests.support.live import alive, until
 from tests.support.quick import in_a_loop
 
@@ -65,12 +65,12 @@ def drawing(path: Path, function: str) -> Drawing:
 
 
 def question(path: Path, function: str) -> bytes:
-    return orders.of_lesson(drawing(path, function), "dark").question
+    return drawing_requests.lesson_figure_request(drawing(path, function), "dark").payload
 
 
 def play(scene: Callable[[Helper], Awaitable[None]], made: HelperProgram | None = None) -> None:
     async def whole() -> None:
-        helper = Helper(made or program())
+        helper = Helper(made or helper_program())
         await scene(helper)
         last = helper._process
         await helper.close()
@@ -91,20 +91,24 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
     lesson = draw(drawing(folder, "right"), "dark", "svg").picture
 
     async def scene(helper: Helper) -> None:
-        assert await helper.ask(orders.WARM) == b""
+        assert await helper.ask(drawing_requests.WARM_UP_PAYLOAD) == b""
         assert helper._process is not None
         first = helper._process.pid
         assert await helper.ask(question(folder, "right")) == lesson
         for form in ("svg", "png"):
-            order = orders.of_verdict(exercise, data, form, "light")
-            assert await helper.ask(order.question) == counterexample(exercise, data, theme="light", extension=form)
-        await raises(helper, orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
+            order = drawing_requests.verdict_figure_request(exercise, data, form, "light")
+            assert await helper.ask(order.payload) == counterexample(exercise, data, theme="light", extension=form)
+        await raises(
+            helper, drawing_requests.verdict_figure_request(exercise, {"kind": "rien"}, "svg", "light").payload
+        )
         film = {"kind": "localisation", "start": [1, 1], "commands": [[1, 0]], "cells": [[1, 2]], "beliefs": []}
-        asked = orders.of_film("l20/predire2d", film, "Suivre").question
+        asked = drawing_requests.film_request("l20/predire2d", film, "Suivre").payload
         assert json.loads(gzip.decompress(await helper.ask(asked))) == wire("l20/predire2d", film, "Suivre")
         for bad in ({**film, "beliefs": ["00ff"]}, {**film, "kind": "rien"}, {"beliefs": []}):
-            await raises(helper, orders.of_film("l20/predire2d", bad, "Suivre").question)
-        await raises(helper, orders.of_film("l20/predire2d", film, "é" * (LARGEST_REPLAY // 2)).question)
+            await raises(helper, drawing_requests.film_request("l20/predire2d", bad, "Suivre").payload)
+        await raises(
+            helper, drawing_requests.film_request("l20/predire2d", film, "é" * (MAX_REPLAY_BYTES // 2)).payload
+        )
         for function in ("wrong", "greedy"):  # what raises or takes too much memory
             await raises(helper, question(folder, function))
         assert await helper.ask(question(folder, "right")) == lesson
@@ -118,7 +122,7 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
     draws, processes = question(folder, "right"), []
 
     async def drawn_by_another(helper: Helper) -> None:
-        helper.program = program()
+        helper.program = helper_program()
         assert await helper.ask(draws)
         assert helper._process is not None
         processes.append(helper._process.pid)
@@ -129,7 +133,7 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
             await helper.ask(question(folder, "endless"))
         assert isinstance(caught.value.__cause__, ConnectionError), "it ended by itself, long before the patience"
         await drawn_by_another(helper)
-        helper.program = program(patience=0.3)
+        helper.program = helper_program(patience=0.3)
         await raises(helper, question(folder, "asleep"))
         await asyncio.to_thread(until, lambda: not alive(processes[-1]), "the one that hung is gone")
         await drawn_by_another(helper)
@@ -139,9 +143,11 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
         await asyncio.to_thread(until, lambda: helper._process is not None and helper._process.ended, "it is noticed")
         await drawn_by_another(helper)
 
-    play(scene, program(cpu_seconds=0.5, patience=600.0))
+    play(scene, helper_program(cpu_seconds=0.5, patience=600.0))
 
 
 def test_it_is_given_no_setting_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BALISE_DATABASE_URL", "postgresql://balise:secret@localhost/balise")
-    assert not any("secret" in value or name.startswith("BALISE_") for name, value in program().environment.items())
+    assert not any(
+        "secret" in value or name.startswith("BALISE_") for name, value in helper_program().environment.items()
+    )

@@ -28,14 +28,14 @@ SAID = re.compile(r'data-said="([^"]*)"')
 
 def kept(database: Database, account: Account) -> dict[str, tuple[str, str, int]]:
     with database.read() as db:
-        return {one.poll: (one.answer, one.last, one.tries) for one in repository.all_of(db, account.id)}
+        return {one.poll: (one.answer, one.last, one.tries) for one in repository.load_answers(db, account.id)}
 
 
 def test_each_replay_of_the_module_asks_one_question_with_one_right_answer(course: Course) -> None:
     module = course.modules["l20"]
-    found = service.of_module(module)
+    found = service.polls_of_module(module)
     replays = [name for lesson in module.lessons for name in lesson.replays]
-    assert [name for name, poll in found.items() if poll.before] == [f"rejeux/{name}" for name in replays]
+    assert [name for name, poll in found.items() if poll.is_prediction] == [f"rejeux/{name}" for name in replays]
     for poll in found.values():
         assert sum(option.right for option in poll.options) == 1 or poll.several
         assert not any("'" in text for text in (poll.question, *(option.words for option in poll.options)))
@@ -63,7 +63,7 @@ def test_each_seance_of_lessons_and_the_telemeter_ask_questions_of_the_quiz(cour
     assert all(name.startswith("verification/") for names in asked.values() for name in names)
     every = [name for names in asked.values() for name in names]
     assert len(set(every)) == len(every) == 29
-    places = [[option.right for option in service.find(module, name).options].index(True) for name in every]
+    places = [[option.right for option in service.find_poll(module, name).options].index(True) for name in every]
     assert len(set(places)) > 2
 
 
@@ -152,7 +152,7 @@ def test_a_place_is_kept_as_it_was_put_and_counted_by_how_far_it_was(site: Site)
         assert sent.json()["first"] == answer
     assert kept(site.database, people[0].account) == {"l20/rejeux/banane": ("10.25,0", "10.25,0", 1)}
     with site.database.write() as db:  # what was said before the question changed
-        repository.keep_first(db, new_account_of(site, made), "l20/rejeux/banane", "deca")
+        repository.save_first_answer(db, new_account_of(site, made), "l20/rejeux/banane", "deca")
     page = teacher.browser(site).get(f"/classes/{made.id}/previsions").text
     banana = page[page.index('href="/l20/lire/localiser#rejeu-banane"') :]
     assert "4 sur 5 élèves ont répondu, 1 juste." in banana
@@ -171,11 +171,11 @@ def test_answers_are_kept_twice_over_and_move_without_loss(database: Database) -
     guest, ada = new_account(database, Role.guest), new_account(database)
     with database.write() as db:
         for account, poll, answer in [(guest, "l20/a", "x"), (guest, "l20/b", "x"), (ada, "l20/b", "y")]:
-            repository.keep_first(db, account.id, poll, answer)
-            repository.keep_first(db, account.id, poll, "z")
+            repository.save_first_answer(db, account.id, poll, answer)
+            repository.save_first_answer(db, account.id, poll, "z")
     with database.write() as db:
         adopt_guest_data(db, guest.id, ada.id)
-        repository.keep(db, ada.id, "l20/a", "w")
+        repository.save_answer(db, ada.id, "l20/a", "w")
     assert kept(database, ada) == {"l20/a": ("x", "w", 2), "l20/b": ("y", "y", 1)}
 
 
@@ -193,8 +193,8 @@ def test_a_class_is_counted_by_its_active_students_in_as_many_queries_as_nobody(
     with site.database.write() as db:
         for account in (*people[:2], people[3], assistant, stranger):
             for poll in ("l20/rejeux/icp", "l20/rejeux/mcl", "l20/rejeux/graphe"):
-                repository.keep_first(db, account.id, poll, {"l20/rejeux/icp": "ailleurs"}.get(poll, "perdu"))
-        repository.keep_first(db, people[2].id, "l20/rejeux/icp", "bonne")
+                repository.save_first_answer(db, account.id, poll, {"l20/rejeux/icp": "ailleurs"}.get(poll, "perdu"))
+        repository.save_first_answer(db, people[2].id, "l20/rejeux/icp", "bonne")
     with Counted(site.database) as full:
         page = browser.get(path).text
     icp = page[page.index('href="/l20/lire/slam#rejeu-icp"') :]

@@ -59,11 +59,11 @@ def test_a_lesson_is_read_without_the_questions_of_the_others(monkeypatch: pytes
         return iter(())
 
     monkeypatch.setattr(polls, "_of_lesson", of_lesson)
-    polls.of_lesson.cache_clear()
+    polls.polls_of_lesson.cache_clear()
     course: Course = the_course()
     module = course.modules["l20"]
     lesson = module.lessons[0]
     nobody: Any = None
-    polls.said_in(nobody, nobody, module, lesson)
+    polls.load_lesson_answers(nobody, nobody, module, lesson)
     assert asked == [lesson.slug]
-    polls.of_lesson.cache_clear()
+    polls.polls_of_lesson.cache_clear()

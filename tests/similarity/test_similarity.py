@@ -55,7 +55,9 @@ def own(course: Course) -> tuple[str, str, str]:
 
 def test_a_copy_is_seen_under_other_names_and_a_different_hand_is_not(course: Course) -> None:
     first, second, third = own(course)
-    found = list(compare.alike([first, second, disguised(first), third], [course.exercises[LONG].starter]))
+    found = list(
+        compare.find_matching_pairs([first, second, disguised(first), third], [course.exercises[LONG].starter])
+    )
     assert [(pair.first, pair.second) for pair in found] == [(0, 2)]
     pair = found[0]
     assert min(pair.shares) > 0.9
@@ -67,30 +69,30 @@ def test_a_copy_is_seen_under_other_names_and_a_different_hand_is_not(course: Co
 def test_what_the_course_gives_is_nobody_s(course: Course) -> None:
     """Two students who send the course's own code share nothing of their own."""
     first = own(course)[0]
-    assert list(compare.alike([first, first], [first])) == []
-    known = compare.known_grams([first])
-    assert compare.own_length(first, known) == 0
-    assert compare.own_length(first, ()) > compare.SHORTEST
+    assert list(compare.find_matching_pairs([first, first], [first])) == []
+    known = compare.collect_grams([first])
+    assert compare.own_code_length(first, known) == 0
+    assert compare.own_code_length(first, ()) > compare.MIN_CODE_LENGTH
 
 
 def test_pairs_are_found_and_short_exercises_are_refused(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(service, "_asked", lambda question: compare.answer(json.loads(question)))
+    monkeypatch.setattr(service, "_run_comparison", lambda question: compare.compare_codes(json.loads(question)))
     first = own(course)[0]
     mine = first.replace("def ", "def moi_") + "\n".join(f"x{n} = {n} ** {n % 7} + y{n}" for n in range(60))
     sent = [copy_of(mine), copy_of(disguised(mine)), copy_of("x = 1\n")]
-    found = service.compare(course, course.exercises[LONG], sent)
+    found = service.compare_copies(course, course.exercises[LONG], sent)
     assert (found.compared, found.too_short) == (3, False)
     assert [(pair.first, pair.second) for pair in found.pairs] == [(sent[0], sent[1])]
-    short = service.compare(course, course.exercises[SHORT], sent)
+    short = service.compare_copies(course, course.exercises[SHORT], sent)
     assert (short.too_short, short.pairs) == (True, ())
 
 
 def test_one_comparison_at_a_time_and_its_failure_is_told(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
     with service._comparing, pytest.raises(Overloaded):
-        service.compare(course, course.exercises[LONG], [])
+        service.compare_copies(course, course.exercises[LONG], [])
     monkeypatch.setattr(service.sys, "executable", "/bin/false")
     with pytest.raises(Invalid, match="n’ont pas pu être comparées"):
-        service.compare(course, course.exercises[LONG], [copy_of("x = 1")])
+        service.compare_copies(course, course.exercises[LONG], [copy_of("x = 1")])
     assert service._comparing.acquire(blocking=False), "the next one may begin"
     service._comparing.release()
 
@@ -115,7 +117,7 @@ class Classroom:
 
     def codes(self, course: Course, exercise: str = LONG) -> dict[UUID, str]:
         with self.site.database.read() as db:
-            found = service.copies(db, db.get_one(Assignment, self.assignment), course.exercises[exercise])
+            found = service.load_copies(db, db.get_one(Assignment, self.assignment), course.exercises[exercise])
         return {one.student: one.code for one in found}
 
     @property
@@ -169,7 +171,7 @@ def test_the_page_asks_a_question(classroom: Classroom, course: Course, monkeypa
     assert "Ada &lt;b&gt;" in compared
     assert 'class="code-line shared"' in compared
     assert "2 copies comparées, 1 paire à regarder" in compared
-    monkeypatch.setattr(service, "compare", lambda *_: Comparison(2, too_short=True, pairs=()))
+    monkeypatch.setattr(service, "compare_copies", lambda *_: Comparison(2, too_short=True, pairs=()))
     assert "trop court" in browser.get(f"{classroom.href}?exercice={SHORT}").text
     assert browser.get(f"{classroom.href}?exercice=l20/poses").status_code == 404
     pupil = person(classroom.site)

@@ -10,33 +10,33 @@ from pathlib import Path
 
 from server.authoring import shapes
 from server.authoring.preview.reading import read_course
-from server.authoring.preview.supervising import Session
+from server.authoring.preview.supervising import PreviewSession
 from server.base.files import write_atomically
 from server.course import Problem
 from server.figures import lessons
 from server.replays.faults import faults as of_replays
 
 #: It must not slow down what the author is looking at.
-POLITE = 15
+NICENESS = 15
 
 
-def look(session: Session) -> None:
+def write_faults(session: PreviewSession) -> None:
     """Writes all that is wrong, once it is known."""
-    os.nice(POLITE)
+    os.nice(NICENESS)
     sys.dont_write_bytecode = True
-    course = read_course(session.place, render=True)
+    course = read_course(session.course_folder, render=True)
     found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
-    write_atomically(session.faults, json.dumps([[str(one.path), one.line, one.message] for one in found]))
+    write_atomically(session.faults_file, json.dumps([[str(one.path), one.line, one.message] for one in found]))
 
 
-def read(session: Session, known: Iterable[Problem]) -> list[Problem]:
+def load_faults(session: PreviewSession, known: Iterable[Problem]) -> list[Problem]:
     """What was found of this version; what its server knows by itself, until more is known."""
     try:
-        return [*_read(session.faults)]
+        return [*_parse_faults(session.faults_file)]
     except FileNotFoundError:
         return [*known]
 
 
-def _read(path: Path) -> Iterator[Problem]:
+def _parse_faults(path: Path) -> Iterator[Problem]:
     for place, line, message in json.loads(path.read_text(encoding="utf-8")):
         yield Problem(Path(place), line, message)

@@ -26,16 +26,16 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
 from server.authoring.preview import faults
-from server.authoring.preview.asked import Asked, asked, figure_of
-from server.authoring.preview.supervising import Session
+from server.authoring.preview.check_trace import CheckTrace, first_case_figure, trace_checks
+from server.authoring.preview.supervising import PreviewSession
 from server.base.errors import NotFound
 from server.base.http import client_address
 from server.course import Course, Exercise, Problem
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
-from server.figures import orders
+from server.figures import drawing_requests
 from server.figures.dependencies import FiguresOf
-from server.figures.orders import MEDIA_TYPES, Theme
+from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.identity.dependencies import BrowserAccount, OptionalAccount
 from server.sandbox import Sandbox
 from server.submissions import variants
@@ -43,9 +43,9 @@ from server.submissions.dependencies import SubmissionsOf
 from server.web.rendering import jinja_environment, render_page
 from server.web.views import exercise_href, find_exercise
 
-HERE = {"127.0.0.1", "localhost", "[::1]"}
+LOCAL_HOSTS = {"127.0.0.1", "localhost", "[::1]"}
 #: Seconds between two looks at what is known of the faults.
-EVERY = 0.2
+POLL_SECONDS = 0.2
 RETRY_MS = 150
 SEED = 1
 
@@ -53,22 +53,22 @@ router = APIRouter(include_in_schema=False)
 
 
 @dataclass(frozen=True)
-class Version:
+class ServedVersion:
     """The version of the files that this process serves; `over` once it is to end."""
 
-    session: Session
+    session: PreviewSession
     problems: Sequence[Problem]
     sandbox: Sandbox
-    over: Event = field(default_factory=Event)
+    stopping: Event = field(default_factory=Event)
 
 
-async def _version(request: Request) -> Version:
+async def _version(request: Request) -> ServedVersion:
     """No application but a preview's has one."""
-    version: Version = request.app.state.preview
+    version: ServedVersion = request.app.state.preview
     return version
 
 
-VersionOf = Annotated[Version, Depends(_version)]
+VersionOf = Annotated[ServedVersion, Depends(_version)]
 
 
 @dataclass(frozen=True)
@@ -84,59 +84,64 @@ class TrialView:
 
     number: int
     subject: str
-    awaited: str
+    expected: str
 
 
 @dataclass(frozen=True)
-class TryingPage:
+class TrialPage:
     title: str
     href: str
     action: str
     trials: tuple[TrialView, ...]
-    checks: tuple[Asked, ...]
+    checks: tuple[CheckTrace, ...]
     seed: int
 
 
 @router.get("/apercu/evenements")
 async def events(version: VersionOf) -> StreamingResponse:
-    return StreamingResponse(_told(version), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+    return StreamingResponse(
+        _event_stream(version), media_type="text/event-stream", headers={"Cache-Control": "no-store"}
+    )
 
 
-async def _told(version: Version) -> AsyncIterator[str]:
+async def _event_stream(version: ServedVersion) -> AsyncIterator[str]:
     """Which version is served, then when its faults are known; it ends with the version, and the browser comes back."""
     yield f"retry: {RETRY_MS}\nevent: version\ndata: {version.session.generation}\n\n"
     known = False
-    while not version.over.is_set():
-        if not known and version.session.faults.exists():
+    while not version.stopping.is_set():
+        if not known and version.session.faults_file.exists():
             known = True
             yield "event: faults\ndata: known\n\n"
-        await asyncio.sleep(EVERY)
+        await asyncio.sleep(POLL_SECONDS)
 
 
 @router.get("/apercu/problemes")
 def problems(version: VersionOf) -> HTMLResponse:
-    return HTMLResponse(foot(version, "", None), headers={"Cache-Control": "no-store"})
+    return HTMLResponse(render_footer(version, "", None), headers={"Cache-Control": "no-store"})
 
 
 @router.get("/apercu/{module:module}/{slug}")
-def trying(
+def trial_page(
     request: Request, module: str, slug: str, course: CourseOf, account: OptionalAccount, graine: int = SEED
 ) -> HTMLResponse:
     exercise = find_exercise(course, module, slug)
     grader = exercise.grader
-    shown = TryingPage(
+    shown = TrialPage(
         exercise.title,
         exercise_href(exercise),
         f"/apercu/{exercise.id}",
-        tuple(TrialView(number, known.subject, _awaited(known)) for number, known in enumerate(_known(exercise))),
-        tuple(asked(grader, graine)) if isinstance(grader, CodeGrader) else (),
+        tuple(
+            TrialView(number, known.subject, _describe_expected(known))
+            for number, known in enumerate(_list_trials(exercise))
+        ),
+        tuple(trace_checks(grader, graine)) if isinstance(grader, CodeGrader) else (),
         graine,
     )
     return render_page(request, "preview/exercise.html", account, page=shown)
 
 
 @router.post("/apercu/{module:module}/{slug}/{number}")
-def send(
+def submit_trial(
     request: Request,
     module: str,
     slug: str,
@@ -148,7 +153,7 @@ def send(
 ) -> Response:
     """Sends what is known, as whoever looks would; goes on to the attempt's page."""
     exercise = find_exercise(course, module, slug)
-    trials = _known(exercise)
+    trials = _list_trials(exercise)
     if not 0 <= number < len(trials):
         raise NotFound("Cet essai n’existe pas.")
     address = client_address(request)
@@ -167,21 +172,21 @@ async def figure(
 ) -> Response:
     exercise = find_exercise(course, module, slug)
     grader = exercise.grader
-    data = await run_in_threadpool(figure_of, grader, check, SEED) if isinstance(grader, CodeGrader) else None
+    data = await run_in_threadpool(first_case_figure, grader, check, SEED) if isinstance(grader, CodeGrader) else None
     if data is None:
         raise NotFound("Cette vérification ne dessine rien.")
-    picture = await figures.pictures.picture(
-        orders.of_verdict(exercise.id, data, "svg", theme), client_address(request)
+    picture = await figures.pictures.get(
+        drawing_requests.verdict_figure_request(exercise.id, data, "svg", theme), client_address(request)
     )
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers={"Cache-Control": "no-store"})
 
 
-def _known(exercise: Exercise) -> list[KnownSubmission]:
+def _list_trials(exercise: Exercise) -> list[KnownSubmission]:
     reference, *others = exercise.grader.known_submissions()
     return [reference, KnownSubmission("fichier de départ", lambda _: exercise.starter.encode()), *others]
 
 
-def _awaited(known: KnownSubmission) -> str:
+def _describe_expected(known: KnownSubmission) -> str:
     if known.diagnosis is not None:
         return f"refusé, et nommé « {known.diagnosis} »"
     if known.outcome is Outcome.OK:
@@ -189,22 +194,22 @@ def _awaited(known: KnownSubmission) -> str:
     return "pas tous les points" if known.outcome is None else known.outcome.wording("code").title.lower()
 
 
-def foot(version: Version, path: str, course: Course | None) -> str:
+def render_footer(version: ServedVersion, path: str, course: Course | None) -> str:
     """What stands at the foot of each page; `path` is its address, from which one may try its exercise."""
-    found = faults.read(version.session, version.problems)
-    place = version.session.place
-    views = [FaultView(_within(problem.path, place), problem.line, problem.message) for problem in found]
-    looked = version.session.faults.exists()
+    found = faults.load_faults(version.session, version.problems)
+    place = version.session.course_folder
+    views = [FaultView(_relative_path(problem.path, place), problem.line, problem.message) for problem in found]
+    looked = version.session.faults_file.exists()
     context: dict[str, Any] = {"faults": views, "looked": looked, "generation": version.session.generation}
-    exercise = _exercise_at(path, course)
+    exercise = _trial_href(path, course)
     return jinja_environment().get_template("preview/foot.html").render(**context, exercise=exercise)
 
 
-def _within(path: Path, place: Path) -> str:
+def _relative_path(path: Path, place: Path) -> str:
     return os.path.relpath(path, place) if path.is_relative_to(place) else str(path)
 
 
-def _exercise_at(path: str, course: Course | None) -> str:
+def _trial_href(path: str, course: Course | None) -> str:
     """Where one tries the exercise that a page is of; empty for others."""
     parts = path.strip("/").split("/")
     if course is None or len(parts) < 3 or parts[1] != "exercices":
@@ -213,31 +218,31 @@ def _exercise_at(path: str, course: Course | None) -> str:
     return f"/apercu/{name}" if name in course.exercises else ""
 
 
-def _asked_here(headers: Headers) -> bool:
+def _is_local_request(headers: Headers) -> bool:
     """By an address of this machine, and by no other site's page, which would have it compute; links may lead here."""
     from_here = headers.get("sec-fetch-site", "none") in {"same-origin", "none"}
-    return headers.get("host", "").rsplit(":", 1)[0] in HERE and (
+    return headers.get("host", "").rsplit(":", 1)[0] in LOCAL_HOSTS and (
         from_here or (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest")) == ("navigate", "document")
     )
 
 
-class Previewed:
+class PreviewMiddleware:
     """The application, on this machine alone, with the foot of a preview on each of its pages."""
 
-    def __init__(self, app: ASGIApp, version: Version, course: Course) -> None:
+    def __init__(self, app: ASGIApp, version: ServedVersion, course: Course) -> None:
         self._app, self._version, self._course = app, version, course
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        if not _asked_here(Headers(scope=scope)):
+        if not _is_local_request(Headers(scope=scope)):
             refusal = PlainTextResponse("Cet aperçu ne répond qu’à cette machine.", 403)
             return await refusal(scope, receive, send)
         dropped = {b"accept-encoding", b"if-none-match"}
         headers = [(name, value) for name, value in scope["headers"] if name not in dropped]
-        await self._app({**scope, "headers": headers}, receive, self._adding(scope["path"], send))
+        await self._app({**scope, "headers": headers}, receive, self._append_footer(scope["path"], send))
 
-    def _adding(self, path: str, send: Send) -> Send:
+    def _append_footer(self, path: str, send: Send) -> Send:
         """Holds a page back until it is whole, and adds to it; lets everything else through."""
         started: Message | None = None
         body = b""
@@ -253,14 +258,14 @@ class Previewed:
             else:
                 body += message.get("body", b"")
                 if not message.get("more_body", False):
-                    await self._send_whole(path, started, body, send)
+                    await self._send_with_footer(path, started, body, send)
 
         return adding
 
-    async def _send_whole(self, path: str, started: Message, body: bytes, send: Send) -> None:
+    async def _send_with_footer(self, path: str, started: Message, body: bytes, send: Send) -> None:
         before, end, after = body.rpartition(b"</body>")
         if end:
-            added = await run_in_threadpool(foot, self._version, path, self._course)
+            added = await run_in_threadpool(render_footer, self._version, path, self._course)
             body = before + added.encode() + end + after
         headers = MutableHeaders(raw=[*started["headers"]])
         headers["content-length"] = str(len(body))

@@ -14,9 +14,9 @@ import uvicorn
 
 from graders.core.contract.findings import Judgement
 from server.app import create_app
-from server.authoring.preview.pages import Previewed, Version, router
+from server.authoring.preview.pages import PreviewMiddleware, ServedVersion, router
 from server.authoring.preview.reading import read_course
-from server.authoring.preview.supervising import Session
+from server.authoring.preview.supervising import PreviewSession
 from server.base import http
 from server.base.app_services import get_service
 from server.base.settings import Settings
@@ -35,12 +35,12 @@ from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE
 
 #: Seconds between two looks at what waits to be graded.
-EVERY = 0.03
-GRACE = 1  # seconds left to open connections when it stops
-MANY = 100_000
+POLL_SECONDS = 0.03
+SHUTDOWN_GRACE = 1  # seconds left to open connections when it stops
+UNLIMITED = 100_000
 
 
-def settings_of(kept: Path) -> Settings:
+def preview_settings(kept: Path) -> Settings:
     """Nothing of the service's own data, and no limit for who tries their own exercises."""
     return Settings(
         data_dir=kept,
@@ -49,40 +49,40 @@ def settings_of(kept: Path) -> Settings:
         root_path="",
         workers=0,
         warm_figures=False,
-        submission_burst=MANY,
-        waiting_each=MANY,
-        waiting_from_address=MANY,
-        guest_burst=MANY,
-        cell_burst=MANY,
+        submission_burst=UNLIMITED,
+        waiting_each=UNLIMITED,
+        waiting_from_address=UNLIMITED,
+        guest_burst=UNLIMITED,
+        cell_burst=UNLIMITED,
     )
 
 
-def prepare(kept: Path) -> None:
+def create_database(kept: Path) -> None:
     """Makes the database of a preview, once."""
-    with closing(Database(settings_of(kept).url)) as database:
+    with closing(Database(preview_settings(kept).url)) as database:
         upgrade(database.engine)
 
 
-def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) -> None:
+def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], None]) -> None:
     """Until it is told to end."""
     sys.dont_write_bytecode = True  # nothing of ours among the author's files
-    settings = settings_of(session.kept)
+    settings = preview_settings(session.data_dir)
     if session.generation == 1:
-        prepare(session.kept)
-    course = read_course(session.place, Memory(session.kept / MEMORY))
+        create_database(session.data_dir)
+    course = read_course(session.course_folder, Memory(session.data_dir / MEMORY))
     app = create_app(settings, course=course)
-    version = Version(session, course.problems, Sandbox(course.kits))
+    version = ServedVersion(session, course.problems, Sandbox(course.kits))
     app.state.preview = version
     app.include_router(router)
     events = get_service(app, JobEvents)
     threading.Thread(target=_grade, args=(settings, course, version.sandbox, events), daemon=True).start()
 
     def stopping() -> None:
-        version.over.set()
+        version.stopping.set()
         events.close()
 
     with version.sandbox:
-        config = http.uvicorn_config(Previewed(app, version, course), grace=GRACE)
+        config = http.uvicorn_config(PreviewMiddleware(app, version, course), grace=SHUTDOWN_GRACE)
         _Server(config, ready, stopping).run([listener])
 
 
@@ -115,4 +115,4 @@ def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: JobEven
     sandbox.warm("numpy")
     with closing(Database(settings.url)) as database:
         queue = TableQueue(WakeupDispatcher(events.job_changed))
-        Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(PollingSource(EVERY))
+        Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(PollingSource(POLL_SECONDS))

@@ -24,85 +24,88 @@ from pathlib import Path
 from graders.courses import ROOMS
 
 #: Seconds that the import of a course may take: one that loops for ever leaves the version before it in place.
-PATIENCE = 30.0
+START_TIMEOUT = 30.0
 READY = b"ready"
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Session:
+class PreviewSession:
     """What the processes of one preview share: the course's folder, what is kept meanwhile, which version this is."""
 
-    place: Path
-    kept: Path
+    course_folder: Path
+    data_dir: Path
     generation: int = 0
 
     @property
-    def faults(self) -> Path:
+    def faults_file(self) -> Path:
         """Where what is wrong with this version is written, once it is known."""
-        return self.kept / f"faults-{self.generation}.json"
+        return self.data_dir / f"faults-{self.generation}.json"
 
 
 @dataclass
-class Running:
+class VersionProcesses:
     """The processes of one version."""
 
     server: int
-    looker: int
+    checker: int
 
 
 @dataclass
 class Supervisor:
     """`serve` and `look` are what the two processes of a version do; both are forked, and end with this one."""
 
-    place: Path
+    course_folder: Path
     listener: socket.socket
-    serve: Callable[[Session, socket.socket, Callable[[], None]], None]
-    look: Callable[[Session], None]
-    say: Say
-    kept: Path = field(init=False)
+    serve: Callable[[PreviewSession, socket.socket, Callable[[], None]], None]
+    check: Callable[[PreviewSession], None]
+    report: Report
+    data_dir: Path = field(init=False)
     generation: int = 0
 
     def run(self) -> None:
         """Until it is interrupted."""
-        with tempfile.TemporaryDirectory(prefix="balise-preview-") as kept, _watching(self.place) as changes:
-            self.kept = Path(kept)
+        with (
+            tempfile.TemporaryDirectory(prefix="balise-preview-") as kept,
+            _watch_changes(self.course_folder) as changes,
+        ):
+            self.data_dir = Path(kept)
             running = self._start()
             try:
                 while True:
                     changed = next(changes)
-                    self.say(f"{_told(changed, self.place)} : relu en {self._timed(running)}.")
+                    self.report(f"{_describe_changes(changed, self.course_folder)} : relu en {self._restart(running)}.")
             except (KeyboardInterrupt, StopIteration):
                 pass
             finally:
-                _end(running)
+                _stop(running)
 
-    def _timed(self, running: Running) -> str:
+    def _restart(self, running: VersionProcesses) -> str:
         begun = time.monotonic()
-        _kill(running.looker)
+        _kill(running.checker)
         fresh = self._start(instead_of=running)
-        running.server, running.looker = fresh.server, fresh.looker
+        running.server, running.checker = fresh.server, fresh.checker
         return f"{time.monotonic() - begun:.1f} s".replace(".", ",")
 
-    def _start(self, instead_of: Running | None = None) -> Running:
+    def _start(self, instead_of: VersionProcesses | None = None) -> VersionProcesses:
         """The processes of the next version; where its server does not come up, the one before it stays."""
         self.generation += 1
-        session = Session(self.place, self.kept, self.generation)
+        session = PreviewSession(self.course_folder, self.data_dir, self.generation)
         told, tells = os.pipe()
-        server = _forked(lambda: self.serve(session, self.listener, lambda: _tell(tells)), close=told)
+        server = _fork(lambda: self.serve(session, self.listener, lambda: _signal_ready(tells)), close=told)
         os.close(tells)
-        up = _comes_up(told)
+        up = _wait_until_ready(told)
         os.close(told)
         if up and instead_of is not None:
             _kill(instead_of.server, signal.SIGTERM)
         elif not up:
             _kill(server)
-            self.say("Cette version ne démarre pas : l’import du cours ne finit pas, ou arrête Python.")
+            self.report("Cette version ne démarre pas : l’import du cours ne finit pas, ou arrête Python.")
             server = instead_of.server if instead_of is not None else server
-        return Running(server, _forked(lambda: self.look(session)))
+        return VersionProcesses(server, _fork(lambda: self.check(session)))
 
 
-def _forked(work: Callable[[], None], close: int | None = None) -> int:
+def _fork(work: Callable[[], None], close: int | None = None) -> int:
     """A process that does this and ends, whatever comes of it."""
     parent = os.getpid()
     child = os.fork()
@@ -125,13 +128,13 @@ def _forked(work: Callable[[], None], close: int | None = None) -> int:
         os._exit(status)
 
 
-def _tell(pipe: int) -> None:
+def _signal_ready(pipe: int) -> None:
     os.write(pipe, READY)
     os.close(pipe)
 
 
-def _comes_up(pipe: int) -> bool:
-    readable, _, _ = select.select([pipe], [], [], PATIENCE)
+def _wait_until_ready(pipe: int) -> bool:
+    readable, _, _ = select.select([pipe], [], [], START_TIMEOUT)
     return bool(readable) and os.read(pipe, len(READY)) == READY
 
 
@@ -145,15 +148,15 @@ def _kill(process: int, number: signal.Signals = signal.SIGKILL) -> None:
         pass  # it has ended by itself
 
 
-def _end(running: Running) -> None:
-    _kill(running.looker)
+def _stop(running: VersionProcesses) -> None:
+    _kill(running.checker)
     _kill(running.server, signal.SIGTERM)
     with suppress(ChildProcessError):
         os.waitpid(running.server, 0)
 
 
 @contextmanager
-def _watching(place: Path) -> Iterator[Iterator[list[str]]]:
+def _watch_changes(place: Path) -> Iterator[Iterator[list[str]]]:
     """The changes of a course's files, as they come."""
     folders = [str(place / room) for room in ROOMS]
     command = [sys.executable, "-m", "server.authoring.preview.watching", str(os.getpid()), *folders]
@@ -165,6 +168,6 @@ def _watching(place: Path) -> Iterator[Iterator[list[str]]]:
             process.terminate()
 
 
-def _told(changed: list[str], place: Path) -> str:
+def _describe_changes(changed: list[str], place: Path) -> str:
     first = os.path.relpath(changed[0], place)
     return first if len(changed) == 1 else f"{first} et {len(changed) - 1} de plus"

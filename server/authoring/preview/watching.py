@@ -13,10 +13,10 @@ from watchfiles import DefaultFilter, watch
 from server.base.processes import die_with_parent
 
 #: Milliseconds: an editor writes a file in several strokes.
-SETTLED, AT_MOST = 40, 400
+DEBOUNCE_STEP_MS, MAX_DEBOUNCE_MS = 40, 400
 
 
-class Written(DefaultFilter):
+class SourceFilter(DefaultFilter):
     """What an author writes, and not what Python, editors and git leave beside it."""
 
     ignore_dirs = (*DefaultFilter.ignore_dirs, ".github")
@@ -24,7 +24,9 @@ class Written(DefaultFilter):
 
 def main(parent: int, folders: list[str]) -> None:
     die_with_parent(parent)
-    for changes in watch(*folders, watch_filter=Written(), step=SETTLED, debounce=AT_MOST, raise_interrupt=False):
+    for changes in watch(
+        *folders, watch_filter=SourceFilter(), step=DEBOUNCE_STEP_MS, debounce=MAX_DEBOUNCE_MS, raise_interrupt=False
+    ):
         print(json.dumps(sorted({path for _, path in changes})), flush=True)
 
 

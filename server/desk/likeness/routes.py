@@ -54,9 +54,9 @@ def likeness(
         assigned = assignments.load_exercises(db, [assignment.id])[assignment.id]
         exercises = [course.exercises[one.exercise] for one in assigned if one.exercise in course.exercises]
         chosen = _chosen(exercises, exercice)
-        sent = service.copies(db, assignment, chosen) if chosen else []
+        sent = service.load_copies(db, assignment, chosen) if chosen else []
         names = {member.id: member.name for member in classes.load_members(db, place.school_class.id)}
-    found = service.compare(course, chosen, sent) if chosen else Comparison(0, False, ())
+    found = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
     view = _view(course, place, assignment, exercises, chosen, found, names)
     return render_page(request, "classes/likeness.html", account, page=view)
 

@@ -11,7 +11,7 @@ from server.course import Course
 from server.desk.polls.schemas import LessonPolls, OptionRow, PollRow, PollsPage
 from server.desk.views import head
 from server.polls import repository, service
-from server.polls.schemas import Poll, Said
+from server.polls.schemas import AnswerCount, Poll
 from server.rights.service import ClassAccess
 
 PATH = "/previsions"
@@ -22,19 +22,19 @@ def polls_page(db: Session, course: Course, place: ClassAccess) -> PollsPage:
     module = course.modules.get(place.school_class.module)
     lessons: tuple[LessonPolls, ...] = ()
     if module is not None:
-        said = service.spread(db, place.school_class.id, module)
+        said = service.load_class_answer_counts(db, place.school_class.id, module)
         titles = {f"/{module.slug}/lire/{lesson.slug}": lesson.title for lesson in module.lessons}
-        asked = groupby(service.of_module(module).values(), key=lambda poll: poll.href.partition("#")[0])
+        asked = groupby(service.polls_of_module(module).values(), key=lambda poll: poll.href.partition("#")[0])
         lessons = tuple(
             LessonPolls(titles[href], tuple(_row(poll, said.get(poll.name, ())) for poll in polls))
             for href, polls in asked
         )
-    return PollsPage(head(course, place, PATH), repository.students(db, place.school_class.id), lessons)
+    return PollsPage(head(course, place, PATH), repository.count_active_students(db, place.school_class.id), lessons)
 
 
-def _row(poll: Poll, said: Sequence[Said]) -> PollRow:
+def _row(poll: Poll, said: Sequence[AnswerCount]) -> PollRow:
     """Answers that the question no longer offers are not counted."""
-    counting = [(poll.chosen(one.first), one.students) for one in said]
+    counting = [(poll.counted_options(one.first), one.students) for one in said]
     answered = sum(students for chosen, students in counting if chosen)
     counts = {
         option.id: sum(students for chosen, students in counting if option.id in chosen) for option in poll.options

@@ -22,7 +22,7 @@ from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes import repository as classes
 from server.classes.models import ClassRole
 from server.database import Database
-from server.demo.loading import Loaded, load
+from server.demo.loading import DemoClass, create_demo_class
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.regrades.models import Regrade
@@ -125,7 +125,9 @@ def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
         settings = Settings(data_dir=data)
         database, course = migrated(settings), the_course()
         module = course.modules["l20"]
-        loaded = load(database, course, module, grade, settings, seed=3, students=8, told=lambda _done, _all: None)
+        loaded = create_demo_class(
+            database, course, module, grade, settings, seed=3, students=8, told=lambda _done, _all: None
+        )
         _one_of_each(database, loaded)
         database.close()
         with serving(data) as told:
@@ -139,7 +141,7 @@ def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
         database.close()
 
 
-def _one_of_each(database: Database, loaded: Loaded) -> None:
+def _one_of_each(database: Database, loaded: DemoClass) -> None:
     """What the demonstration's workers and its teacher would make later: a group of behaviour, a regrade."""
     with database.write() as db:
         sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)

@@ -32,7 +32,7 @@ def place(tmp_path: Path) -> Path:
         ("exercise", "l21/gain"),
         ("choice", "l21/quiz"),
     ):
-        new.write(kind, name, folder)
+        new.write_skeleton(kind, name, folder)
     return folder
 
 

@@ -11,7 +11,7 @@ import pytest
 from graders.plotting import THEMES, palette
 from server.base.files import ROOT
 from server.course import Course
-from server.figures import lessons, orders
+from server.figures import drawing_requests, lessons
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 from tests.support.texts_on_disk import FIGURES, problems
@@ -70,9 +70,9 @@ def test_another_text_makes_another_figure_and_the_same_text_the_same(course_fol
     """Under the name of a picture, what is kept of an earlier start is found, or is not."""
     drawing = catalogue_of(course_folder, FIGURES).modules["m9"].drawings["trace"]
 
-    def key(theme: orders.Theme = "light") -> str:
-        orders.folder_version.cache_clear()
-        return orders.of_lesson(drawing, theme).key
+    def key(theme: drawing_requests.Theme = "light") -> str:
+        drawing_requests.folder_version.cache_clear()
+        return drawing_requests.lesson_figure_request(drawing, theme).key
 
     first = key()
     assert key("dark") != first

@@ -22,7 +22,7 @@ from graders.l20.predire2d.trials import SIGMA, WALKS, episodes, film
 from graders.scene.films import wire
 from reference.localisation.grid_filter import correct, predict
 from server.base.files import ROOT as PROJECT
-from server.figures.program import LARGEST_REPLAY
+from server.figures.program import MAX_REPLAY_BYTES
 from tests.support.quick import some
 from tests.support.replays import layer, unpacked
 from tests.support.shipped import CODE
@@ -77,7 +77,7 @@ def test_a_right_program_can_be_watched_and_parts_from_nothing(exercise: str) ->
     for check, scene in some(solution(exercise).scenes.items()):
         body = json.dumps(scene, allow_nan=False)
         assert json_size(solution(exercise).films[check]) <= USUAL, check
-        assert len(body) <= LARGEST_REPLAY, check
+        assert len(body) <= MAX_REPLAY_BYTES, check
         assert scene["parameters"] == [], check
         assert len(scene["alt"]) > 60, check
         assert scene["summary"], check
@@ -90,7 +90,7 @@ def test_every_mistake_can_be_watched(exercise: str) -> None:
     for mistake in CODE[f"l20/{exercise}"].misconceptions:
         filmed = run(exercise, mistake.source)
         for check, scene in filmed.scenes.items():
-            assert len(json.dumps(scene, allow_nan=False)) <= LARGEST_REPLAY, (mistake.id, check)
+            assert len(json.dumps(scene, allow_nan=False)) <= MAX_REPLAY_BYTES, (mistake.id, check)
             if exercise in COMPARED and check in filmed.failed:
                 assert "wrong" in scene, (mistake.id, check)
 

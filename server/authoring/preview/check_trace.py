@@ -24,11 +24,11 @@ from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
 #: How many calls of a check are shown; the others are counted.
-SHOWN = 6
+MAX_SHOWN_CALLS = 6
 
 
 @dataclass(frozen=True)
-class Call:
+class TracedCall:
     """One call, as it is written, and what the solution answers."""
 
     text: str
@@ -36,37 +36,37 @@ class Call:
 
 
 @dataclass
-class Asked:
+class CheckTrace:
     """What one check asks of the solution under a seed. `failed`: it does not pass, or what it raised."""
 
     check: Check
-    calls: list[Call] = field(default_factory=list)
+    calls: list[TracedCall] = field(default_factory=list)
     count: int = 0
-    failed: str = ""
-    drawn: bool = False
+    failure: str = ""
+    has_figure: bool = False
 
-    def note(self, function: str, args: Arguments, answer: Answer) -> None:
+    def record(self, function: str, args: Arguments, answer: Answer) -> None:
         self.count += 1
-        if len(self.calls) < SHOWN:
+        if len(self.calls) < MAX_SHOWN_CALLS:
             given = ", ".join(map(words.text, args))
             got = words.text(answer.value) if isinstance(answer, Reply) else answer.message
-            self.calls.append(Call(f"{function}({given})", got))
+            self.calls.append(TracedCall(f"{function}({given})", got))
 
 
-def asked(grader: CodeGrader, seed: int) -> Iterator[Asked]:
+def trace_checks(grader: CodeGrader, seed: int) -> Iterator[CheckTrace]:
     """Each check in turn, on the solution; a check that raises is told, and the others go on."""
     for check in grader.checks:
-        seen = Asked(check)
+        seen = CheckTrace(check)
         try:
-            failed = grader.first_failed(grader.solution.encode(), _Seeing(seen), seed=seed, checks=[check])
-            seen.failed = "la solution n’y passe pas" if failed else ""
+            failed = grader.first_failed(grader.solution.encode(), TracingLauncher(seen), seed=seed, checks=[check])
+            seen.failure = "la solution n’y passe pas" if failed else ""
         except Exception as error:  # whatever the author's check raises is shown in its place
-            seen.failed = f"{type(error).__name__}: {error}"
-        seen.drawn = isinstance(check, Cases) and check.figure is not None
+            seen.failure = f"{type(error).__name__}: {error}"
+        seen.has_figure = isinstance(check, Cases) and check.figure is not None
         yield seen
 
 
-def figure_of(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
+def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
     """The data of a check's figure on its first case, the right answer being given; None where it draws nothing."""
     check = next((one for one in grader.checks if one.id == check_id), None)
     if not isinstance(check, Cases):
@@ -78,32 +78,32 @@ def figure_of(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None
     return None if figure is None else dict(plain)
 
 
-class _Seeing:
+class TracingLauncher:
     """Starts trusted files, and has what they are asked noted."""
 
-    def __init__(self, seen: Asked) -> None:
+    def __init__(self, seen: CheckTrace) -> None:
         self._seen = seen
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
-        return _Seen(LOCAL.open(source, kit), self._seen)
+        return TracedProgram(LOCAL.open(source, kit), self._seen)
 
 
-class _Seen:
+class TracedProgram:
     """A program of `_Seeing`."""
 
-    def __init__(self, program: LocalProgram, seen: Asked) -> None:
+    def __init__(self, program: LocalProgram, seen: CheckTrace) -> None:
         self._program, self._seen = program, seen
         self.functions = program.functions
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
         reply = self._program.call(function, *args, return_arguments=return_arguments)
-        self._seen.note(function, args, reply)
+        self._seen.record(function, args, reply)
         return reply
 
     def call_many(self, function: str, calls: Any, *, faults: int | None = None) -> Iterator[Answer]:
         given = list(calls)
         for args, answer in zip(given, self._program.call_many(function, given, faults=faults), strict=False):
-            self._seen.note(function, args, answer)
+            self._seen.record(function, args, answer)
             yield answer
 
     def call_batches(self, asked: Sequence[PlannedCalls]) -> Iterator[Block]:

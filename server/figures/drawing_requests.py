@@ -27,55 +27,63 @@ LIBRARIES = ("matplotlib", "numpy", "scipy")
 
 
 @dataclass(frozen=True)
-class Words:
+class FailureMessages:
     """What is told of what cannot be drawn, now or at all."""
 
     crowded: str
     failed: str
 
 
-OF_FIGURES = Words(
+FIGURE_MESSAGES = FailureMessages(
     "Beaucoup de figures se dessinent en ce moment : réessayez dans quelques secondes.",
     "Cette figure n’a pas pu être dessinée : l’incident est de notre côté. Réessayez.",
 )
-OF_REPLAYS = Words(
+REPLAY_MESSAGES = FailureMessages(
     "Beaucoup d’animations se préparent en ce moment : réessayez dans quelques secondes.",
     "L’incident est de notre côté, il a été noté, et votre note n’en dépend pas.",
 )
 
 
 @dataclass(frozen=True)
-class Order:
+class DrawingRequest:
     """`question` is JSON, read by `server.figures.process`."""
 
-    question: bytes
+    payload: bytes
     key: str
-    words: Words = OF_FIGURES
+    messages: FailureMessages = FIGURE_MESSAGES
 
 
 #: Asks for nothing but that the process that draws be ready to.
-WARM = json.dumps({"kind": "warm"}).encode()
+WARM_UP_PAYLOAD = json.dumps({"kind": "warm"}).encode()
 
 
-def of_lesson(drawing: Drawing, theme: Theme) -> Order:
+def lesson_figure_request(drawing: Drawing, theme: Theme) -> DrawingRequest:
     """A drawing of the texts."""
     asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}
-    return _order("lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(_module_of(drawing))}")
+    return _drawing_request(
+        "lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(_module_folder(drawing))}"
+    )
 
 
-def of_verdict(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> Order:
+def verdict_figure_request(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> DrawingRequest:
     """A figure of a verdict, from the data that are stored with it."""
-    return _order("verdict", {"exercise": exercise, "data": data, "theme": theme, "form": form}, code_version())
+    return _drawing_request(
+        "verdict", {"exercise": exercise, "data": data, "theme": theme, "form": form}, code_version()
+    )
 
 
-def of_film(exercise: str, data: Mapping[str, Any], title: str) -> Order:
+def film_request(exercise: str, data: Mapping[str, Any], title: str) -> DrawingRequest:
     """The replay of what a program did in the check of that title."""
-    return _order("film", {"exercise": exercise, "data": data, "title": title}, code_version(), OF_REPLAYS)
+    return _drawing_request(
+        "film", {"exercise": exercise, "data": data, "title": title}, code_version(), REPLAY_MESSAGES
+    )
 
 
-def _order(kind: str, asked: Mapping[str, Any], drawn_by: str, words: Words = OF_FIGURES) -> Order:
+def _drawing_request(
+    kind: str, asked: Mapping[str, Any], drawn_by: str, words: FailureMessages = FIGURE_MESSAGES
+) -> DrawingRequest:
     question = json.dumps({"kind": kind, **asked}).encode()
-    return Order(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest(), words)
+    return DrawingRequest(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest(), words)
 
 
 @cache
@@ -92,6 +100,6 @@ def folder_version(module: Path) -> str:
     return digest_files([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
 
 
-def _module_of(drawing: Drawing) -> Path:
+def _module_folder(drawing: Drawing) -> Path:
     folder = drawing.path.parents[1]
     return folder.parent if folder.name == MANIPULATIONS else folder
