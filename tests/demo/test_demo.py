@@ -115,7 +115,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
     with database.write() as db:
         assert not any(standings.recount(db, account) for account in loaded.accounts)
     soon = [replace(step, sent_at=utc_now()) for step in loaded.upcoming[:2]]
-    lesson = OngoingLesson(database, course, store, replace(loaded, to_come=soon))
+    lesson = OngoingLesson(database, course, store, replace(loaded, upcoming=soon))
     lesson.start()
     lesson.join()
     with database.read() as db:
