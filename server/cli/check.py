@@ -1,7 +1,7 @@
 """`balise check [MODULE|EXERCISE…]`: what a course's own tests run.
 
 The texts are rendered; of each module, their figures are drawn, their cells run and their animations played, unless
-only some exercises are asked for. For each exercise: the reference gets full marks, the starter does not, every
+only some exercises are selected for. For each exercise: the reference gets full marks, the starter does not, every
 catalogued misconception is rejected and named, each specimen gets the outcome of its folder. What is known of answers
 without code is tried on several deals. All this on all cores, told in one order. What was in order and is unchanged is
 not tried again (see `remembered`).
@@ -27,9 +27,9 @@ from graders.courses import COURSES, CURRICULUM, GRADERS
 from graders.discovery import discover
 from server.authoring import shapes
 from server.cells import faults as cells
-from server.cli import CannotRun, alterations, fairness, parallel, remembered
+from server.cli import CannotRun, alterations, check_cache, fairness, parallel
+from server.cli.check_cache import CheckCache
 from server.cli.local import find, load_course, local_grader
-from server.cli.remembered import Remembered
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.course import Course, Exercise, Module, Problem, load
 from server.course.closure import Imports
@@ -82,86 +82,91 @@ def run(arguments: Namespace) -> int:
         return _fairness(arguments)
     if arguments.mutants:
         return _mutants(arguments)
-    return _whole(arguments)
+    return _check_courses(arguments)
 
 
 @dataclass(frozen=True)
 class Part:
-    """What is remembered as a whole: `jobs` are tried, unless all that `found_from` is a digest of is unchanged."""
+    """A unit of the cache: `jobs` run unless all inputs behind `inputs_digest` are unchanged."""
 
     name: str
-    found_from: str
+    inputs_digest: str
     jobs: Sequence[Job]
 
 
-def _whole(arguments: Namespace) -> int:
-    begun = time.monotonic()
-    memory = remembered.opened(fresh=arguments.fresh, asked=arguments.remember)
-    probing = None if memory else start_probing(slow=False)  # most often, nothing is left to run then
-    course, faults = _read(memory, arguments.course)
-    modules, exercises = _asked(course, arguments.exercises)
-    imports = Imports(*COURSES.folders, memory=memory.imports)
+def _check_courses(arguments: Namespace) -> int:
+    started = time.monotonic()
+    cache = check_cache.open_cache(fresh=arguments.fresh, requested=arguments.remember)
+    probing = None if cache else start_probing(slow=False)  # with a cache, most often nothing is left to run
+    course, faults = _read(cache, arguments.course)
+    modules, exercises = _select(course, arguments.exercises)
+    imports = Imports(*COURSES.folders, memory=cache.imports)
     parts = [*map(_texts, repeat(course), modules), *(_part(exercise, imports) for exercise in exercises)]
-    left = [part for part in parts if not _is_known(memory, part)]
+    left = [part for part in parts if not _is_unchanged(cache, part)]
     if left:
         require_safe_sandbox(probing or start_probing(slow=False))
-    faults += _tried(memory, course, left)
-    memory.write()
-    print(_summary(len(exercises), faults, time.monotonic() - begun))
+    faults += _tried(cache, course, left)
+    cache.write()
+    print(_summary(len(exercises), faults, time.monotonic() - started))
     return 1 if faults else 0
 
 
-def _read(memory: Remembered, place: Path | None) -> tuple[Course, int]:
-    """All courses, or the one in a folder, and how many faults their texts have; these are rendered unless they were in
-    order, and still are."""
-    places = COURSES.folders if place is None else [place.resolve()]
-    name, found_from = (TEXTS if place is None else f"{TEXTS} {place.resolve()}"), remembered.of_texts(places)
-    render = memory.since(name, found_from) is None
-    if place is None:
-        course = load(render=render, memory=memory.imports)
+def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
+    """Load all courses, or the one in a folder; return it and the number of faults of its texts.
+
+    Texts are rendered only if they have changed since they were in order.
+    """
+    folders = COURSES.folders if folder is None else [folder.resolve()]
+    name, inputs_digest = (
+        (TEXTS if folder is None else f"{TEXTS} {folder.resolve()}"),
+        check_cache.texts_digest(folders),
+    )
+    render = cache.unchanged_since(name, inputs_digest) is None
+    if folder is None:
+        course = load(render=render, memory=cache.imports)
     else:
-        found = discover(rooms=[place.resolve() / GRADERS])
-        course = load(place.resolve() / CURRICULUM, discovery=found, render=render, memory=memory.imports)
-    faults = sum(map(_told, (*course.problems, *shapes.faults(course))))
+        discovery = discover(rooms=[folder.resolve() / GRADERS])
+        course = load(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
+    faults = sum(map(_print_fault, (*course.problems, *shapes.faults(course))))
     if not faults:
-        memory.keep(name, found_from)
+        cache.record(name, inputs_digest)
     return course, faults
 
 
-def _asked(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Sequence[Exercise]]:
-    """The modules and the exercises of these names; all there are where there is none."""
+def _select(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Sequence[Exercise]]:
+    """Return the modules and exercises of these names, or all of them."""
     modules = [course.modules[name] for name in names or course.modules if name in course.modules]
-    wanted = {exercise.id: exercise for module in modules for exercise in module.exercises}
-    wanted |= {name: find(course, name) for name in names if name not in course.modules}
-    return modules, list(wanted.values())
+    selected = {exercise.id: exercise for module in modules for exercise in module.exercises}
+    selected |= {name: find(course, name) for name in names if name not in course.modules}
+    return modules, list(selected.values())
 
 
 def _texts(course: Course, module: Module) -> Part:
     alone = replace(course, modules=MappingProxyType({module.slug: module}))
     return Part(
         module.slug,
-        remembered.of_module(module),
-        [partial(one, alone) for one in (_figures, _cells, _replays)],
+        check_cache.module_digest(module),
+        [partial(check_part, alone) for check_part in (_figures, _cells, _replays)],
     )
 
 
 def _part(exercise: Exercise, imports: Imports) -> Part:
     return Part(
         exercise.id,
-        remembered.of_exercise(exercise, imports),
+        check_cache.exercise_digest(exercise, imports),
         [partial(_examination, exercise, case) for case in cases(exercise)],
     )
 
 
-def _is_known(memory: Remembered, part: Part) -> bool:
+def _is_unchanged(cache: CheckCache, part: Part) -> bool:
     """Whether it was in order, and is unchanged; says so."""
-    day = memory.since(part.name, part.found_from)
+    day = cache.unchanged_since(part.name, part.inputs_digest)
     if day is not None:
         print(f"✓ {part.name:<24} inchangé depuis le {day}", flush=True)
     return day is not None
 
 
-def _tried(memory: Remembered, course: Course, parts: Sequence[Part]) -> int:
+def _tried(cache: CheckCache, course: Course, parts: Sequence[Part]) -> int:
     """Tries all that is left, and keeps what is in order; how many faults there are."""
     if not parts:
         return 0
@@ -169,10 +174,10 @@ def _tried(memory: Remembered, course: Course, parts: Sequence[Part]) -> int:
     faults = Counter[str]()
     results = parallel.in_order(course, _do, [job for _, job in jobs], "Vérification", _subject)
     for (part, _), told in zip(jobs, results, strict=True):
-        faults[part.name] += _told(told) if isinstance(told, Examination) else sum(map(_told, told))
+        faults[part.name] += _print_fault(told) if isinstance(told, Examination) else sum(map(_print_fault, told))
     for part in parts:
         if not faults[part.name]:
-            memory.keep(part.name, part.found_from)
+            cache.record(part.name, part.inputs_digest)
     return faults.total()
 
 
@@ -214,20 +219,20 @@ def _fairness(arguments: Namespace) -> int:
 
 def _mutants(arguments: Namespace) -> int:
     probing, course = start_probing(slow=False), load_course()
-    asked = [find(course, name) for name in arguments.exercises]
+    selected = [find(course, name) for name in arguments.exercises]
     require_safe_sandbox(probing)
-    return alterations.run(course, asked)
+    return alterations.run(course, selected)
 
 
-def _told(told: Examination | Problem) -> bool:
-    """Prints it; is it a fault?"""
-    if isinstance(told, Problem):
-        print(f"✗ {told}", flush=True)
+def _print_fault(result: Examination | Problem) -> bool:
+    """Print a result; return whether it is a fault."""
+    if isinstance(result, Problem):
+        print(f"✗ {result}", flush=True)
         return True
-    mark = "✗" if told.fault else "✓"
-    fault = f" — {told.fault} (graine {told.seed})" if told.fault else ""
-    print(f"{mark} {told.exercise:<24} {told.subject}{fault}", flush=True)
-    return bool(told.fault)
+    mark = "✗" if result.fault else "✓"
+    fault = f" — {result.fault} (graine {result.seed})" if result.fault else ""
+    print(f"{mark} {result.exercise:<24} {result.subject}{fault}", flush=True)
+    return bool(result.fault)
 
 
 def _summary(exercises: int, faults: int, seconds: float) -> str:
@@ -237,7 +242,7 @@ def _summary(exercises: int, faults: int, seconds: float) -> str:
 
 
 def cases(exercise: Exercise) -> Iterator[Case]:
-    """Everything that is known of an exercise, with what must be found of it."""
+    """Yield every known submission of an exercise, with its expected judgement."""
     reference, *others = (
         Case(known.subject, known.source_for_seed, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
         for known in exercise.grader.known_submissions()
@@ -248,7 +253,7 @@ def cases(exercise: Exercise) -> Iterator[Case]:
 
 
 def judge_of(known: KnownSubmission) -> Judge:
-    """What is wrong with the judgement of a known submission: its marks or its outcome first, then its name."""
+    """Return a judge of a known submission: it compares marks or outcome first, then the misconception."""
     marks = not_full_marks if known.outcome is None else outcome(known.outcome)
     if known.diagnosis is None:
         return marks
@@ -257,7 +262,7 @@ def judge_of(known: KnownSubmission) -> Judge:
 
 
 def examine(grader: SandboxGrader, exercise: Exercise, case: Case, seed: int) -> Examination:
-    """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
+    """Examine a case on `seed`, and on the following seeds for its other rounds."""
     policy = exercise.policy
     if case.endless:
         policy = replace(policy, cpu_seconds=min(policy.cpu_seconds, ENDLESS_SECONDS))

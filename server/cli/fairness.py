@@ -48,7 +48,7 @@ class Submission:
 
 
 @dataclass(frozen=True)
-class Finding:
+class GradedProgram:
     """The verdicts of one program, seed by seed."""
 
     submission: Submission
@@ -62,7 +62,7 @@ class Finding:
 
     @property
     def failed(self) -> bool:
-        """Did the grading itself fail?"""
+        """Whether the grading itself failed."""
         return any(not verdict.outcome.counts for verdict in self.verdicts)
 
     @property
@@ -71,29 +71,29 @@ class Finding:
 
     @property
     def varies(self) -> bool:
-        """Does the mark depend on the seed, though the program draws nothing itself?"""
+        """Whether the mark depends on the seed, though the program draws nothing itself."""
         return len(self.points) > 1 and not self.random
 
     @property
     def random(self) -> bool:
-        """Is it a program that draws at random, as its name tells on every seed?"""
-        return all(name == CHANCE for name in self.given)
+        """Whether the program draws at random, as its name tells on every seed."""
+        return all(name == CHANCE for name in self.names_given)
 
     @property
-    def given(self) -> list[str]:
+    def names_given(self) -> list[str]:
         """The name given on each seed."""
         return [verdict.misconception or NONE for verdict in self.verdicts]
 
     @property
     def misnamed(self) -> bool:
-        """Is a name given that a reader judged wrong?"""
+        """Whether a name is given that a reader judged wrong."""
         names = self.submission.names
-        return names is not None and bool(set(self.given) - names - {NONE})
+        return names is not None and bool(set(self.names_given) - names - {NONE})
 
     @property
     def named(self) -> bool:
         """Named on every seed, and not judged misnamed."""
-        return NONE not in self.given and not self.misnamed
+        return NONE not in self.names_given and not self.misnamed
 
 
 def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: Collection[str] = ()) -> int:
@@ -101,16 +101,16 @@ def run(course: Course, grader: SandboxGrader, folder: Path, seeds: int, only: C
 
     `only` holds the exercises to which it is restricted, if any.
     """
-    submissions = [one for one in read(course, folder) if not only or one.exercise.id in only]
+    submissions = [submission for submission in read(course, folder) if not only or submission.exercise.id in only]
     with ThreadPoolExecutor(AT_ONCE) as pool:
         findings = []
-        for finding in pool.map(lambda one: graded(grader, one, seeds), submissions):
+        for finding in pool.map(lambda submission: grade_on_seeds(grader, submission, seeds), submissions):
             print(line(finding), flush=True)
             findings.append(finding)
     wrong = [finding for finding in findings if not finding.submission.right]
     print("\nErreur annoncée → nom donné")
     for finding in wrong:
-        print(listed(finding))
+        print(naming_line(finding))
     print()
     for text in summary(findings):
         print(text)
@@ -133,7 +133,7 @@ def read(course: Course, folder: Path) -> Iterator[Submission]:
 
 
 def _exercise(course: Course, home: Path) -> Exercise:
-    """The exercise that a folder is named after."""
+    """Return the exercise that a folder is named after."""
     matching = [exercise for exercise in course.exercises.values() if exercise.id.split("/")[-1] == home.name]
     if len(matching) != 1:
         raise CannotRun(f"« {home} » ne porte le nom d’aucun exercice, ou celui de plusieurs.")
@@ -148,15 +148,15 @@ def _submission(exercise: Exercise, path: Path, *, right: bool) -> Submission:
     return Submission(exercise, path, right, first.lstrip("# ").strip(), names)
 
 
-def graded(grader: SandboxGrader, submission: Submission, seeds: int) -> Finding:
+def grade_on_seeds(grader: SandboxGrader, submission: Submission, seeds: int) -> GradedProgram:
     source = submission.source
     verdicts = [
         grader.grade(submission.exercise.id, source, seed).verdict for seed in range(FIRST_SEED, FIRST_SEED + seeds)
     ]
-    return Finding(submission, verdicts)
+    return GradedProgram(submission, verdicts)
 
 
-def line(finding: Finding) -> str:
+def line(finding: GradedProgram) -> str:
     """« ✗ poses wrong/x.py : accepté, 20 points ; nom : aucun — what its first line says »."""
     submission = finding.submission
     well = finding.accepted == submission.right and not finding.varies and not finding.failed
@@ -168,22 +168,22 @@ def line(finding: Finding) -> str:
     return f"{'✓' if well else '✗'} {where} : {judged}, {points} points{varying}{names} — {submission.said}"
 
 
-def _names(finding: Finding) -> str:
-    """The name given, or those given in turn."""
-    return " | ".join(dict.fromkeys(finding.given))
+def _names(finding: GradedProgram) -> str:
+    """Return the name given, or those given in turn."""
+    return " | ".join(dict.fromkeys(finding.names_given))
 
 
-def listed(finding: Finding) -> str:
-    """« slug file: mistake said → name given (its title) », with what a reader judged of it."""
+def naming_line(finding: GradedProgram) -> str:
+    """« slug file: mistake said → name given (its title) », with the judgement of a reader."""
     submission = finding.submission
     titles = dict.fromkeys(v.diagnosis.title for v in finding.verdicts if v.diagnosis)
-    told = f" ({' | '.join(titles)})" if titles else ""
+    title_text = f" ({' | '.join(titles)})" if titles else ""
     judged = "" if submission.names is None else " [jugé faux]" if finding.misnamed else " [jugé]"
     slug = submission.exercise.id.split("/")[-1]
-    return f"{slug} {submission.path.name} : {submission.said} → {_names(finding)}{told}{judged}"
+    return f"{slug} {submission.path.name} : {submission.said} → {_names(finding)}{title_text}{judged}"
 
 
-def summary(findings: Iterable[Finding]) -> Iterator[str]:
+def summary(findings: Iterable[GradedProgram]) -> Iterator[str]:
     """How many names a reader judged wrong, where one did; then the line that programs read."""
     findings = list(findings)
     right = [f for f in findings if f.submission.right]

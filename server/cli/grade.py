@@ -7,7 +7,7 @@ import logging
 import sys
 from argparse import Namespace
 
-from server.cli import CannotRun, loading, walls
+from server.cli import CannotRun, loading, wall_cache
 from server.cli.files import ANSWERS, read_source
 from server.cli.sandboxes import beginning, start_probing
 
@@ -15,20 +15,20 @@ from server.cli.sandboxes import beginning, start_probing
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     if arguments.questions:
-        from server.cli.graded import ask
+        from server.cli.grade_run import ask
 
         return ask(arguments)
     if arguments.file is None:
         raise CannotRun("il manque le fichier à corriger.")
     source = read_source(arguments.file)
     if arguments.file.endswith(ANSWERS):
-        from server.cli.graded import grade_answers
+        from server.cli.grade_run import grade_answers
 
         status = grade_answers(arguments, source)
         if status is not None:
             return status
     with beginning(arguments.exercise, source) as sandbox:
-        probing = None if walls.stood() else start_probing(slow=False)
+        probing = None if wall_cache.recently_verified() else start_probing(slow=False)
         with loading(arguments):
-            from server.cli.graded import grade_code
+            from server.cli.grade_run import grade_code
         return grade_code(arguments, source, sandbox, probing)

@@ -6,7 +6,7 @@ from getpass import getpass
 
 import httpx
 
-from server.cli import CannotRun, kept
+from server.cli import CannotRun, stored_tokens
 from server.cli.remote import NO_BALISE, check, client_of, explained, server_of, token_of
 
 
@@ -21,8 +21,8 @@ def run(arguments: Namespace) -> int:
     check(answer)
     if not answer.headers.get("content-type", "").startswith("application/json"):
         raise CannotRun(NO_BALISE)
-    kept.keep(server, token)
-    print(f"Jeton gardé dans {kept.path()}, que vous seul pouvez lire.")
+    stored_tokens.save(server, token)
+    print(f"Jeton gardé dans {stored_tokens.path()}, que vous seul pouvez lire.")
     print(f"« balise submit EXERCICE FICHIER » envoie désormais à {server}.")
     return 0
 

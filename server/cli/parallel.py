@@ -1,7 +1,7 @@
-"""Gradings on all cores: processes with a sandbox each, whose results come in the order of what was asked.
+"""Grading on all cores: forked processes with a sandbox each, whose results come in the order of the jobs.
 
-Grading takes the trusted side about as long as the student's process, so that threads would wait for one another. The
-processes are forked: what they work on is there, whatever it is made of, and only numbers and results travel.
+Grading takes the trusted side about as long as the student's process, so that threads would wait for one another.
+The fork shares the inputs; only indices and results are transferred.
 """
 
 from __future__ import annotations
@@ -26,52 +26,51 @@ JobT = TypeVar("JobT")
 ResultT = TypeVar("ResultT")
 
 
-class _Here:
-    """What a process works on: all but the grader is there before it is forked."""
+class _ProcessContext:
+    """Globals of a worker process; all but the grader are set before the fork."""
 
     course: Course
     work: Callable[[SandboxGrader, Any], Any]
     jobs: Sequence[Any]
-    shares: _Shares
+    scheduler: _JobScheduler
     grader: SandboxGrader
 
 
-class _Shares:
-    """Which job a process does next: the rest of the group that it has begun, else a new group, else what is last of
-    the longest left. Shared by the processes.
+class _JobScheduler:
+    """Chooses a process's next job: from its current group, else a new group, else the end of the longest one.
 
-    What the first job of a group computes for the others is there in the process that did it.
+    Shared by the processes. Values that the first job of a group computes for the others stay in its process.
     """
 
     def __init__(self, groups: Sequence[Sequence[int]]) -> None:
         self._groups = groups
-        self._begun = multiprocessing.Value("i", 0)
-        self._firsts = multiprocessing.Array("i", len(groups), lock=False)
+        self._started_groups = multiprocessing.Value("i", 0)
+        self._next_positions = multiprocessing.Array("i", len(groups), lock=False)
         self._ends = multiprocessing.Array("i", list(map(len, groups)), lock=False)
-        self._mine: int | None = None
+        self._own_group: int | None = None
 
     def next(self) -> int:
-        """The number of a job that no process has been given: there are as many as it is asked."""
-        with self._begun.get_lock():
-            if self._left(self._mine) == 0 and self._begun.value < len(self._groups):
-                self._mine = self._begun.value
-                self._begun.value += 1
-            if self._mine is not None and self._left(self._mine):
-                place: int = self._firsts[self._mine]
-                self._firsts[self._mine] += 1
-                return self._groups[self._mine][place]
-            longest = max(range(len(self._groups)), key=self._left)
+        """Return the index of a job not yet assigned; called once for each job."""
+        with self._started_groups.get_lock():
+            if self._count_left(self._own_group) == 0 and self._started_groups.value < len(self._groups):
+                self._own_group = self._started_groups.value
+                self._started_groups.value += 1
+            if self._own_group is not None and self._count_left(self._own_group):
+                position: int = self._next_positions[self._own_group]
+                self._next_positions[self._own_group] += 1
+                return self._groups[self._own_group][position]
+            longest = max(range(len(self._groups)), key=self._count_left)
             self._ends[longest] -= 1
             last: int = self._ends[longest]
             return self._groups[longest][last]
 
-    def _left(self, group: int | None) -> int:
-        return 0 if group is None else int(self._ends[group]) - int(self._firsts[group])
+    def _count_left(self, group: int | None) -> int:
+        return 0 if group is None else int(self._ends[group]) - int(self._next_positions[group])
 
 
 @dataclass(frozen=True)
-class _Done:
-    """What a job gave, or raised."""
+class _JobResult:
+    """The result of a job, or its exception."""
 
     index: int
     result: Any = None
@@ -82,23 +81,23 @@ def in_order(
     course: Course,
     work: Callable[[SandboxGrader, JobT], ResultT],
     jobs: Sequence[JobT],
-    what: str,
-    together: Callable[[JobT], Hashable] | None = None,
+    label: str,
+    group_key: Callable[[JobT], Hashable] | None = None,
 ) -> Generator[ResultT, None, None]:
-    """`work` of each job in turn, done ahead on all cores, with a line of progress; results must be picklable.
+    """Yield the result of `work` for each job in order, computed on all cores, with a progress line.
 
-    Jobs that have the same `together` are done by one process, as far as that keeps no core waiting. What a job raises
-    is raised here; CannotRun where a process has been killed.
+    Results must be picklable. Jobs of equal `group_key` run in one process, as far as that keeps no core idle. An
+    exception of a job is raised here; CannotRun where a process was killed.
     """
-    _Here.course, _Here.work, _Here.jobs = course, work, jobs
-    _Here.shares = _Shares(_grouped(jobs, together))
-    pool = ProcessPoolExecutor(cores(), multiprocessing.get_context("fork"), _begin)
-    with Progress(what, len(jobs)) as progress:
+    _ProcessContext.course, _ProcessContext.work, _ProcessContext.jobs = course, work, jobs
+    _ProcessContext.scheduler = _JobScheduler(_group_jobs(jobs, group_key))
+    pool = ProcessPoolExecutor(usable_cores(), multiprocessing.get_context("fork"), _init_process)
+    with Progress(label, len(jobs)) as progress:
         try:
-            futures = [pool.submit(_done) for _ in jobs]
+            futures = [pool.submit(_run_next_job) for _ in jobs]
             for future in futures:
                 future.add_done_callback(lambda _: progress.advance())
-            for result in _sorted(future.result() for future in as_completed(futures)):
+            for result in _in_job_order(future.result() for future in as_completed(futures)):
                 with progress.aside():
                     yield result
         except BrokenProcessPool as error:
@@ -107,43 +106,43 @@ def in_order(
             pool.shutdown(cancel_futures=True)
 
 
-def _grouped(jobs: Sequence[JobT], together: Callable[[JobT], Hashable] | None) -> Sequence[Sequence[int]]:
+def _group_jobs(jobs: Sequence[JobT], group_key: Callable[[JobT], Hashable] | None) -> Sequence[Sequence[int]]:
     groups: dict[Hashable, list[int]] = {}
     for index, job in enumerate(jobs):
-        groups.setdefault(index if together is None else together(job), []).append(index)
+        groups.setdefault(index if group_key is None else group_key(job), []).append(index)
     return [*groups.values()]
 
 
-def _sorted(ended: Iterable[_Done]) -> Iterator[Any]:
-    """Results in the order of their jobs, each as soon as those before it are there."""
-    waiting: dict[int, _Done] = {}
-    following = 0
-    for one in ended:
-        waiting[one.index] = one
-        while following in waiting:
-            done = waiting.pop(following)
-            if done.error is not None:
-                raise done.error
-            yield done.result
-            following += 1
+def _in_job_order(results: Iterable[_JobResult]) -> Iterator[Any]:
+    """Yield results in the order of their jobs, each as soon as those before it have come."""
+    waiting: dict[int, _JobResult] = {}
+    next_index = 0
+    for result in results:
+        waiting[result.index] = result
+        while next_index in waiting:
+            job_result = waiting.pop(next_index)
+            if job_result.error is not None:
+                raise job_result.error
+            yield job_result.result
+            next_index += 1
 
 
-def cores() -> int:
-    """How many processes this one may use at once."""
+def usable_cores() -> int:
+    """Count the processors that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
-def _begin() -> None:
-    """In each process: whoever interrupts the command stops it, and the sandbox goes with it."""
+def _init_process() -> None:
+    """Ignore Ctrl+C in a worker process: the command itself stops it and its sandbox."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    sandbox = Sandbox(_Here.course.kits)
+    sandbox = Sandbox(_ProcessContext.course.kits)
     Finalize(None, sandbox.close, exitpriority=1)
-    _Here.grader = SandboxGrader(_Here.course, sandbox)
+    _ProcessContext.grader = SandboxGrader(_ProcessContext.course, sandbox)
 
 
-def _done() -> _Done:
-    index = _Here.shares.next()
+def _run_next_job() -> _JobResult:
+    index = _ProcessContext.scheduler.next()
     try:
-        return _Done(index, _Here.work(_Here.grader, _Here.jobs[index]))
-    except Exception as error:  # told to whoever asked, in its turn
-        return _Done(index, error=error)
+        return _JobResult(index, _ProcessContext.work(_ProcessContext.grader, _ProcessContext.jobs[index]))
+    except Exception as error:  # raised by the caller, in its turn
+        return _JobResult(index, error=error)

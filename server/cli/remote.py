@@ -1,4 +1,4 @@
-"""Talking to a server over HTTP, for the commands of whoever works in their own editor."""
+"""HTTP client of the commands that talk to a server."""
 
 import json
 import os
@@ -7,7 +7,7 @@ from typing import Any
 
 import httpx
 
-from server.cli import CannotRun, kept
+from server.cli import CannotRun, stored_tokens
 
 Json = dict[str, Any]
 TIMEOUT = httpx.Timeout(10, read=60)
@@ -19,21 +19,21 @@ NO_TOKEN = (
 )
 
 
-def server_of(given: str | None) -> str:
-    """The server's address: the one that is given, or the one of the last `balise login`."""
-    if given is None:
-        known = list(kept.read())
-        if not known:
+def server_of(option: str | None) -> str:
+    """Return the server's address: the option's, or that of the last `balise login`."""
+    if option is None:
+        servers = list(stored_tokens.read())
+        if not servers:
             raise CannotRun(NO_SERVER)
-        return known[-1]
-    if not given.startswith(("http://", "https://")):
-        raise CannotRun(f"l’adresse du serveur doit commencer par http:// ou https:// : « {given} ».")
-    return given.rstrip("/")
+        return servers[-1]
+    if not option.startswith(("http://", "https://")):
+        raise CannotRun(f"l’adresse du serveur doit commencer par http:// ou https:// : « {option} ».")
+    return option.rstrip("/")
 
 
-def token_of(given: str | None, server: str) -> str:
-    """The option's, the environment's, or the one that was kept for this very server."""
-    token = given or os.environ.get("BALISE_TOKEN", "").strip() or kept.read().get(server)
+def token_of(option: str | None, server: str) -> str:
+    """Return the option's token, the environment's, or the one stored for this server."""
+    token = option or os.environ.get("BALISE_TOKEN", "").strip() or stored_tokens.read().get(server)
     if not token:
         raise CannotRun(NO_TOKEN.format(server=server))
     if not token.isascii() or not token.isprintable():
@@ -67,8 +67,8 @@ def check(answer: httpx.Response) -> None:
     if answer.headers.get("content-type") != "application/problem+json":
         raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
     problem = json_object(answer.text)
-    places = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
-    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{places}")
+    locations = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
+    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{locations}")
 
 
 def explained(error: Exception, server: str) -> str:

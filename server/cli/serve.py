@@ -22,8 +22,8 @@ from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.base.settings import Settings
 from server.cli import CannotRun
-from server.cli.alone import alone
 from server.cli.configuration import read_settings, start_traces
+from server.cli.data_lock import exclusive_data_folder
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
@@ -63,7 +63,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     logs.configure_logging("", settings.log_format)
     start_traces("web")
     _allow_many_connections()
-    with _listening(host, port) as listener, alone(settings):
+    with _listening(host, port) as listener, exclusive_data_folder(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
         probing = start_probing()

@@ -13,8 +13,8 @@ from typing import Any
 
 from server.cli import CannotRun
 
-EVERY = 2.0  # seconds
-LEAST_WIDTH, MOST_WIDTH = 60, 120
+REFRESH_SECONDS = 2.0  # seconds
+MIN_WIDTH, MAX_WIDTH = 60, 120
 HOME_AND_CLEAR, BOLD, RED, PLAIN = "\033[H\033[2J", "\033[1m", "\033[31m", "\033[0m"
 KINDS = {
     "grade": "corrections",
@@ -22,7 +22,7 @@ KINDS = {
     "fingerprint": "regroupements d’erreurs",
 }
 CHECKS = {"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service", "nats": "NATS"}
-AMISS = {
+CHECK_STATES = {
     "unreachable": "injoignable",
     "being tried": "à l’essai",
     "none": "aucun",
@@ -82,7 +82,7 @@ def _follow(arguments: Namespace, read: Read) -> int:
     while True:
         screen = render(_patient(read), _width(), colours=True)
         print(f"{HOME_AND_CLEAR}{screen}\n\n  Ctrl+C pour finir.", flush=True)
-        time.sleep(EVERY)
+        time.sleep(REFRESH_SECONDS)
 
 
 def _patient(read: Read) -> Json:
@@ -90,27 +90,27 @@ def _patient(read: Read) -> Json:
     try:
         return read()
     except CannotRun:
-        time.sleep(EVERY)
+        time.sleep(REFRESH_SECONDS)
         return read()
 
 
 def _width() -> int:
-    return max(LEAST_WIDTH, min(MOST_WIDTH, shutil.get_terminal_size((80, 24)).columns))
+    return max(MIN_WIDTH, min(MAX_WIDTH, shutil.get_terminal_size((80, 24)).columns))
 
 
 def render(state: Json, width: int, *, colours: bool) -> str:
     """The screen: no line is wider than `width`, and nothing but text stands in it without `colours`."""
     lines = [*_head(state), *_queue(state["queue"]), *_workers(state["workers"]), *_faults(state["faults"])]
-    return "\n".join(_painted(_cut(line, width), colours) for line in lines)
+    return "\n".join(_colour_line(_truncate(line, width), colours) for line in lines)
 
 
-def _cut(line: str, width: int) -> str:
-    """What comes from a log may hold anything: no command to the terminal is printed."""
-    plain = "".join(one if one.isprintable() else "\ufffd" for one in line)
+def _truncate(line: str, width: int) -> str:
+    """Truncate a line, and replace control characters: a log may hold terminal commands."""
+    plain = "".join(character if character.isprintable() else "\ufffd" for character in line)
     return plain if len(plain) <= width else plain[: width - 1] + "…"
 
 
-def _painted(line: str, colours: bool) -> str:
+def _colour_line(line: str, colours: bool) -> str:
     if not colours:
         return line
     if line.startswith("!"):
@@ -128,23 +128,23 @@ def _head(state: Json) -> Iterator[str]:
             f"  Visiteurs (5 min) : {process['visitors']} · demandes/min : {process['requests_per_minute']:.0f} · "
             f"pages en direct : {process['following']}"
         )
-        yield from _amiss(process)
+        yield from _problems(process)
     times = "aucun depuis 15 min" if verdicts["p50"] is None else (
         f"p50 {_seconds(verdicts['p50'])} · p95 {_seconds(verdicts['p95'])} (15 min)"
     )  # fmt: skip
     yield f"  Verdicts : {_number(verdicts['per_minute'])}/min · {times}"
 
 
-def _amiss(process: Json) -> Iterator[str]:
+def _problems(process: Json) -> Iterator[str]:
     walls = process["walls"]
     fallen = [name for name, stands in walls.items() if not stands]
     standing = f"{len(walls) - len(fallen)}/{len(walls)}" if walls else "à l’essai"
     yield f"  Protections : {standing} · correcteurs d’ici : {process['workers']}/{process['wanted']}"
     if fallen:
         yield f"! Protections absentes : {', '.join(fallen)}"
-    for name, said in process["checks"].items():
-        if said != "ok":
-            yield f"! {CHECKS.get(name, name)} : {AMISS.get(said, said)}"
+    for name, state_text in process["checks"].items():
+        if state_text != "ok":
+            yield f"! {CHECKS.get(name, name)} : {CHECK_STATES.get(state_text, state_text)}"
 
 
 def _queue(queue: Sequence[Json]) -> Iterator[str]:
@@ -152,10 +152,10 @@ def _queue(queue: Sequence[Json]) -> Iterator[str]:
     yield f"{'File':<28}{'attendent':>10}{'le plus ancien':>16}{'en cours':>10}"
     if not queue:
         yield "  rien n’attend"
-    for one in queue:
-        oldest = _seconds(one["oldest"]) if one["waiting"] else "—"
-        name = KINDS.get(one["kind"], one["kind"])
-        yield f"  {name:<26}{one['waiting']:>10}{oldest:>16}{one['running']:>10}"
+    for depth in queue:
+        oldest = _seconds(depth["oldest"]) if depth["waiting"] else "—"
+        name = KINDS.get(depth["kind"], depth["kind"])
+        yield f"  {name:<26}{depth['waiting']:>10}{oldest:>16}{depth['running']:>10}"
 
 
 def _workers(workers: Sequence[Json]) -> Iterator[str]:
@@ -163,10 +163,10 @@ def _workers(workers: Sequence[Json]) -> Iterator[str]:
     yield f"{'Correcteurs au travail':<28}{'depuis':>10}  {'sur':<24}{'essai':>6}"
     if not workers:
         yield "  aucun"
-    for one in workers:
-        who = f"{one['host'][:18]}[{one['pid']}]"
-        what = one["exercise"] or KINDS.get(one["kind"], one["kind"])
-        yield f"  {who:<26}{_seconds(one['seconds']):>10}  {what:<24}{one['tries']:>6}"
+    for worker in workers:
+        who = f"{worker['host'][:18]}[{worker['pid']}]"
+        what = worker["exercise"] or KINDS.get(worker["kind"], worker["kind"])
+        yield f"  {who:<26}{_seconds(worker['seconds']):>10}  {what:<24}{worker['tries']:>6}"
 
 
 def _faults(faults: Sequence[Json]) -> Iterator[str]:
@@ -174,8 +174,8 @@ def _faults(faults: Sequence[Json]) -> Iterator[str]:
     yield "Dernières erreurs"
     if not faults:
         yield "  aucune"
-    for one in faults:
-        yield f"! {_local_time(one['at'])} {one['where']} : {one['message']}"
+    for error in faults:
+        yield f"! {_local_time(error['at'])} {error['where']} : {error['message']}"
 
 
 def _local_time(text: str) -> str:

@@ -21,8 +21,8 @@ from server.backup import service
 from server.backup.archive import MANIFEST, BackupError
 from server.base.settings import Settings
 from server.cli import main
-from server.cli.alone import alone
 from server.cli.backup import OURS
+from server.cli.data_lock import exclusive_data_folder
 from server.database import Database, utc_now
 from server.database.migrate import require_current, upgrade
 from server.gradebook.models import Grading
@@ -244,7 +244,7 @@ def test_a_restoration_waits_for_the_service_to_be_stopped(
 ) -> None:
     data = ["--data", str(settings.data_dir)]
     assert main(["backup", str(tmp_path / "save.zip"), *data]) == 0
-    with alone(settings):
+    with exclusive_data_folder(settings):
         assert main(["restore", str(tmp_path / "save.zip"), "--replace", *data]) == 2
     assert "un autre serveur" in capsys.readouterr().err
 

@@ -61,7 +61,7 @@ def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUT
 
 def tally(one: Exercise) -> alterations.Tally:
     """As the command does, in this process and one after the other."""
-    subject = alterations.subject_of(one)
+    subject = alterations.load_subject(one)
     trials = [alterations.work(HERE, (subject, each)) for each in alterations.find_alterations(subject.code.solution)]
     return alterations.tally(subject, trials)
 
@@ -72,19 +72,19 @@ def diffs(found: list[alterations.Trial]) -> list[str]:
 
 def test_a_thorough_grader_catches_all(course: Course, tmp_path: Path) -> None:
     found = tally(exercise(course, tmp_path, check(10, -0.5, -3.0), check(10, 0.0, 0.5, 5.0)))
-    assert found.well
+    assert found.passes
     assert found.caught() == (len(found.trials), len(found.trials))
     assert len(found.trials) > 10
 
 
 def test_what_a_careless_grader_lets_through_is_told_with_its_diff(course: Course, tmp_path: Path) -> None:
     found = tally(exercise(course, tmp_path, check(20, -3.0, 4.0)))
-    assert not found.well
-    survived = diffs(found.those(Fate.SURVIVED))
+    assert not found.passes
+    survived = diffs(found.trials_with(Fate.SURVIVED))
     assert "if x < 0: → if x <= 0:" in survived
     assert "if x < 0: → if x < -1:" in survived
     assert "return x + 2 → return x + 3" not in survived
-    told = list(alterations.told(found))
+    told = list(alterations.report_lines(found))
     assert told[0].startswith("✗ ")
     assert f"survivantes : {len(survived)}" in told[0]
     assert {"    -    if x < 0:", "    +    if x <= 0:"} <= set(told)
@@ -96,15 +96,19 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
     marks = tmp_path / "equivalents.toml"
     marks.write_text(EQUIVALENT.format("if x <= 0:"))
     found = tally(one)
-    assert (len(found.those(Fate.EQUIVALENT)), found.caught(), found.well) == (1, (len(found.trials) - 1,) * 2, True)
+    assert (len(found.trials_with(Fate.EQUIVALENT)), found.caught(), found.passes) == (
+        1,
+        (len(found.trials) - 1,) * 2,
+        True,
+    )
     marks.write_text(EQUIVALENT.format("if x > 0:"))  # nothing makes this
     found = tally(one)
-    assert not found.well
+    assert not found.passes
     assert found.faults[0].startswith(f"{marks}:1:")
     marks.write_text(EQUIVALENT.format("if x >= 0:"))  # which is wrong, and refused
     found = tally(one)
-    assert not found.well
-    assert diffs(found.those(Fate.MISMARKED)) == ["if x < 0: → if x >= 0:"]
+    assert not found.passes
+    assert diffs(found.trials_with(Fate.MISMARKED)) == ["if x < 0: → if x >= 0:"]
     marks.write_text("[[equivalent]]\n")
     with pytest.raises(CannotRun, match=r"equivalents\.toml:1:"):
         alterations.run(course, (one,))
@@ -117,7 +121,7 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
     def well(caught: int, survived: int, alteration: Any) -> bool:
         trials = [alterations.Trial(other, Fate.CAUGHT)] * caught
         trials += [alterations.Trial(alteration, Fate.SURVIVED)] * survived
-        return alterations.Tally("l20/jouet", trials, ()).well
+        return alterations.Tally("l20/jouet", trials, ()).passes
 
     assert well(97, 3, other)
     assert not well(96, 3, other)
@@ -126,11 +130,11 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
 
 def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Course, tmp_path: Path) -> None:
     wrong = tally(exercise(course, tmp_path, check(20, 1.0), solution=SOLUTION.replace("2", "3")))
-    assert not wrong.well
+    assert not wrong.passes
     assert "elle-même échoue" in wrong.faults[0]
-    subject = alterations.subject_of(exercise(course, tmp_path, check(20, 1.0)))
-    trial = alterations.tried(BROKEN, subject, alterations.find_alterations(SOLUTION)[0])
-    assert (trial.fate, trial.said) == (Fate.BROKEN, "OSError('plus de place')")
+    subject = alterations.load_subject(exercise(course, tmp_path, check(20, 1.0)))
+    trial = alterations.try_alteration(BROKEN, subject, alterations.find_alterations(SOLUTION)[0])
+    assert (trial.fate, trial.detail) == (Fate.BROKEN, "OSError('plus de place')")
 
 
 def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path) -> None:
@@ -139,19 +143,19 @@ def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path)
 
     lottery = replace(check(20, 3.0), cases=drawn)  # 3, then 1 and 0
     found = tally(exercise(course, tmp_path, lottery, solution="def decale(x):\n    return x + (2 if x < 3 else 2)\n"))
-    assert found.those(Fate.BY_CHANCE)
-    assert any("tuée selon la graine" in line for line in alterations.told(found))
+    assert found.trials_with(Fate.BY_CHANCE)
+    assert any("tuée selon la graine" in line for line in alterations.report_lines(found))
 
 
 def test_behind_the_walls_what_never_ends_is_caught_too(
     course: Course, course_sandbox: Sandbox, tmp_path: Path, monkeypatch: Any
 ) -> None:
-    monkeypatch.setattr(alterations, "LEAST_SECONDS", 0.1)
+    monkeypatch.setattr(alterations, "MIN_SECONDS", 0.1)
     looping = "def decale(x):\n    while x < 0:\n        return -x\n    return x + 2\n"
     endless = looping.replace("return -x", "x += 0")
     one = exercise(course, tmp_path, check(10, 1.0), check(10, -1.0), solution=looping)
     grader = SandboxGrader(course, course_sandbox)
-    subject = alterations.measured(grader, alterations.subject_of(one))
+    subject = alterations.with_measured_costs(grader, alterations.load_subject(one))
     assert subject.policy.cpu_seconds < one.policy.cpu_seconds
     assert subject.first_failed(grader, looping, 1) is None
     assert subject.first_failed(grader, endless, 1) == "en_-1.0"

@@ -53,17 +53,17 @@ def placed(grader: SandboxGrader, job: tuple[str, int]) -> tuple[tuple[str, int]
 def test_jobs_of_one_group_are_done_by_one_process_while_every_core_works() -> None:
     """The last group that is begun may be shared, so that no core waits."""
     jobs = [(name, k) for k in range(6) for name in "abcd"]
-    found = list(parallel.in_order(NONE, placed, jobs, "Essai", together=lambda job: job[0]))
+    found = list(parallel.in_order(NONE, placed, jobs, "Essai", group_key=lambda job: job[0]))
     assert [job for job, _ in found] == jobs
     where = {name: {process for job, process in found if job[0] == name} for name in "abcd"}
-    assert sum(len(processes) == 1 for processes in where.values()) >= 4 - parallel.cores()
+    assert sum(len(processes) == 1 for processes in where.values()) >= 4 - parallel.usable_cores()
 
 
 def test_one_group_alone_is_shared_by_all() -> None:
     jobs = [("a", k) for k in range(40)]
-    found = list(parallel.in_order(NONE, placed, jobs, "Essai", together=lambda job: job[0]))
+    found = list(parallel.in_order(NONE, placed, jobs, "Essai", group_key=lambda job: job[0]))
     assert [job for job, _ in found] == jobs
-    assert len({process for _, process in found}) == parallel.cores()
+    assert len({process for _, process in found}) == parallel.usable_cores()
 
 
 def test_what_is_raised_is_told_and_a_death_too() -> None:

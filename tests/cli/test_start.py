@@ -95,7 +95,7 @@ def test_who_prints_its_usage_loads_next_to_nothing() -> None:
 
 
 GRADE = (
-    "import json, sys; import server.cli.grade; first = [*sys.modules]; import server.cli.graded; "
+    "import json, sys; import server.cli.grade; first = [*sys.modules]; import server.cli.grade_run; "
     "print(json.dumps([first, [*sys.modules]]))"
 )
 #: What only reads texts, or grades exercises without code.

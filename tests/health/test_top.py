@@ -128,7 +128,7 @@ def test_every_kind_of_job_has_its_words() -> None:
 
 
 def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(top, "EVERY", 0)
+    monkeypatch.setattr(top, "REFRESH_SECONDS", 0)
     answers: list[Any] = [top.CannotRun("il redémarre"), {"ok": True}]
 
     def read() -> Any:

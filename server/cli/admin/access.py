@@ -13,7 +13,7 @@ from server.identity import links, repository, service, tokens
 from server.identity.models import ApiToken, BrowserSession
 from server.web.words import iso_moment, plural
 
-#: A session is named by the beginning of what is kept of its token: enough to tell it, of no use to enter.
+#: A session's name is a prefix of its token digest: enough to identify it, useless to authenticate.
 NAME_LENGTH = 12
 UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 
@@ -21,25 +21,26 @@ UNKNOWN = "{login} n’a ni session ni jeton « {name} »."
 def sessions(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
         account = links.find_account_by_login(db, arguments.login)
-        found = repository.load_sessions(db, account.id)
+        open_sessions = repository.load_sessions(db, account.id)
     lines = [
-        f"  {_name(one)} : depuis {iso_moment(one.created_at)}, jusqu’à {iso_moment(one.expires_at)}" for one in found
+        f"  {_name(session)} : depuis {iso_moment(session.created_at)}, jusqu’à {iso_moment(session.expires_at)}"
+        for session in open_sessions
     ]
-    end = f"{who(account)} : {plural(len(found), 'session ouverte', 'sessions ouvertes')}."
-    return Answer([*lines, end], {**told(account), "sessions": [_session(one) for one in found]})
+    end = f"{who(account)} : {plural(len(open_sessions), 'session ouverte', 'sessions ouvertes')}."
+    return Answer([*lines, end], {**told(account), "sessions": [_session(session) for session in open_sessions]})
 
 
 def listed_tokens(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.read() as db:
         account = links.find_account_by_login(db, arguments.login)
-        found = tokens.load_tokens(db, account)
-    lines = [f"  {one.id} : « {one.label} », {_served(one.last_used_at)}" for one in found]
-    end = f"{who(account)} : {plural(len(found), 'jeton')}."
-    return Answer([*lines, end], {**told(account), "tokens": [_token(one) for one in found]})
+        api_tokens = tokens.load_tokens(db, account)
+    lines = [f"  {token.id} : « {token.label} », {_served(token.last_used_at)}" for token in api_tokens]
+    end = f"{who(account)} : {plural(len(api_tokens), 'jeton')}."
+    return Answer([*lines, end], {**told(account), "tokens": [_token(token) for token in api_tokens]})
 
 
 def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
-    """Those that are named, or all of them: sessions and tokens alike."""
+    """Revoke sessions and tokens: the named ones, or all of them."""
     if bool(arguments.names) == arguments.all:
         raise CannotRun("nommez ce qui est à révoquer (voyez « sessions » et « tokens »), ou --all pour tout.")
     with database.write() as db:
@@ -61,17 +62,17 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
     return Answer([f"{who(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count})
 
 
-def _name(one: BrowserSession) -> str:
-    return one.token_digest[:NAME_LENGTH]
+def _name(session: BrowserSession) -> str:
+    return session.token_digest[:NAME_LENGTH]
 
 
-def _session(one: BrowserSession) -> dict[str, object]:
-    return {"id": _name(one), "created_at": one.created_at, "expires_at": one.expires_at}
+def _session(session: BrowserSession) -> dict[str, object]:
+    return {"id": _name(session), "created_at": session.created_at, "expires_at": session.expires_at}
 
 
-def _token(one: ApiToken) -> dict[str, object]:
-    times = {"created_at": one.created_at, "expires_at": one.expires_at, "last_used_at": one.last_used_at}
-    return {"id": one.id, "label": one.label, **times}
+def _token(token: ApiToken) -> dict[str, object]:
+    times = {"created_at": token.created_at, "expires_at": token.expires_at, "last_used_at": token.last_used_at}
+    return {"id": token.id, "label": token.label, **times}
 
 
 def _served(when: datetime | None) -> str:

@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from server.base.settings import misspelt_variables
-from server.cli import CannotRun, kept, main
+from server.cli import CannotRun, main, stored_tokens
 from server.cli.configuration import read_settings
 from server.cli.remote import server_of, token_of
 from tests.support.service import EXERCISE
@@ -55,15 +55,15 @@ def test_a_token_that_the_server_knows_is_kept_for_its_owner_alone(
     type_in("  bon-jeton \n")
     assert main(["login", "--server", f"{SERVER}/"]) == 0
     assert tokens_seen == ["bon-jeton"]
-    assert kept.read() == {SERVER: "bon-jeton"}
-    assert stat.S_IMODE(kept.path().stat().st_mode) == 0o600
-    assert stat.S_IMODE(kept.path().parent.stat().st_mode) == 0o700
+    assert stored_tokens.read() == {SERVER: "bon-jeton"}
+    assert stat.S_IMODE(stored_tokens.path().stat().st_mode) == 0o600
+    assert stat.S_IMODE(stored_tokens.path().parent.stat().st_mode) == 0o700
     said = capsys.readouterr()
     assert "bon-jeton" not in said.out + said.err
     type_in("bon-autre\n")
     assert main(["login", "--server", SERVER]) == 0
-    assert kept.read() == {SERVER: "bon-autre"}
-    assert stat.S_IMODE(kept.path().stat().st_mode) == 0o600
+    assert stored_tokens.read() == {SERVER: "bon-autre"}
+    assert stat.S_IMODE(stored_tokens.path().stat().st_mode) == 0o600
 
 
 @pytest.mark.parametrize("typed", ["mauvais\n", "\n", "", "jeton…\n"])
@@ -73,21 +73,21 @@ def test_one_that_it_does_not_know_is_not_kept(
     type_in(typed)
     assert main(["login", "--server", SERVER]) == 2
     assert "jeton" in capsys.readouterr().err
-    assert not kept.path().exists()
+    assert not stored_tokens.path().exists()
 
 
 def test_the_flag_then_the_environment_then_what_was_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    kept.keep(SERVER, "gardé")
+    stored_tokens.save(SERVER, "gardé")
     monkeypatch.setenv("BALISE_TOKEN", "environnement")
     assert token_of("drapeau", SERVER) == "drapeau"
     assert token_of(None, SERVER) == "environnement"
     monkeypatch.setenv("BALISE_TOKEN", "")
-    kept.keep(SERVER, "garde")
+    stored_tokens.save(SERVER, "garde")
     assert token_of(None, SERVER) == "garde"
 
 
 def test_what_was_kept_for_a_server_is_sent_to_no_other() -> None:
-    kept.keep(SERVER, "garde")
+    stored_tokens.save(SERVER, "garde")
     for other in ("http://balise.example", "https://balise.example:8443", "https://autre.example"):
         with pytest.raises(CannotRun, match="il manque un jeton"):
             token_of(None, other)
@@ -97,13 +97,13 @@ def test_without_a_server_the_last_one_is_meant() -> None:
     with pytest.raises(CannotRun, match="à quel serveur"):
         server_of(None)
     for server in (SERVER, "https://autre.example", SERVER):
-        kept.keep(server, "garde")
+        stored_tokens.save(server, "garde")
     assert server_of(None) == SERVER
     assert server_of("http://ici:8000/") == "http://ici:8000"
 
 
 def test_a_submission_needs_no_flag_after_a_login(tokens_seen: list[str], tmp_path: Path, capsys: Any) -> None:
-    kept.keep(SERVER, "mauvais-a-present")
+    stored_tokens.save(SERVER, "mauvais-a-present")
     file = tmp_path / "a.py"
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file)]) == 2
@@ -113,10 +113,10 @@ def test_a_submission_needs_no_flag_after_a_login(tokens_seen: list[str], tmp_pa
 
 @pytest.mark.parametrize("content", ["", "{", "[]", json.dumps({SERVER: 3}), "\xff"])
 def test_a_file_that_is_not_ours_is_said_in_a_sentence(content: str) -> None:
-    kept.path().parent.mkdir(parents=True)
-    kept.path().write_bytes(content.encode("latin-1"))
+    stored_tokens.path().parent.mkdir(parents=True)
+    stored_tokens.path().write_bytes(content.encode("latin-1"))
     with pytest.raises(CannotRun, match="jetons"):
-        kept.read()
+        stored_tokens.read()
 
 
 def test_the_token_s_variable_is_no_misspelt_setting(monkeypatch: pytest.MonkeyPatch) -> None:

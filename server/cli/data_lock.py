@@ -1,4 +1,4 @@
-"""The lock of a data folder: one server, or one restoration, at a time."""
+"""Exclusive lock of a data folder: one server or restoration at a time."""
 
 import fcntl
 import os
@@ -10,8 +10,8 @@ from server.cli import CannotRun
 
 
 @contextmanager
-def alone(settings: Settings) -> Iterator[None]:
-    """One server at a time on a data folder: two would take each other's workers for dead."""
+def exclusive_data_folder(settings: Settings) -> Iterator[None]:
+    """Lock a data folder: two servers would take each other's workers for dead."""
     try:
         settings.data_dir.mkdir(parents=True, exist_ok=True)
         lock = (settings.data_dir / "balise.lock").open("a")  # whose it is stays written there

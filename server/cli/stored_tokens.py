@@ -1,4 +1,4 @@
-"""The tokens that `balise login` keeps: a file that its owner alone may read, in the user's folder of settings."""
+"""API tokens stored by `balise login`, in a file of the user's configuration folder that only its owner may read."""
 
 import json
 import os
@@ -11,13 +11,13 @@ NAME = Path("balise", "tokens.json")
 
 
 def path() -> Path:
-    """As freedesktop.org's base directories say."""
+    """Return the path of the file, following the XDG base directories."""
     folder = os.environ.get("XDG_CONFIG_HOME", "")
     return (Path(folder) if Path(folder).is_absolute() else Path.home() / ".config") / NAME
 
 
 def read() -> dict[str, str]:
-    """The tokens by server, the latest to have been kept at the end."""
+    """Load the tokens by server; the latest stored comes last."""
     try:
         content = json.loads(path().read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -29,8 +29,8 @@ def read() -> dict[str, str]:
     return content
 
 
-def keep(server: str, token: str) -> None:
-    """Replaces the file at once: it is never there half written, nor readable by others."""
+def save(server: str, token: str) -> None:
+    """Store a token; the file is replaced atomically and never readable by others."""
     others = {name: value for name, value in read().items() if name != server}
     try:
         path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
-from server.cli import CannotRun, report, walls
+from server.cli import CannotRun, report, wall_cache
 from server.cli.files import read_source
 from server.cli.local import find, load_exercise, local_grader
 from server.cli.sandboxes import Probing, require_safe_sandbox
@@ -34,7 +34,7 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
     own = _own(course, find(course, arguments.exercise), arguments.reuse)
     if probing is not None:
         require_safe_sandbox(probing)
-        walls.keep()
+        wall_cache.save()
     grader = SandboxGrader(course, sandbox.result())
     return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
 

@@ -15,7 +15,7 @@ from graders.courses import COURSES
 from graders.discovery import discover
 from server.authoring import new
 from server.base.files import default_cache_dir
-from server.cli import check, remembered
+from server.cli import check, check_cache
 from server.course import load
 from server.course.closure import Imports
 from server.course.service import load as load_whole
@@ -62,7 +62,7 @@ def run(place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
 
     def run(*exercises: str, fresh: bool = False, remember: bool = False) -> tuple[int, list[str]]:
         capsys.readouterr()
-        code = check._whole(Namespace(exercises=list(exercises), fresh=fresh, remember=remember, course=None))
+        code = check._check_courses(Namespace(exercises=list(exercises), fresh=fresh, remember=remember, course=None))
         return code, capsys.readouterr().out.splitlines()
 
     return run
@@ -83,7 +83,7 @@ def test_what_is_unchanged_is_not_tried_again(run: Run, place: Path, monkeypatch
     assert tried(run("l21/gain")[1]) == 4, "continuous integration tries everything"
     assert tried(run("l21/gain", remember=True)[1]) == 0, "unless it is asked not to"
     monkeypatch.delenv("CI")
-    (default_cache_dir() / remembered.FILE).write_text("{damaged")
+    (default_cache_dir() / check_cache.FILE).write_text("{damaged")
     assert tried(run("l21/gain")[1]) == 4
     assert tried(run("l21/gain")[1]) == 0
     (place / GRADERS / "specimens" / "ok" / "faux.py").write_text("def gain(a, b, t):\n    return a\n")
@@ -95,7 +95,7 @@ def test_what_is_unchanged_is_not_tried_again(run: Run, place: Path, monkeypatch
 def test_any_file_that_it_was_found_from_counts(place: Path) -> None:
     def digest() -> str:
         course = load(place / "curriculum", code=place, render=False)
-        return remembered.of_exercise(course.exercises["l21/gain"], Imports(*COURSES.folders))
+        return check_cache.exercise_digest(course.exercises["l21/gain"], Imports(*COURSES.folders))
 
     before = digest()
     assert digest() == before
@@ -112,12 +112,12 @@ def test_any_file_that_it_was_found_from_counts(place: Path) -> None:
 
 
 def test_what_surrounds_the_course_counts_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    remembered.around.cache_clear()
-    before = remembered.around()
-    for target, value in (("version", lambda _: "99"), ("TRYING", ("server/base",))):
+    check_cache.environment_digest.cache_clear()
+    before = check_cache.environment_digest()
+    for target, value in (("version", lambda _: "99"), ("CHECKER_SOURCES", ("server/base",))):
         with monkeypatch.context() as one:
-            one.setattr(remembered, target, value)
-            remembered.around.cache_clear()
-            assert remembered.around() != before
-    remembered.around.cache_clear()
-    assert remembered.around() == before
+            one.setattr(check_cache, target, value)
+            check_cache.environment_digest.cache_clear()
+            assert check_cache.environment_digest() != before
+    check_cache.environment_digest.cache_clear()
+    assert check_cache.environment_digest() == before

@@ -10,34 +10,36 @@ from typing import Any
 
 import pytest
 
-from server.cli import main, walls
+from server.cli import main, wall_cache
 
 
 @pytest.fixture(autouse=True)
 def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file, which is kept."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    walls.keep()
-    assert walls.stood()
-    return walls.path()
+    wall_cache.save()
+    assert wall_cache.recently_verified()
+    return wall_cache.path()
 
 
 def test_what_they_stand_on_is_all_that_may_change(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     changed = tmp_path / "changed"
     changed.write_text("another\n")
-    for name in walls.SAID:
-        others = tuple(str(changed) if one == name else one for one in walls.SAID)
+    for name in wall_cache.KERNEL_FILES:
+        others = tuple(str(changed) if one == name else one for one in wall_cache.KERNEL_FILES)
         with monkeypatch.context() as patch:
-            patch.setattr(walls, "SAID", others)
-            assert not walls.stood(), name
-    for name in walls.OF_STATUS:
+            patch.setattr(wall_cache, "KERNEL_FILES", others)
+            assert not wall_cache.recently_verified(), name
+    for name in wall_cache.STATUS_PREFIXES:
         with monkeypatch.context() as patch:
-            patch.setattr(walls, "OF_STATUS", tuple(one for one in walls.OF_STATUS if one != name))
-            assert not walls.stood(), name
+            patch.setattr(
+                wall_cache, "STATUS_PREFIXES", tuple(one for one in wall_cache.STATUS_PREFIXES if one != name)
+            )
+            assert not wall_cache.recently_verified(), name
     with monkeypatch.context() as patch:
-        patch.setattr(walls, "SANDBOX", tmp_path)
-        assert not walls.stood(), "the sandbox's own files"
-    assert walls.stood()
+        patch.setattr(wall_cache, "SANDBOX", tmp_path)
+        assert not wall_cache.recently_verified(), "the sandbox's own files"
+    assert wall_cache.recently_verified()
 
 
 def rewritten(kept: Path, **values: Any) -> None:
@@ -53,8 +55,10 @@ DOUBTS: dict[str, Callable[[Path], object]] = {
     "that others may write": lambda kept: kept.chmod(0o620),
     "in a folder that others may write": lambda kept: kept.parent.chmod(0o777),
     "that is a link": linked,
-    "of two days ago": lambda kept: rewritten(kept, at=json.loads(kept.read_text())["at"] - 2 * walls.KEPT_SECONDS),
-    "of tomorrow": lambda kept: rewritten(kept, at=json.loads(kept.read_text())["at"] + walls.KEPT_SECONDS),
+    "of two days ago": lambda kept: rewritten(
+        kept, at=json.loads(kept.read_text())["at"] - 2 * wall_cache.MAX_AGE_SECONDS
+    ),
+    "of tomorrow": lambda kept: rewritten(kept, at=json.loads(kept.read_text())["at"] + wall_cache.MAX_AGE_SECONDS),
     "of no time": lambda kept: rewritten(kept, at=None),
     "of another ground": lambda kept: rewritten(kept, ground="0" * 64),
     "that is damaged": lambda kept: kept.write_text("{"),
@@ -68,13 +72,13 @@ DOUBTS: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("doubt", DOUBTS)
 def test_a_file_is_not_believed(doubt: str, kept: Path) -> None:
     DOUBTS[doubt](kept)
-    assert not walls.stood()
+    assert not wall_cache.recently_verified()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a file away")
 def test_a_file_of_somebody_else_is_not_believed(kept: Path) -> None:
     os.chown(kept, 61185, -1)
-    assert not walls.stood()
+    assert not wall_cache.recently_verified()
 
 
 def test_what_was_not_sound_is_not_kept(kept: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
