@@ -122,7 +122,7 @@ def log(
     """Every change of a mark, a date or a right, newest first: who, when, what, before and after."""
     place = rights.require_right(db, account, Right.read_audit_log, class_id)
     wanted = AuditFilter(student, what)
-    some = audit.load_entries(db, place.school_class.id, wanted, most=limit, skipped=skip)
+    some = audit.load_entries(db, place.school_class.id, wanted, limit=limit, offset=skip)
     total = audit.count_entries(db, place.school_class.id, wanted)
     return LogOut(total=total, events=[_event(one) for one in some])
 

@@ -1,4 +1,4 @@
-"""Who came, went, teaches or helps: noted in the class's log, whichever page or list has changed it."""
+"""Record changes of memberships in the audit log, whichever page or list makes them."""
 
 from __future__ import annotations
 
@@ -13,34 +13,35 @@ from server.audit.models import AuditAction
 from server.classes import repository
 from server.classes.models import ClassRole, Status
 
-Place = tuple[str, str]
-NOWHERE: Place = (ClassRole.student, Status.left)
+RoleAndStatus = tuple[str, str]
+NO_MEMBERSHIP: RoleAndStatus = (ClassRole.student, Status.left)
 
 
 @contextmanager
 def recording_membership_changes(db: Session, class_id: UUID, by: UUID) -> Iterator[None]:
-    """What changes within the block of anybody's place in the class becomes events, in the same transaction."""
-    before = _places(db, class_id)
+    """Record the changes of memberships within the block as events, in the same transaction."""
+    before = _load_roles(db, class_id)
     yield
     db.flush()
-    after = _places(db, class_id)
-    for account_id, place in after.items():
-        _note(db, class_id, by, account_id, before.get(account_id, NOWHERE), place)
+    after = _load_roles(db, class_id)
+    for account_id, current in after.items():
+        _record(db, class_id, by, account_id, before.get(account_id, NO_MEMBERSHIP), current)
 
 
-def _places(db: Session, class_id: UUID) -> Mapping[UUID, Place]:
-    return {one.id: (one.membership.role, one.membership.status) for one in repository.load_members(db, class_id)}
+def _load_roles(db: Session, class_id: UUID) -> Mapping[UUID, RoleAndStatus]:
+    members = repository.load_members(db, class_id)
+    return {member.id: (member.membership.role, member.membership.status) for member in members}
 
 
-def _note(db: Session, class_id: UUID, by: UUID, account_id: UUID, old: Place, new: Place) -> None:
-    (was, stood), (role, stands) = old, new
+def _record(db: Session, class_id: UUID, by: UUID, account_id: UUID, old: RoleAndStatus, new: RoleAndStatus) -> None:
+    (old_role, old_status), (new_role, new_status) = old, new
     if old == new:
         return
-    if {was, role} != {ClassRole.student}:
-        seat = {"role": was if stood == Status.active else None}
-        now = {"role": role if stands == Status.active else None}
-        audit.record_event(db, class_id, by, AuditAction.staff_changed, student=account_id, before=seat, after=now)
-    elif stands != Status.pending:
-        what = AuditAction.student_admitted if stands == Status.active else AuditAction.student_removed
-        before, after = {"status": stood}, {"status": stands}
-        audit.record_event(db, class_id, by, what, student=account_id, before=before, after=after)
+    if {old_role, new_role} != {ClassRole.student}:
+        before = {"role": old_role if old_status == Status.active else None}
+        after = {"role": new_role if new_status == Status.active else None}
+        audit.record_event(db, class_id, by, AuditAction.staff_changed, student=account_id, before=before, after=after)
+    elif new_status != Status.pending:
+        action = AuditAction.student_admitted if new_status == Status.active else AuditAction.student_removed
+        before, after = {"status": old_status}, {"status": new_status}
+        audit.record_event(db, class_id, by, action, student=account_id, before=before, after=after)

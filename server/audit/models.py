@@ -15,7 +15,7 @@ ABOUT_LENGTH = 300
 
 
 class AuditAction(StrEnum):
-    """Kinds of changes, as they are kept; `WORDS` are what the page and the exports say."""
+    """Kinds of changes, as stored; `ACTION_LABELS` are shown by the page and the exports."""
 
     assignment_made = "assignment_made"
     assignment_changed = "assignment_changed"
@@ -52,7 +52,7 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.name_withdrawn: "nom d’erreur retiré",
 }
 
-#: Kinds that are about one student, unless they are about all who have a label.
+#: Actions on one student, or on all students with a label.
 STUDENT_ACTIONS = frozenset(
     {
         AuditAction.exemption_made,
@@ -66,11 +66,9 @@ STUDENT_ACTIONS = frozenset(
 
 
 class AuditEvent(Base):
-    """A row is only ever added. It outlives the accounts that it names: their names go, what was done stays.
+    """An append-only record of a change. It outlives the accounts that it names; the reason is erased with the student.
 
-    With a student's name goes the reason, which may tell of nobody else.
-
-    `about` says in words what was changed (an assignment, an exercise); `before` and `after` are plain values by name.
+    `about` names the changed thing (an assignment, an exercise); `before` and `after` are plain values by field.
     """
 
     __tablename__ = "audit_event"

@@ -1,4 +1,4 @@
-"""What comes out of the room."""
+"""Filters and entries of the audit log."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ERASED = "compte effacé"
 
 @dataclass(frozen=True)
 class PersonName:
-    """Somebody, by the name that the class's list has, else their own."""
+    """A person, by the name in the class's list, else their own."""
 
     id: UUID
     name: str
@@ -23,7 +23,7 @@ class PersonName:
 
 @dataclass(frozen=True)
 class AuditFilter:
-    """Which events are asked for; None asks for all."""
+    """A filter of events; None matches all."""
 
     student: UUID | None = None
     what: AuditAction | None = None
@@ -31,7 +31,7 @@ class AuditFilter:
 
 @dataclass(frozen=True)
 class AuditEntry:
-    """One change. `by` and `student` are None for accounts that are no more, `student` for what is about none too."""
+    """An event with names. `by` and `student` are None for erased accounts; `student` also where none is concerned."""
 
     id: UUID
     at: datetime
@@ -53,7 +53,7 @@ class AuditEntry:
 
     @property
     def student_name(self) -> str:
-        """Empty for what is about no student."""
+        """The student's name, empty where no student is concerned."""
         if self.student is not None:
             return self.student.name
         of_label = "label" in {**self.before, **self.after}

@@ -1,4 +1,4 @@
-"""Noting a change, in the transaction that makes it; reading all of them, a few at a time."""
+"""Record changes in the transaction that makes them, and read them in batches."""
 
 from collections.abc import Iterator, Mapping
 from datetime import datetime
@@ -13,7 +13,7 @@ from server.audit.schemas import AuditEntry, AuditFilter
 from server.database import Database
 
 Values = Mapping[str, Any]
-AT_ONCE = 500
+BATCH_SIZE = 500
 
 
 def record_event(
@@ -28,7 +28,7 @@ def record_event(
     after: Values | None = None,
     reason: str = "",
 ) -> None:
-    """Adds an event; `before` and `after` keep only what differs between them. Dates are kept in ISO 8601."""
+    """Add an event; `before` and `after` store only their differences. Dates are stored in ISO 8601."""
     old, new = _plain(before or {}), _plain(after or {})
     differing = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     event = AuditEvent(
@@ -48,13 +48,13 @@ def _plain(values: Values) -> dict[str, Any]:
     return {name: value.isoformat() if isinstance(value, datetime) else value for name, value in values.items()}
 
 
-def iter_entries(database: Database, class_id: UUID, wanted: AuditFilter) -> Iterator[AuditEntry]:
-    """Every event, newest first; a transaction for some hundred, so that a slow reader holds nothing open."""
+def iter_entries(database: Database, class_id: UUID, filters: AuditFilter) -> Iterator[AuditEntry]:
+    """Yield all entries, newest first, with a transaction for each batch, so that a slow reader holds none open."""
     last: AuditEntry | None = None
     while True:
         with database.read() as db:
-            some = repository.load_entries(db, class_id, wanted, most=AT_ONCE, before=last)
-        yield from some
-        if len(some) < AT_ONCE:
+            batch = repository.load_entries(db, class_id, filters, limit=BATCH_SIZE, before=last)
+        yield from batch
+        if len(batch) < BATCH_SIZE:
             return
-        last = some[-1]
+        last = batch[-1]

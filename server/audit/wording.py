@@ -1,4 +1,4 @@
-"""What was changed, in French: names of values, and the values, for pages and files."""
+"""French names of changed fields and values, for pages and files."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ FormatDate = Callable[[datetime], str]
 
 @dataclass(frozen=True)
 class ValueChange:
-    """One value, before and after: `NOTHING` for none, empty where it is not said."""
+    """A value before and after, in French: `NOTHING` for None, empty where it is absent."""
 
     name: str
     before: str
@@ -61,31 +61,31 @@ class ValueChange:
 
 
 def describe_changes(before: Mapping[str, Any], after: Mapping[str, Any], when: FormatDate) -> tuple[ValueChange, ...]:
-    """In the order in which they are kept."""
+    """Describe the changed values in the order in which they are stored."""
     return tuple(
-        ValueChange(FIELDS.get(name, name), _told(name, before, when), _told(name, after, when))
+        ValueChange(FIELDS.get(name, name), _describe(name, before, when), _describe(name, after, when))
         for name in {**before, **after}
     )
 
 
-def _told(name: str, values: Mapping[str, Any], when: FormatDate) -> str:
+def _describe(name: str, values: Mapping[str, Any], when: FormatDate) -> str:
     return format_value(name, values[name], when) if name in values else ""
 
 
-def format_value(name: str, one: Any, when: FormatDate) -> str:
-    """A plain value, as `audit.service.note` keeps it."""
-    if one is None:
+def format_value(name: str, plain: Any, when: FormatDate) -> str:
+    """Format a plain value, as `audit.service.record_event` stores it."""
+    if plain is None:
         return NOTHING
-    if isinstance(one, bool):
-        return "oui" if one else "non"
-    if isinstance(one, int | float):
-        return f"{round(one, 2):.12g}".replace(".", ",")
-    if isinstance(one, Mapping):
-        return ", ".join(f"{key} ({format_value('', each, when)})" for key, each in one.items()) or NOTHING
-    if isinstance(one, list | tuple):
-        return ", ".join(format_value("", each, when) for each in one) or NOTHING
-    known = VALUES.get(name, {}).get(str(one))
-    return known or (_date(str(one), when) if name.endswith("_at") else str(one))
+    if isinstance(plain, bool):
+        return "oui" if plain else "non"
+    if isinstance(plain, int | float):
+        return f"{round(plain, 2):.12g}".replace(".", ",")
+    if isinstance(plain, Mapping):
+        return ", ".join(f"{key} ({format_value('', item, when)})" for key, item in plain.items()) or NOTHING
+    if isinstance(plain, list | tuple):
+        return ", ".join(format_value("", item, when) for item in plain) or NOTHING
+    label = VALUES.get(name, {}).get(str(plain))
+    return label or (_date(str(plain), when) if name.endswith("_at") else str(plain))
 
 
 def _date(text: str, when: FormatDate) -> str:

@@ -1,4 +1,4 @@
-"""Who is asking? Each dependency uses a short transaction of its own and gives a detached account."""
+"""Dependencies that authenticate a request, each in a short transaction, and return a detached account."""
 
 from collections.abc import Callable, Coroutine
 from typing import Annotated, Any
@@ -26,7 +26,7 @@ AccountServiceOf = Annotated[AccountService, Depends(app_service(AccountService)
 
 
 def set_session_cookie(request: Request, opened: OpenedSession) -> None:
-    """Has the cookie of a new session set on this request's answer (by `server.base.middleware.SessionCookie`)."""
+    """Set the cookie of a new session on the response (by `server.base.middleware.SessionCookie`)."""
     request.state.session_token = opened.token
 
 
@@ -35,7 +35,7 @@ def clear_session_cookie(request: Request) -> None:
 
 
 def load_session_account(request: Request, database: Database) -> Account | None:
-    """The account of the browser's session, if there is one; nothing is created."""
+    """Return the account of the browser's session, if any; no guest is created."""
     if not session_token(request):
         return None
     with database.read() as db:
@@ -43,7 +43,7 @@ def load_session_account(request: Request, database: Database) -> Account | None
 
 
 def load_account_through(db: Session, request: Request) -> Account | None:
-    """The same in a transaction that only reads: another one takes as long as to ask who it is."""
+    """Return the account of the browser's session within an open read transaction."""
     token = session_token(request)
     return service.account_of_session(db, token) if token else None
 
@@ -56,7 +56,7 @@ OptionalAccount = Annotated[Account | None, Depends(_current)]
 
 
 def account_or_guest(request: Request, account: OptionalAccount, accounts: AccountServiceOf) -> Account:
-    """The account of the browser's session; a visitor without one becomes a guest."""
+    """Return the account of the browser's session; a visitor without one becomes a guest."""
     if account is not None:
         return account
     opened = accounts.create_guest(client_address(request))
@@ -76,18 +76,18 @@ def _signed_in(account: OptionalAccount) -> Account:
 SignedIn = Annotated[Account, Depends(_signed_in)]
 
 
-async def _shown(credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> str:
+async def _bearer_token(credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> str:
     if credentials is None:
         raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
     return credentials.credentials
 
 
-#: What is shown as a token, for who asks `account_of_token` in a thread where it has more to do: another is dear.
-BearerToken = Annotated[str, Depends(_shown)]
+#: The token of the request, for routes that call `account_of_token` in a worker thread of their own.
+BearerToken = Annotated[str, Depends(_bearer_token)]
 
 
 def account_of_token(token: BearerToken, database: DatabaseOf) -> Account:
-    """Raises Unauthorised."""
+    """Return the owner of a token. Raises Unauthorised."""
     account = tokens.find_token_owner(database, token)
     if account is None:
         REFUSED_LOGINS.add("token")
@@ -99,18 +99,17 @@ ApiAccount = Annotated[Account, Depends(account_of_token)]
 
 
 class TokenFirstRoute(APIRoute):
-    """Of routes with a ShownToken, which may find what was sent at fault before they ask whose token it is: whoever
-    shows none that is good is told this alone."""
+    """A route with a `BearerToken` that checks the token before it reports validation errors of the request."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        answer = super().get_route_handler()
+        handle = super().get_route_handler()
 
-        async def answered(request: Request) -> Response:
+        async def authenticate_first(request: Request) -> Response:
             try:
-                return await answer(request)
+                return await handle(request)
             except RequestValidationError:
-                token = await _shown(await _bearer(request))
+                token = await _bearer_token(await _bearer(request))
                 await run_in_threadpool(account_of_token, token, get_service(request.app, Database))
                 raise
 
-        return answered
+        return authenticate_first

@@ -1,4 +1,4 @@
-"""Argon2 takes 0.1 s, four threads and 64 MiB on purpose: a few at once, off the event loop, in turns by address."""
+"""Password hashing off the event loop: Argon2 takes 0.1 s, four threads and 64 MiB, so few run at once, by address."""
 
 import os
 from collections.abc import Callable
@@ -11,23 +11,23 @@ from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded
 from server.identity import secrets
 
-THREADS_OF_A_HASH = 4
-MOST_WAITING = 200  # a few classes at once; on two processors the last waits some twenty seconds
+THREADS_PER_HASH = 4
+MAX_WAITING = 200  # a few classes at once; on two processors the last waits for some twenty seconds
 T = TypeVar("T")
 BUSY = "Beaucoup de monde se connecte en ce moment. Réessayez dans quelques secondes."
 
 
 class PasswordHasher:
-    """For one event loop. Raises Crowded where too many wait; an address's flood does not keep the others out."""
+    """Hashes for one event loop, with fair queueing by address. Raises Overloaded where too many wait."""
 
-    def __init__(self, at_once: int | None = None, waiting: int = MOST_WAITING) -> None:
-        self._turns = FairLimiter(at_once or max(1, (os.cpu_count() or 1) // THREADS_OF_A_HASH), waiting)
+    def __init__(self, at_once: int | None = None, waiting: int = MAX_WAITING) -> None:
+        self._turns = FairLimiter(at_once or max(1, (os.cpu_count() or 1) // THREADS_PER_HASH), waiting)
 
     async def hash(self, password: str, *, address: str) -> str:
         return await self._in_turn(address, partial(secrets.hash_password, password))
 
     async def verify(self, password: str, stored: str | None, *, address: str) -> bool:
-        """Takes the same time whether the account exists (`stored` given) or not."""
+        """Verify a password in the same time whether the account exists (`stored` given) or not."""
         return await self._in_turn(address, partial(secrets.verify_password, password, stored))
 
     async def _in_turn(self, address: str, work: Callable[[], T]) -> T:

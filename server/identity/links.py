@@ -1,4 +1,4 @@
-"""One-time links: the one that makes the administrator, those that lead to a new password.
+"""One-time links: invitations, and links to a new password.
 
 Functions work inside the caller's transaction.
 """
@@ -19,7 +19,7 @@ ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre 
 
 
 def invite_administrator(db: Session) -> str | None:
-    """A fresh one-time token (older unused ones stop working), or None once there is an administrator."""
+    """Return a new one-time token, which replaces unused ones, or None once there is an administrator."""
     if repository.count_administrators(db):
         return None
     repository.delete_unused_invitations(db, Role.administrator)
@@ -28,15 +28,15 @@ def invite_administrator(db: Session) -> str | None:
     return token
 
 
-def invite(db: Session, role: Role, lasting: timedelta) -> str:
-    """A one-time token by which somebody makes an account of this role; others that wait stay good."""
+def invite(db: Session, role: Role, lifetime: timedelta) -> str:
+    """Return a one-time token that creates an account of this role; earlier ones stay valid."""
     token = secrets.new_token()
-    db.add(Invitation(token_digest=secrets.digest(token), role=role, expires_at=utc_now() + lasting))
+    db.add(Invitation(token_digest=secrets.digest(token), role=role, expires_at=utc_now() + lifetime))
     return token
 
 
 def check_invitation(db: Session, token: str) -> Invitation:
-    """Raises NotFound."""
+    """Return an invitation that is still open. Raises NotFound."""
     invitation = repository.find_open_invitation(db, secrets.digest(token), utc_now())
     if invitation is None:
         raise NotFound(USED)
@@ -44,7 +44,7 @@ def check_invitation(db: Session, token: str) -> Invitation:
 
 
 def use_invitation(db: Session, token: str) -> Role:
-    """Raises Conflict."""
+    """Use an invitation up, and return its role. Raises Conflict."""
     role = repository.use_invitation(db, secrets.digest(token), utc_now())
     if role is None:
         raise Conflict(USED)
@@ -52,33 +52,31 @@ def use_invitation(db: Session, token: str) -> Role:
 
 
 def create_reset_link(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
-    """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound, Conflict."""
+    """Create a link to a new password; an earlier one stops working. Raises NotFound or Conflict."""
     account = find_account_by_login(db, login)
     if account.disabled_at is not None:
         raise Conflict(f"Le compte « {account.login} » est suspendu : rétablissez-le d’abord.")
     return account, create_password_link(db, account, timedelta(hours=settings.password_link_hours))
 
 
-def find_account_by_login(db: Session, login: str) -> Account:
-    """Raises NotFound."""
-    wanted = normalise_login(login)
-    account = (
-        repository.find_account_by_login(db, wanted) if wanted.isprintable() else None
-    )  # no database looks for a zero byte
+def find_account_by_login(db: Session, typed_login: str) -> Account:
+    """Return the account with this login. Raises NotFound."""
+    login = normalise_login(typed_login)
+    account = repository.find_account_by_login(db, login) if login.isprintable() else None  # no zero byte
     if account is None:
-        raise NotFound(f"Aucun compte n’a l’identifiant « {login} ».")
+        raise NotFound(f"Aucun compte n’a l’identifiant « {typed_login} ».")
     return account
 
 
-def create_password_link(db: Session, account: Account, lasting: timedelta) -> str:
-    """The token by which this account chooses a password; an earlier one stops working."""
+def create_password_link(db: Session, account: Account, lifetime: timedelta) -> str:
+    """Return the token by which an account chooses a password; an earlier one stops working."""
     token = secrets.new_token()
-    repository.upsert_password_link(db, account.id, secrets.digest(token), utc_now() + lasting)
+    repository.upsert_password_link(db, account.id, secrets.digest(token), utc_now() + lifetime)
     return token
 
 
 def find_link_owner(db: Session, token: str) -> Account:
-    """Who may choose a new password with this link. Raises NotFound."""
+    """Return the account of a link that is still valid. Raises NotFound."""
     account = repository.find_account_by_link(db, secrets.digest(token), utc_now())
     if account is None:
         raise NotFound(ENDED)
@@ -86,7 +84,7 @@ def find_link_owner(db: Session, token: str) -> Account:
 
 
 def use_password_link(db: Session, token: str) -> Account:
-    """The same, once: of two uses at the same time one only gets the account. Raises Conflict."""
+    """Use a link up, and return its account; of two simultaneous uses only one succeeds. Raises Conflict."""
     account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
     account = None if account_id is None else repository.find_account(db, account_id)
     if account is None or account.disabled_at is not None:

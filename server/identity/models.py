@@ -1,4 +1,4 @@
-"""Who uses the service, and how they prove it. Secrets are stored hashed only."""
+"""Accounts and their credentials. Secrets are stored hashed only."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -13,8 +13,7 @@ DIGEST_LENGTH = 64
 
 
 class Role(StrEnum):
-    """What an account is on the whole server. A teacher makes classes; an administrator has every class, and every
-    account, besides."""
+    """The role of an account on the server. A teacher creates classes; an administrator manages everything."""
 
     guest = "guest"
     student = "student"
@@ -23,7 +22,7 @@ class Role(StrEnum):
 
 
 class Account(Base):
-    """A person. A guest has neither login nor password: only the browser's session leads to it."""
+    """An account. A guest is one by its role; it has neither login nor password, only the browser's session."""
 
     __tablename__ = "account"
 
@@ -33,7 +32,7 @@ class Account(Base):
     login: Mapped[str | None] = mapped_column(String(254), unique=True)
     password_hash: Mapped[str | None] = mapped_column(String(255))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
-    #: Since when nobody enters by it any more; its work stays.
+    #: Since when nobody can log in; the work stays.
     disabled_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     @property

@@ -1,13 +1,13 @@
-"""Which passwords are refused: those that anybody would try first. NIST SP 800-63B, section 5.1.1.2.
+"""Refuse common passwords, by NIST SP 800-63B, section 5.1.1.2.
 
-Length is what counts: no mixture of signs is asked for. A library that weighs passwords (zxcvbn) takes seconds over one
-that was written to cost it that; whoever tries them in turn is slowed down anyhow, so that a short list is enough.
+Length matters: no mixture of characters is required. A strength estimator (zxcvbn) takes seconds on adversarial input;
+guesses are rate limited anyway, so that a short list is enough.
 """
 
 import re
 
 LENGTH = range(8, 1025)
-FEWEST_DIFFERENT = 4
+MIN_DISTINCT = 4
 RUNS = ("abcdefghijklmnopqrstuvwxyz", "01234567890", "azertyuiopqsdfghjklmwxcvbn", "qwertyuiopasdfghjklzxcvbnm")
 AROUND = re.compile(r"^[\W\d_]+|[\W\d_]+$")
 
@@ -41,7 +41,7 @@ TOO_COMMON = (
 
 
 def password_problem(password: str, *, login: str, name: str) -> str:
-    """Why this person's password is refused, or an empty text. `login` is as it is stored."""
+    """Return why a password is refused, or an empty text. `login` is normalised."""
     if len(password) < LENGTH.start:
         return TOO_SHORT
     if len(password) >= LENGTH.stop:
@@ -50,18 +50,18 @@ def password_problem(password: str, *, login: str, name: str) -> str:
         return BLANK
     if _bare(password) in {_bare(login), _bare(login.partition("@")[0]), _bare(name)} - {""}:
         return SAME
-    return TOO_COMMON if _common(password.casefold()) else ""
+    return TOO_COMMON if _is_common(password.casefold()) else ""
 
 
 def _bare(text: str) -> str:
-    """Without case, spaces and signs."""
+    """Fold case, spaces and punctuation."""
     return re.sub(r"[\W_]+", "", text.casefold())
 
 
-def _common(password: str) -> bool:
+def _is_common(password: str) -> bool:
     core = AROUND.sub("", password)
     return (
-        len(set(password)) < FEWEST_DIFFERENT
+        len(set(password)) < MIN_DISTINCT
         or _is_run(_repeated(password))
         or _bare(core) in COMMON
         or _bare(password) in COMMON
@@ -70,10 +70,10 @@ def _common(password: str) -> bool:
 
 
 def _repeated(text: str) -> str:
-    """The shortest text of which this is a repetition."""
+    """Return the shortest text of which this is a repetition."""
     return text[: (text + text).find(text, 1)] if text else text
 
 
 def _is_run(text: str) -> bool:
-    """Neighbours on the keyboard, in the alphabet or among the digits, to one side or the other, and around."""
+    """Whether a text is a run on the keyboard, in the alphabet or of digits, in either direction, cyclically."""
     return any(text in turned * 2 for run in RUNS for turned in (run, run[::-1]) if len(text) <= len(run))

@@ -22,19 +22,19 @@ def find_account_by_login(db: Session, login: str) -> Account | None:
     return db.execute(select(Account).where(Account.login == login)).scalar_one_or_none()
 
 
-#: Of who asks, with every request: read as columns, and no object of the session's.
+#: On the hot path of every request: loaded as columns.
 _accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, table_of(ApiToken).c
 
 
 @prepared_statement
 def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts).join(_sessions.token_digest.table, _sessions.account_id == _accounts.c.id)
-    good = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
-    return query.where(*good, _accounts.c.disabled_at.is_(None))
+    conditions = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
+    return query.where(*conditions, _accounts.c.disabled_at.is_(None))
 
 
 def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
-    """Whose session it is. What is given back is not the session's."""
+    """Return the account of a browser session, as a detached object."""
     row = select_core(db, *_by_session(token_digest, now)).one_or_none()
     return None if row is None else next(detached_instances(Account, [row]))[0]
 
@@ -42,12 +42,12 @@ def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Ac
 @prepared_statement
 def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
     query = select(_accounts, _tokens.last_used_at).join(_tokens.id.table, _tokens.account_id == _accounts.c.id)
-    good = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
-    return query.where(*good, _accounts.c.disabled_at.is_(None))
+    conditions = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
+    return query.where(*conditions, _accounts.c.disabled_at.is_(None))
 
 
 def find_account_by_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
-    """Whose token it is, and when it last served. What is given back is not the session's."""
+    """Return the account of an API token, as a detached object, and when the token was last used."""
     row = select_core(db, *_by_api_token(token_digest, now)).one_or_none()
     if row is None:
         return None
@@ -60,7 +60,7 @@ def update_last_use(db: Session, token_digest: str, now: datetime) -> None:
 
 
 def lock_account(db: Session, account_id: UUID) -> None:
-    """Until the commit, nobody else does what locks this account first."""
+    """Lock an account until the commit."""
     db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
 
 
@@ -73,14 +73,14 @@ def count_administrators(db: Session) -> int:
     return db.execute(query).scalar_one()
 
 
-def search_accounts(db: Session, *, role: Role | None, sought: str, most: int) -> Sequence[Account]:
-    """Some of the accounts with a login, by their logins: of a role, and of which login or name holds a text."""
-    query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(most)
+def search_accounts(db: Session, *, role: Role | None, search: str, limit: int) -> Sequence[Account]:
+    """Return accounts with a login, sorted by login: of a role, and whose login or name contains a text."""
+    query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(limit)
     if role is not None:
         query = query.where(Account.role == role)
-    if sought:
-        held = (column.icontains(sought, autoescape=True) for column in (Account.login, Account.name))
-        query = query.where(or_(*held))
+    if search:
+        matches = (column.icontains(search, autoescape=True) for column in (Account.login, Account.name))
+        query = query.where(or_(*matches))
     return db.execute(query).scalars().all()
 
 
@@ -88,10 +88,10 @@ def delete_session(db: Session, token_digest: str) -> None:
     db.execute(delete(BrowserSession).where(BrowserSession.token_digest == token_digest))
 
 
-def delete_sessions_of(db: Session, account_id: UUID, but: str = "") -> None:
-    """All of an account's sessions, but the one of the digest `but`."""
+def delete_sessions_of(db: Session, account_id: UUID, keep: str = "") -> None:
+    """Delete all sessions of an account, but the one with the digest `keep`."""
     db.execute(
-        delete(BrowserSession).where(BrowserSession.account_id == account_id, BrowserSession.token_digest != but)
+        delete(BrowserSession).where(BrowserSession.account_id == account_id, BrowserSession.token_digest != keep)
     )
 
 
@@ -101,7 +101,7 @@ def load_sessions(db: Session, account_id: UUID) -> Sequence[BrowserSession]:
 
 
 def set_password(db: Session, account_id: UUID, password_hash: str) -> None:
-    """Whoever holds a link to a new password no longer needs it."""
+    """Set a password, and delete the account's link to a new one."""
     db.execute(update(Account).where(Account.id == account_id).values(password_hash=password_hash))
     db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
 
@@ -120,7 +120,7 @@ def load_valid_tokens(db: Session, account_id: UUID, now: datetime) -> Sequence[
 
 
 def load_all_tokens(db: Session, account_id: UUID) -> Sequence[ApiToken]:
-    """Those that have ended too, until they are forgotten."""
+    """Load an account's tokens, expired ones that are not deleted yet included."""
     query = select(ApiToken).where(ApiToken.account_id == account_id)
     return db.execute(query.order_by(ApiToken.created_at)).scalars().all()
 
@@ -139,14 +139,14 @@ def delete_tokens_of(db: Session, account_id: UUID) -> None:
 
 
 def delete_expired(db: Session, now: datetime) -> None:
-    """Removes what is past its end, whoever's it was."""
+    """Delete all expired sessions, tokens, links and invitations."""
     for table in (BrowserSession, ApiToken, PasswordLink):
         db.execute(delete(table).where(table.expires_at < now))
     db.execute(delete(Invitation).where(Invitation.expires_at < now, Invitation.used_at.is_(None)))
 
 
 def upsert_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
-    """In place of the account's earlier one."""
+    """Store a link, replacing the account's earlier one."""
     row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
     statement = upsert_statement(db, PasswordLink).values(account_id=account_id, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
@@ -166,7 +166,7 @@ def find_account_by_link(db: Session, token_digest: str, now: datetime) -> Accou
 
 
 def use_password_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
-    """Removes the link and says whose it was, in one statement."""
+    """Delete a link and return its account, in one statement."""
     statement = (
         delete(PasswordLink)
         .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now)
@@ -192,7 +192,7 @@ def find_open_invitation(db: Session, token_digest: str, now: datetime) -> Invit
 
 
 def use_invitation(db: Session, token_digest: str, now: datetime) -> Role | None:
-    """Marks the invitation as used, in one conditional statement: of two simultaneous uses one only gets the role."""
+    """Mark an invitation as used in one conditional statement: of two simultaneous uses only one gets the role."""
     statement = (
         update(Invitation)
         .where(Invitation.token_digest == token_digest, _still_open(now))

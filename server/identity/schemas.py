@@ -1,4 +1,4 @@
-"""What the forms of the accounts hold, checked with messages in French."""
+"""The forms of accounts, validated with messages in French."""
 
 from dataclasses import dataclass
 
@@ -28,33 +28,33 @@ def normalise_login(text: str) -> str:
 
 
 def validate_new_account(name: str, login: str, password: str) -> NewAccount:
-    """Reads the form, or raises RefusedForm with every problem at once."""
-    wanted = NewAccount(" ".join(name.split()), normalise_login(login), password)
-    problems = {field: problem for field, problem in _checks(wanted) if problem}
+    """Return the normalised form. Raises RefusedForm with every problem at once."""
+    form = NewAccount(" ".join(name.split()), normalise_login(login), password)
+    problems = {field: problem for field, problem in _checks(form) if problem}
     if problems:
         raise RefusedForm(problems)
-    return wanted
+    return form
 
 
 def new_account_without_password(name: str, login: str) -> NewAccount:
-    """The same for an account of which the owner chooses a password later."""
-    wanted = NewAccount(" ".join(name.split()), normalise_login(login), "")
-    problems = {field: problem for field, problem in _checks(wanted) if problem and field != "password"}
+    """Return the normalised form of an account whose owner chooses a password later. Raises RefusedForm."""
+    form = NewAccount(" ".join(name.split()), normalise_login(login), "")
+    problems = {field: problem for field, problem in _checks(form) if problem and field != "password"}
     if problems:
         raise RefusedForm(problems)
-    return wanted
+    return form
 
 
-def _checks(wanted: NewAccount) -> list[tuple[str, str]]:
+def _checks(form: NewAccount) -> list[tuple[str, str]]:
     return [
-        ("name", "" if _printable(wanted.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),
-        ("login", "" if is_valid_login(wanted.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
-        ("password", password_problem(wanted.password, login=wanted.login, name=wanted.name)),
+        ("name", "" if _printable(form.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),
+        ("login", "" if is_valid_login(form.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
+        ("password", password_problem(form.password, login=form.login, name=form.name)),
     ]
 
 
 def validate_new_password(password: str, *, login: str, name: str) -> str:
-    """The password that this person may have from now on, or raises RefusedForm."""
+    """Return the password. Raises RefusedForm where it is refused."""
     why = password_problem(password, login=login, name=name)
     if why:
         raise RefusedForm({"new_password": why})
@@ -70,7 +70,7 @@ def is_valid_login(login: str) -> bool:
 
 
 def validate_token_label(text: str) -> str:
-    """The name that a person gives to an API token."""
+    """Return the normalised name of an API token. Raises RefusedForm."""
     label = " ".join(text.split())
     if not _printable(label, LABEL_LENGTH):
         raise RefusedForm({"label": "Donnez au jeton un nom de 1 à 100 caractères."})

@@ -1,4 +1,4 @@
-"""Tokens and passwords: what is given to people, and what is stored."""
+"""Create tokens and hash passwords."""
 
 import hashlib
 import secrets
@@ -10,12 +10,12 @@ API_PREFIX = "balise_"
 
 
 def new_token(prefix: str = "") -> str:
-    """A secret of 256 bits, fit for a URL or a header."""
+    """Return a secret of 256 bits, fit for a URL or a header."""
     return prefix + secrets.token_urlsafe(32)
 
 
 def digest(token: str) -> str:
-    """What is stored of a token: as it has 256 random bits, a plain hash is enough."""
+    """Return the stored digest of a token; with 256 random bits, a plain hash is enough."""
     return hashlib.sha256(token.encode("utf-8", errors="replace")).hexdigest()
 
 
@@ -25,12 +25,12 @@ def _hasher() -> PasswordHash:
 
 
 def hash_password(password: str) -> str:
-    """Argon2id; about 0.1 s on purpose: see `server.identity.hashing`."""
+    """Hash with Argon2id, in about 0.1 s: see `server.identity.hashing`."""
     return _hasher().hash(password)
 
 
 def verify_password(password: str, stored: str | None) -> bool:
-    """Takes the same time whether the account exists (`stored` given) or not."""
+    """Verify a password in the same time whether the account exists (`stored` given) or not."""
     return _hasher().verify(password, stored or _decoy()) and stored is not None
 
 

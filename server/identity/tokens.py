@@ -1,4 +1,4 @@
-"""API tokens: a few for each account, good for a while. Functions work inside the caller's transaction."""
+"""API tokens: a few for each account, with an expiry. Functions work inside the caller's transaction."""
 
 from collections.abc import Sequence
 from datetime import datetime, timedelta
@@ -13,13 +13,13 @@ from server.identity import repository, secrets
 from server.identity.models import Account, ApiToken
 from server.identity.schemas import RefusedForm, validate_token_label
 
-#: How late the page may be about when a token last served: what is asked with one writes nothing otherwise.
+#: How often the last use of a token is written: most requests write nothing.
 LAST_USE_INTERVAL = timedelta(hours=1)
 FULL = "Vous avez déjà {most} jetons : révoquez-en un d’abord."
 
 
 def create_token(db: Session, account: Account, label: str, settings: Settings) -> tuple[ApiToken, str]:
-    """The token's row, and its secret: shown once, never stored. Raises RefusedForm."""
+    """Create a token, and return its row and its secret, which is never stored. Raises RefusedForm."""
     name, now = validate_token_label(label), utc_now()
     repository.lock_account(db, account.id)
     repository.delete_ended_tokens(db, account.id, now)
@@ -34,7 +34,7 @@ def create_token(db: Session, account: Account, label: str, settings: Settings) 
 
 
 def load_tokens(db: Session, account: Account) -> Sequence[ApiToken]:
-    """Those that are still good, oldest first."""
+    """Load the valid tokens of an account, oldest first."""
     return repository.load_valid_tokens(db, account.id, utc_now())
 
 
@@ -45,18 +45,18 @@ def revoke_token(db: Session, account: Account, token_id: UUID) -> None:
 
 
 def find_token_owner(database: Database, secret: str) -> Account | None:
-    """Whose token it is; the time of its use is noted, now and then."""
+    """Return the account of a token; its last use is recorded now and then."""
     digest, now = secrets.digest(secret), utc_now()
     with database.read() as db:
-        found = repository.find_account_by_token(db, digest, now)
-    if found is None:
+        row = repository.find_account_by_token(db, digest, now)
+    if row is None:
         return None
-    account, last_used_at = found
-    if _worth_noting(last_used_at, now):
+    account, last_used_at = row
+    if _is_update_due(last_used_at, now):
         with database.write() as db:
             repository.update_last_use(db, digest, now)
     return account
 
 
-def _worth_noting(last_used_at: datetime | None, now: datetime) -> bool:
+def _is_update_due(last_used_at: datetime | None, now: datetime) -> bool:
     return last_used_at is None or now - last_used_at > LAST_USE_INTERVAL

@@ -14,16 +14,16 @@ from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
 _of_key = _allowances.c.key == bindparam("bucket")
-#: On the way of every submission: made once.
+#: On the hot path of every submission: built once.
 LOCK_BUCKET = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
 SET_TOKENS = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
 
 
 def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> None:
-    """Takes one token of `key`, or raises TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
+    """Take one token of `key`, or raise TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
     now = utc_now()
-    held, updated_at = _locked(db, key, bucket, now)
-    tokens = refilled(held, (now - updated_at).total_seconds(), bucket)
+    stored, updated_at = _lock_bucket(db, key, bucket, now)
+    tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise RateLimited(refusal.format(seconds=wait), retry_after=wait)
@@ -31,31 +31,31 @@ def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> N
 
 
 def give_back_token(db: Session, key: str) -> None:
-    """Gives back a token that was taken for nothing; `refilled` keeps the bucket within its bounds."""
+    """Give back a token; `refilled` keeps the bucket within its bounds."""
     db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
 
 
 def delete_stale_buckets(db: Session, before: datetime) -> None:
-    """Removes the buckets that nobody has touched since; they have been full again for long."""
+    """Delete the buckets unused since then, which are full again."""
     db.execute(delete(Allowance).where(Allowance.updated_at < before))
 
 
 def submission_key(account_id: UUID) -> str:
-    """The key of the bucket from which an account's submissions are taken."""
+    """Return the bucket key of an account's submissions."""
     return f"submit:{account_id}"
 
 
 def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
-    """The tokens of a bucket that held `tokens`, `elapsed` seconds later (a clock set back gives nothing)."""
+    """Return the tokens of a bucket that held `tokens`, `elapsed` seconds later; a clock set back adds none."""
     if bucket.refill_seconds == 0:
         return float(bucket.burst)
     return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
 
 
-def _locked(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
-    known = select_core(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
-    if known is not None:
-        return known
+def _lock_bucket(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
+    row = select_core(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
+    if row is not None:
+        return row
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
     return select_core(db, LOCK_BUCKET, {"bucket": key}).one()

@@ -1,4 +1,4 @@
-"""Rights, and who has them: the one table of it."""
+"""The rights, and the table of the roles that have them."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -9,7 +9,7 @@ STUDENT, ASSISTANT, TEACHER = ClassRole.student, ClassRole.assistant, ClassRole.
 
 
 class Right(StrEnum):
-    """What may be done in a class, as it is named to who may not."""
+    """Rights in a class or on the server; the values name them in refusals."""
 
     see_class = "voir la classe"
     leave_class = "quitter la classe"
@@ -35,7 +35,7 @@ class Right(StrEnum):
     open_solutions_to_all = "ouvrir les corrigés à tous"
 
 
-#: Of the active members of a class; an administrator has each of them in every class, but those of a seat.
+#: Rights of the active members of a class by role; an administrator has all but `MEMBER_ONLY_RIGHTS` in every class.
 ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.see_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
@@ -59,8 +59,8 @@ ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.name_behaviours: frozenset({TEACHER}),
 }
 
-#: What only somebody who is a member may do, and by what they are there.
+#: Rights of members alone, by their own role.
 MEMBER_ONLY_RIGHTS = frozenset({Right.leave_class, Right.sit_tests})
 
-#: Who only asks to join knows that the class is there, and may think better of it.
+#: Rights of accounts that ask to join: they see that the class exists, and may withdraw.
 PENDING_RIGHTS = frozenset({Right.see_class, Right.leave_class})

@@ -1,4 +1,4 @@
-"""Queries on who shares a class with whom."""
+"""Queries on staff and students that share a class."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -17,7 +17,7 @@ STAFF = (ClassRole.assistant, ClassRole.teacher)
 
 @prepared_statement
 def _reads_work(
-    reader: UUID, author: UUID, module: str, sent_at: datetime, *, seats: tuple[ClassRole, ...]
+    reader: UUID, author: UUID, module: str, sent_at: datetime, *, roles: tuple[ClassRole, ...]
 ) -> Select[UUID]:
     staff, student = aliased(Membership), aliased(Membership)
     query = (
@@ -28,7 +28,7 @@ def _reads_work(
             SchoolClass.module == module,
             or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= sent_at),
             staff.account_id == reader,
-            equals_any(staff.role, seats),
+            equals_any(staff.role, roles),
             staff.status == Status.active,
             student.account_id == author,
             student.role == ClassRole.student,
@@ -45,14 +45,14 @@ def _reads_work(
 
 
 def may_read_work(
-    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[ClassRole] = STAFF
+    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, roles: Sequence[ClassRole] = STAFF
 ) -> bool:
-    """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
-    return select_core(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
+    """Whether the reader has such a role in a class of this module of which the author is, or was then, a student."""
+    return select_core(db, *_reads_work(reader, author, module, sent_at, roles=tuple(roles))).first() is not None
 
 
 @prepared_statement
-def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> Select[Membership, Account]:
+def _member_for_reader(reader: UUID, author: UUID, module: str, *, anybody: bool) -> Select[Membership, Account]:
     query = (
         select(Membership, Account)
         .join(Account, Account.id == Membership.account_id)
@@ -66,12 +66,12 @@ def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> 
         .order_by(Membership.status, SchoolClass.archived_at.is_not(None), Membership.joined_at.desc())
         .limit(1)
     )
-    return query if anybody else query.where(Membership.class_id.in_(_seats(reader, module, STAFF)))
+    return query if anybody else query.where(Membership.class_id.in_(_class_ids(reader, module, STAFF)))
 
 
 def find_member_for_reader(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
-    """How a class of this module in which the reader helps or teaches (any, without one) lists its student."""
-    row = db.execute(*_seen_through(reader or author, author, module, anybody=reader is None)).first()
+    """Return the author as a student of a class of this module whose staff includes the reader; None: any class."""
+    row = db.execute(*_member_for_reader(reader or author, author, module, anybody=reader is None)).first()
     return None if row is None else Member(*row)
 
 
@@ -95,31 +95,31 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
 
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:
-    """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
+    """Whether an open class of this module, of which the author is a student, has active staff."""
     return select_core(db, *_has_readers(author, module)).first() is not None
 
 
 def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
-    """Whether one teaches or helps in a class of this module, to be asked with something else."""
-    return _seats(account_id, module, STAFF).exists()
+    """Return the condition that an account is staff in a class of this module."""
+    return _class_ids(account_id, module, STAFF).exists()
 
 
 def is_student(db: Session, account_id: UUID, module: str) -> bool:
-    """Is this account a student of a class of this module that is not archived?"""
-    seats = _seats(account_id, module, (ClassRole.student,)).where(SchoolClass.archived_at.is_(None))
-    return db.execute(select(seats.exists())).scalar_one()
+    """Whether an account is a student of an open class of this module."""
+    class_ids = _class_ids(account_id, module, (ClassRole.student,)).where(SchoolClass.archived_at.is_(None))
+    return db.execute(select(class_ids.exists())).scalar_one()
 
 
 @prepared_statement
 def _of_teacher(account_id: UUID, module: str) -> Select[SchoolClass]:
     query = select(SchoolClass).where(
-        _is_open(module), SchoolClass.id.in_(_seats(account_id, module, (ClassRole.teacher,)))
+        _is_open(module), SchoolClass.id.in_(_class_ids(account_id, module, (ClassRole.teacher,)))
     )
     return query.order_by(SchoolClass.name, SchoolClass.id)
 
 
 def load_classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
-    """The classes of this module in which one teaches, by their names, but those archived."""
+    """Load the open classes of this module that an account teaches, by name."""
     return db.execute(*_of_teacher(account_id, module)).scalars().all()
 
 
@@ -132,7 +132,7 @@ def _is_open(module: str) -> ColumnElement[bool]:
     return and_(SchoolClass.module == module, SchoolClass.archived_at.is_(None))
 
 
-def _seats(account_id: UUID, module: str, seats: Sequence[ClassRole]) -> Select[UUID]:
+def _class_ids(account_id: UUID, module: str, roles: Sequence[ClassRole]) -> Select[UUID]:
     return (
         select(Membership.class_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
@@ -140,6 +140,6 @@ def _seats(account_id: UUID, module: str, seats: Sequence[ClassRole]) -> Select[
             SchoolClass.module == module,
             Membership.account_id == account_id,
             Membership.status == Status.active,
-            equals_any(Membership.role, seats),
+            equals_any(Membership.role, roles),
         )
     )

@@ -1,7 +1,7 @@
-"""May this account see that, do that? Every function works inside the caller's transaction.
+"""Authorisation checks. Every function works inside the caller's transaction.
 
-What does not concern somebody does not exist for them (NotFound); who is concerned and may not is told which right is
-missing (Forbidden).
+A resource that does not concern an account does not exist for it (NotFound); an account that is concerned but lacks a
+right gets Forbidden, which names the right.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ WHO = {
 
 @dataclass(frozen=True)
 class ClassAccess:
-    """A class, as it stands to the account that asks: what it may do there."""
+    """A class with an account's membership and rights in it."""
 
     school_class: SchoolClass
     membership: Membership | None
@@ -53,12 +53,12 @@ class ClassAccess:
 
 
 def load_class_access(db: Session, account: Account, class_id: UUID | str) -> ClassAccess:
-    """Raises NotFound for a class that does not concern this account, or is none."""
+    """Return an account's access to a class. Raises NotFound where the class does not exist or concern it."""
     identity = parse_uuid(class_id, UNKNOWN_CLASS)
-    seen = classes.load_class_and_membership(db, identity, account.id)
-    if seen is None:
+    row = classes.load_class_and_membership(db, identity, account.id)
+    if row is None:
         raise NotFound(UNKNOWN_CLASS)
-    school_class, membership = seen
+    school_class, membership = row
     if membership is not None and membership.status == Status.left:
         membership = None
     if membership is None and not account.is_administrator:
@@ -67,16 +67,16 @@ def load_class_access(db: Session, account: Account, class_id: UUID | str) -> Cl
 
 
 def class_access(account: Account, school_class: SchoolClass, membership: Membership | None) -> ClassAccess:
-    """The same of what is known already: only an administrator has no membership."""
+    """Return an account's access from its membership, None for an administrator alone."""
     return ClassAccess(school_class, membership, _rights(account, membership))
 
 
 def require_right(db: Session, account: Account, right: Right, class_id: UUID | str) -> ClassAccess:
-    """Raises NotFound, or Forbidden, which names the right."""
-    place = load_class_access(db, account, class_id)
-    if not place.has(right):
-        raise Forbidden(_missing(right, place.school_class))
-    return place
+    """Return the access to a class where it includes this right. Raises NotFound or Forbidden."""
+    access = load_class_access(db, account, class_id)
+    if not access.has(right):
+        raise Forbidden(_refusal(right, access.school_class))
+    return access
 
 
 def has_right(db: Session, account: Account, right: Right, class_id: UUID | str) -> bool:
@@ -87,9 +87,9 @@ def has_right(db: Session, account: Account, right: Right, class_id: UUID | str)
 
 
 def require_server_right(account: Account, right: Right) -> None:
-    """For what is of no class. Raises Forbidden."""
+    """Raise Forbidden without this right on the server."""
     if right not in server_rights(account):
-        raise Forbidden(_missing(right))
+        raise Forbidden(_refusal(right))
 
 
 def server_rights(account: Account) -> frozenset[Right]:
@@ -98,8 +98,8 @@ def server_rights(account: Account) -> frozenset[Right]:
 
 
 def may_read_work(db: Session, account: Account | None, author: UUID, exercise: str, sent_at: datetime) -> bool:
-    """What one has sent oneself; what was sent by a student of a class where one teaches or helps, in its module,
-    before they left it or it was archived; for an administrator, everything."""
+    """Whether an account may read a submission: its own; one of a student of a class that it teaches or assists, in the
+    class's module, sent before the student left or the class was archived; for an administrator, any."""
     if account is None:
         return False
     if account.id == author or account.is_administrator:
@@ -108,28 +108,28 @@ def may_read_work(db: Session, account: Account | None, author: UUID, exercise: 
 
 
 def find_member_for_reader(db: Session, account: Account, author: UUID, exercise: str) -> Member | None:
-    """The author of some work as a class lists them, through which this account may read it; None where none does."""
+    """Return the author as a member of a class through which the account may read their work, or None."""
     reader = None if account.is_administrator else account.id
     return repository.find_member_for_reader(db, reader, author, module_of(exercise))
 
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:
-    """Does somebody who teaches or helps read what this account sends now to the exercises of a module?"""
+    """Whether any staff read what this account submits now to the exercises of a module."""
     return repository.has_readers(db, author, module)
 
 
 def teaches_clause(account_id: UUID, module: str) -> ColumnElement[bool]:
-    """A condition: that one teaches or helps in a class of this module, which opens hints and solutions."""
+    """Return the condition that an account is staff in a class of this module, which opens hints and solutions."""
     return repository.teaches_clause(account_id, module)
 
 
 def is_student(db: Session, account: Account | None, module: str) -> bool:
-    """Is this account a student of a class of this module, whose teachers may then hold something back?"""
+    """Whether an account is a student of a class of this module, whose teachers may hold feedback back."""
     return account is not None and repository.is_student(db, account.id, module)
 
 
 def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
-    """The classes to which this account may open the solution of an exercise."""
+    """Return the classes to which an account may open the solution of an exercise."""
     if account is None:
         return []
     if account.is_administrator:
@@ -143,19 +143,19 @@ def module_of(exercise: str) -> str:
 
 def _rights(account: Account, membership: Membership | None) -> frozenset[Right]:
     if account.is_administrator:
-        seated = _of_seat(membership) & MEMBER_ONLY_RIGHTS if membership is not None else frozenset()
-        return (frozenset(ROLES_BY_RIGHT) - MEMBER_ONLY_RIGHTS) | seated
+        own_rights = _member_rights(membership) & MEMBER_ONLY_RIGHTS if membership is not None else frozenset()
+        return (frozenset(ROLES_BY_RIGHT) - MEMBER_ONLY_RIGHTS) | own_rights
     assert membership is not None
-    return _of_seat(membership)
+    return _member_rights(membership)
 
 
-def _of_seat(membership: Membership) -> frozenset[Right]:
+def _member_rights(membership: Membership) -> frozenset[Right]:
     if membership.status == Status.pending:
         return PENDING_RIGHTS
     return frozenset(right for right, seats in ROLES_BY_RIGHT.items() if membership.role in seats)
 
 
-def _missing(right: Right, school_class: SchoolClass | None = None) -> str:
+def _refusal(right: Right, school_class: SchoolClass | None = None) -> str:
     sentence = MISSING.format(right=right.value)
     if school_class is None:
         return sentence + ONLY[right]

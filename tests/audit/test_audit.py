@@ -55,7 +55,7 @@ def test_values_are_told_in_french() -> None:
 def test_events_are_read_a_few_at_a_time_and_name_who_is_there(
     sqlite: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(audit, "AT_ONCE", 2)
+    monkeypatch.setattr(audit, "BATCH_SIZE", 2)
     teacher, ada = new_account(sqlite, Role.teacher, "Mme Martin"), new_account(sqlite)
     made = new_class(sqlite, teacher)
     seat(sqlite, made, ada, given_name="Ada", family_name="Lovelace")

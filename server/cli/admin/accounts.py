@@ -71,7 +71,7 @@ def enable(database: Database, _settings: Settings, arguments: Namespace) -> Ans
 def accounts(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     role = Role(arguments.role) if arguments.role else None
     with database.read() as db:
-        found = repository.search_accounts(db, role=role, sought=arguments.search, most=arguments.most + 1)
+        found = repository.search_accounts(db, role=role, search=arguments.search, limit=arguments.most + 1)
     shown, more = found[: arguments.most], len(found) > arguments.most
     lines = [f"  {who(one)} : {ROLES[one.role]}{', suspendu' if one.disabled_at else ''}" for one in shown]
     end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."

@@ -62,7 +62,7 @@ def show_log(
 
 def _log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, page_number: int) -> LogPage:
     class_id, offset = access.school_class.id, (page_number - 1) * ENTRIES_PER_PAGE
-    entries = repository.load_entries(db, class_id, filter, most=ENTRIES_PER_PAGE, skipped=offset)
+    entries = repository.load_entries(db, class_id, filter, limit=ENTRIES_PER_PAGE, offset=offset)
     total = repository.count_entries(db, class_id, filter)
     fields = {"eleve": str(filter.student or ""), "genre": filter.what or ""}
     query = {name: value for name, value in fields.items() if value}
