@@ -17,11 +17,11 @@ def faults(course: Course) -> Iterator[Problem]:
                 path = lesson.text.source.path
                 for cell in lesson.cells:
                     shown = run(sandbox, module.slug, cell.code.encode())
-                    if message := _wrong(shown):
+                    if message := _fault_message(shown):
                         yield Problem(path, _line(cell, shown), f"cellule « {cell.name} » : {message}")
 
 
-def _wrong(shown: RunOut) -> str:
+def _fault_message(shown: RunOut) -> str:
     if shown.fault:
         return shown.fault.message
     if shown.truncated:

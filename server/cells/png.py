@@ -26,8 +26,8 @@ class Malformed(ValueError):
 def rebuilt(data: bytes) -> bytes:
     """A PNG of the same pixels, made by us. Raises Malformed, and nothing else, for anything out of the ordinary."""
     header, packed = _read(data)
-    width, height, samples = _understood(header)
-    rows = _inflated(packed, height * (1 + width * samples))
+    width, height, samples = _parse_header(header)
+    rows = _inflate(packed, height * (1 + width * samples))
     if max(rows[:: 1 + width * samples]) >= _FILTERS:
         raise Malformed("unknown filter")
     made = b"".join((SIGNATURE, _chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(rows)), _chunk(b"IEND", b"")))
@@ -75,7 +75,7 @@ def _chunks(data: bytes) -> Iterator[tuple[bytes, bytes]]:
         raise Malformed("bytes left over")
 
 
-def _understood(header: bytes) -> tuple[int, int, int]:
+def _parse_header(header: bytes) -> tuple[int, int, int]:
     """Width, height and samples of a pixel."""
     if len(header) != _HEADER.size:
         raise Malformed("header of another length")
@@ -87,7 +87,7 @@ def _understood(header: bytes) -> tuple[int, int, int]:
     return width, height, _SAMPLES[colour]
 
 
-def _inflated(packed: bytes, size: int) -> bytes:
+def _inflate(packed: bytes, size: int) -> bytes:
     """Exactly `size` bytes, of one whole zlib stream that is all there is; never asks for more memory than that."""
     stream = zlib.decompressobj()
     try:

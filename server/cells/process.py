@@ -44,7 +44,7 @@ def _warm(sandbox: Sandbox) -> None:
 def _answer(line: ServiceLine, sandbox: Sandbox, number: int, asked: bytes) -> None:
     question = json.loads(asked)
     try:
-        shown = _followed(sandbox, asked) if "steps" in question else _run(sandbox, question)
+        shown = _trace(sandbox, asked) if "steps" in question else _run_cell(sandbox, question)
     except Exception:
         log.exception("a cell could not be run, or a program not be followed: %.200r", asked)
         line.answer(number, helper_line.FAILED, b"")
@@ -52,11 +52,11 @@ def _answer(line: ServiceLine, sandbox: Sandbox, number: int, asked: bytes) -> N
         line.answer(number, helper_line.DONE, shown)
 
 
-def _run(sandbox: Sandbox, question: dict[str, str]) -> bytes:
+def _run_cell(sandbox: Sandbox, question: dict[str, str]) -> bytes:
     return run(sandbox, question["module"], question["code"].encode()).model_dump_json().encode()
 
 
-def _followed(sandbox: Sandbox, asked: bytes) -> bytes:
+def _trace(sandbox: Sandbox, asked: bytes) -> bytes:
     from server.steps.questions import TraceQuestion
     from server.steps.run import answer_question  # with the graders, which who only runs cells need not wait for
 

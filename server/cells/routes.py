@@ -19,7 +19,7 @@ router = APIRouter(include_in_schema=False)
 CellsOf = Annotated[Cells, Depends(app_service(Cells))]
 NO_STORE = {"Cache-Control": "no-store"}
 #: A status that nobody reads: the reader has left.
-LEFT = 499
+CLIENT_CLOSED_REQUEST = 499
 
 
 @router.post("/{module}/cellules")
@@ -38,16 +38,16 @@ async def run(
         raise NotFound("Ce module n’existe pas.")
     code, address = body.code.replace("\r\n", "\n"), client_address(request)
     running = asyncio.ensure_future(service.run(cells, database, settings, account, module, code, address=address))
-    leaving = asyncio.ensure_future(_gone(request))
+    leaving = asyncio.ensure_future(_wait_disconnect(request))
     await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)
     leaving.cancel()
     if not running.done():
         running.cancel()
-        return Response(status_code=LEFT)
+        return Response(status_code=CLIENT_CLOSED_REQUEST)
     return Response(running.result(), media_type="application/json", headers=NO_STORE)
 
 
-async def _gone(request: Request) -> None:
+async def _wait_disconnect(request: Request) -> None:
     """Until the reader closes the page."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

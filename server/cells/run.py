@@ -31,7 +31,7 @@ POLICY = Policy(
     items=1000,
 )
 #: What the sandbox says to the author of an exercise, and what a cell's reader is told instead.
-_INSTEAD = (
+_MESSAGE_REPLACEMENTS = (
     (r"\s: tout arrive par les arguments", ""),
     (r"Rien ne se trace pendant l’évaluation.*", "Pour tracer, importez «\u202fmatplotlib.pyplot\u202f»."),
 )
@@ -39,7 +39,7 @@ UNREADABLE = "Une figure ne peut pas être lue : dessinez-la avec les fonctions 
 
 
 @dataclass(frozen=True)
-class _Shown:
+class _CellOutput:
     stdout: str
     truncated: bool
     figures: tuple[bytes, ...] = ()
@@ -51,24 +51,24 @@ def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
     with suppress(SandboxFault):  # opening a session tries again, and tells
         sandbox.warm(import_set_of(source, drawing=True))
     start = time.monotonic()
-    shown = _shown(sandbox, kit, source)
+    shown = _execute(sandbox, kit, source)
     return RunOut(
         stdout=visible(shown.stdout),
         truncated=shown.truncated,
-        fault=_told(shown.fault) if shown.fault else None,
+        fault=_fault_out(shown.fault) if shown.fault else None,
         figures=["data:image/png;base64," + base64.b64encode(picture).decode() for picture in shown.figures],
         milliseconds=round(1000 * (time.monotonic() - start)),
     )
 
 
-def _shown(sandbox: Sandbox, kit: str, source: bytes) -> _Shown:
+def _execute(sandbox: Sandbox, kit: str, source: bytes) -> _CellOutput:
     settings = Kit(kit, {"seed": SEED})
     try:
         session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True, echo_last=True)
     except ProgramFault as unloaded:
-        return _Shown(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
+        return _CellOutput(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
     figures, fault = _figures(session)
-    return _Shown(session.stdout(), session.stdout_truncated, figures, fault)
+    return _CellOutput(session.stdout(), session.stdout_truncated, figures, fault)
 
 
 def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
@@ -83,14 +83,16 @@ def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
         return (), ProgramFault(FaultKind.INVALID_OUTPUT, UNREADABLE)
 
 
-def _told(fault: ProgramFault) -> FaultOut:
+def _fault_out(fault: ProgramFault) -> FaultOut:
     title = Outcome(fault.kind.value).wording().title
     message = fault.message
-    for pattern, instead in _INSTEAD:
+    for pattern, instead in _MESSAGE_REPLACEMENTS:
         message = re.sub(pattern, instead, message)
-    return FaultOut(title=title, message=message, line=fault.line, frames=[_place(frame) for frame in fault.frames])
+    return FaultOut(
+        title=title, message=message, line=fault.line, frames=[_frame_text(frame) for frame in fault.frames]
+    )
 
 
-def _place(frame: Frame) -> str:
+def _frame_text(frame: Frame) -> str:
     inside = "" if frame.function.startswith("<") else f", dans {frame.function}"
     return f"ligne {frame.line}{inside} : {frame.source.strip()}"

@@ -21,8 +21,8 @@ PATIENCE = 45.0
 #: Four pictures of a megabyte and a half in base64, and what is printed: no answer is longer.
 MAX_ANSWER = 16 << 20
 #: Cells of one reader, running or waiting: nobody fills the queue alone.
-EACH = 3
-YOURS = "Plusieurs de vos cellules sont déjà en cours : attendez que l’une d’elles se termine."
+MAX_CELLS_PER_READER = 3
+TOO_MANY_CELLS = "Plusieurs de vos cellules sont déjà en cours : attendez que l’une d’elles se termine."
 CROWDED = "Beaucoup de monde exécute des cellules en ce moment : réessayez dans quelques secondes."
 FAILED = "La cellule n’a pas pu être exécutée : l’incident est de notre côté. Réessayez."
 
@@ -44,8 +44,8 @@ class Cells:
         files = {name: dict(texts) for name, texts in kits.items()}
         beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once}).encode()
         self.helper = Helper(HelperProgram(command, child_environment(settings), MAX_ANSWER, patience, idle, beginning))
-        self._turns = FairLimiter(settings.cells_at_once, settings.cells_waiting)
-        self._of: Counter[str] = Counter()
+        self._limiter = FairLimiter(settings.cells_at_once, settings.cells_waiting)
+        self._count_by_reader: Counter[str] = Counter()
         self._running: set[asyncio.Task[bytes]] = set()
 
     async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
@@ -58,31 +58,31 @@ class Cells:
         Anybody may become as many guests as they like: it is between addresses that the queue is fair (`Turns`).
         A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
         """
-        if self._of[reader] >= EACH:
-            raise Overloaded(YOURS, retry_after=2)
-        self._of[reader] += 1
+        if self._count_by_reader[reader] >= MAX_CELLS_PER_READER:
+            raise Overloaded(TOO_MANY_CELLS, retry_after=2)
+        self._count_by_reader[reader] += 1
         try:
-            await self._turns.acquire(address)
+            await self._limiter.acquire(address)
         except LimiterFullError:
-            self._less(reader)
+            self._decrement(reader)
             raise Overloaded(CROWDED, retry_after=5) from None
         except BaseException:
-            self._less(reader)
+            self._decrement(reader)
             raise
         asked = asyncio.create_task(self._ask(question))
         self._running.add(asked)
-        asked.add_done_callback(partial(self._over, reader))
+        asked.add_done_callback(partial(self._finish, reader))
         return await asyncio.shield(asked)
 
-    def _less(self, reader: str) -> None:
-        self._of[reader] -= 1
-        if not self._of[reader]:
-            del self._of[reader]
+    def _decrement(self, reader: str) -> None:
+        self._count_by_reader[reader] -= 1
+        if not self._count_by_reader[reader]:
+            del self._count_by_reader[reader]
 
-    def _over(self, reader: str, asked: asyncio.Task[bytes]) -> None:
+    def _finish(self, reader: str, asked: asyncio.Task[bytes]) -> None:
         self._running.discard(asked)
-        self._turns.release()
-        self._less(reader)
+        self._limiter.release()
+        self._decrement(reader)
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too
 

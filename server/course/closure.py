@@ -14,9 +14,9 @@ from pathlib import Path
 
 from server.course.memory import Memory
 
-OURS = ("graders", "reference")
+OWN_PACKAGES = ("graders", "reference")
 #: What draws, and what says where courses stand.
-APART = ("graders.plotting.", "graders.courses.")
+EXCLUDED_PREFIXES = ("graders.plotting.", "graders.courses.")
 
 
 class Imports:
@@ -43,28 +43,28 @@ class Imports:
             for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
                 if path.is_file():
                     content = path.read_bytes()
-                    found = self._memory.imports(content, package, partial(_asked, content, package))
-                    return path, frozenset(name for asked in (package, *found) for name in _on_the_way(asked))
+                    found = self._memory.imports(content, package, partial(_imported_modules, content, package))
+                    return path, frozenset(name for asked in (package, *found) for name in _with_parent_packages(asked))
         return None, frozenset()
 
 
-def _on_the_way(module: str) -> Iterator[str]:
+def _with_parent_packages(module: str) -> Iterator[str]:
     """`a`, `a.b` and `a.b.c` for `a.b.c`, where it is of ours."""
     parts = module.split(".")
-    if parts[0] in OURS and not f"{module}.".startswith(APART):
+    if parts[0] in OWN_PACKAGES and not f"{module}.".startswith(EXCLUDED_PREFIXES):
         yield from (".".join(parts[:length]) for length in range(1, len(parts) + 1))
 
 
 @lru_cache(maxsize=1024)
-def _asked(content: bytes, package: str) -> tuple[str, ...]:
+def _imported_modules(content: bytes, package: str) -> tuple[str, ...]:
     """The modules that a file may import: of `from a import b`, `a`, and `a.b`, which may be a module.
 
     Kept where a process reads a course again: most of its files are as they were.
     """
-    return tuple(_read_from(content, package))
+    return tuple(_parse_imports(content, package))
 
 
-def _read_from(content: bytes, package: str) -> Iterator[str]:
+def _parse_imports(content: bytes, package: str) -> Iterator[str]:
     try:
         tree = ast.parse(content)
     except (SyntaxError, ValueError):  # discovery has told of it
@@ -73,12 +73,12 @@ def _read_from(content: bytes, package: str) -> Iterator[str]:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            source = _source(node, package)
+            source = _source_module(node, package)
             yield source
             yield from (f"{source}.{alias.name}" for alias in node.names)
 
 
-def _source(node: ast.ImportFrom, package: str) -> str:
+def _source_module(node: ast.ImportFrom, package: str) -> str:
     if not node.level:
         return node.module or ""
     above = package.rsplit(".", node.level - 1)[0]

@@ -23,7 +23,7 @@ def read(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
     stills = folder.parent.glob(f"{MANIPULATIONS}/[!_.]*/figure.py")
     for path in sorted([*folder.glob("[!_.]*.py"), *stills]):
         try:
-            for drawing in _announced(path):
+            for drawing in _read_file(path):
                 if (other := drawings.get(drawing.name)) is not None:
                     raise _fault(path, drawing.line, f"figure « {drawing.name} » déjà dessinée dans {other.path.name}")
                 drawings[drawing.name] = drawing
@@ -36,20 +36,20 @@ def _fault(path: Path, line: int | None, message: str) -> CourseFault:
     return CourseFault(Problem(path, line, message))
 
 
-def _announced(path: Path) -> Iterator[Drawing]:
+def _read_file(path: Path) -> Iterator[Drawing]:
     try:
         tree = ast.parse(toml_file.read_text(path))
     except (SyntaxError, ValueError) as error:
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise _fault(path, line, f"ce fichier Python ne se compile pas ({error})") from error
-    table = next((value for node in tree.body if (value := _figures(node)) is not None), None)
+    table = next((value for node in tree.body if (value := _figures_value(node)) is not None), None)
     if not isinstance(table, ast.Dict):
         raise _fault(path, table.lineno if table else 1, f"il faut un dictionnaire écrit en toutes lettres : {SHAPE}")
     for key, value in zip(table.keys, table.values, strict=True):
         yield _drawing(path, key, value)
 
 
-def _figures(node: ast.stmt) -> ast.expr | None:
+def _figures_value(node: ast.stmt) -> ast.expr | None:
     """What is given to FIGURES, if that is what the statement does."""
     targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
     named = any(isinstance(target, ast.Name) and target.id == "FIGURES" for target in targets)

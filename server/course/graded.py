@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from graders.core.contract.protocol import Grader
     from graders.discovery import Discovery
 
-NOTHING_ANSWERED = "{}\n"
+NO_ANSWERS = "{}\n"
 STARTER, SOLUTION = "starter.py", "solution.py"
 
 
@@ -83,85 +83,85 @@ def read_graded(sources: Sources, path: Path, card: ExerciseFile) -> Graded:
     """Raises CourseFault, where it is not known that it is sound."""
     name = name_of(path)
     known = sources.known.get(name)
-    make = cache(partial(_grader, sources, path, card))
-    starter, solution = (NOTHING_ANSWERED, "") if known is None else _texts(sources, path, card)
+    make = cache(partial(_load_grader, sources, path, card))
+    starter, solution = (NO_ANSWERS, "") if known is None else _read_starter_and_solution(sources, path, card)
     if known is None:
         grader = make()
         if isinstance(grader, CodeGrader):
             starter = python_of(path / STARTER)
-            solution = _compiled(grader.solution, sources.graders(path) / SOLUTION)
-        known = _found(sources, path, card, grader)
+            solution = _check_compiles(grader.solution, sources.graders(path) / SOLUTION)
+        known = _exercise_facts(sources, path, card, grader)
     sources.found[name] = known
     return Graded(starter, solution, make, known)
 
 
-def _texts(sources: Sources, path: Path, card: ExerciseFile) -> tuple[str, str]:
+def _read_starter_and_solution(sources: Sources, path: Path, card: ExerciseFile) -> tuple[str, str]:
     """Starter and solution, which compile."""
     if card.kind == "answers":
-        return NOTHING_ANSWERED, ""
+        return NO_ANSWERS, ""
     return toml_file.read_text(path / STARTER), toml_file.read_text(sources.graders(path) / SOLUTION)
 
 
-def _found(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> Found:
-    kit = _kit(path, grader) if isinstance(grader, CodeGrader) else ""
-    ticked = _ticked(grader) if card.kind == "answers" else ()
+def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> Found:
+    kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
+    ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
     return Found(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
 
 
-def _ticked(grader: Grader) -> tuple[str, ...]:
+def _choice_question_ids(grader: Grader) -> tuple[str, ...]:
     from graders.core.answers.choice import ChoiceGrader
 
     return tuple(one.id for one in grader.questions) if isinstance(grader, ChoiceGrader) else ()
 
 
-def _grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:
+def _load_grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:
     makers: Mapping[str, Callable[[Sources, Path, ExerciseFile], Grader]]
-    makers = {"code": _code_grader, "answers": _answers_grader}
+    makers = {"code": _load_code_grader, "answers": _load_answers_grader}
     return makers[card.kind](sources, path, card)
 
 
-def _code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader:
+def _load_code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader:
     definition = sources.definition(path)
     if definition is None:
-        raise CourseFault(_no_grader(sources, path))
+        raise CourseFault(_missing_grader(sources, path))
     if not isinstance(definition, CodeDefinition):
-        raise CourseFault(_other_kind(path, card))
+        raise CourseFault(_wrong_kind(path, card))
     if not card.functions:
         raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
-    _same_functions(path / "exercise.toml", card, definition.judged_functions)
+    _check_functions_match(path / "exercise.toml", card, definition.judged_functions)
     try:
         return definition.bind([function.name for function in card.functions])
     except MalformedExerciseError as error:
         raise CourseFault(Problem(error.path, error.line, error.message)) from error
 
 
-def _kit(path: Path, grader: CodeGrader) -> str:
+def _kit_name(path: Path, grader: CodeGrader) -> str:
     kit = grader.kit(stream(0, "kit")).module
     if kit not in find_kits(path.parents[1]):
         raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
     return kit
 
 
-def _answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> AnswersGrader:
+def _load_answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> AnswersGrader:
     from server.course import questions
 
     definition = sources.definition(path)
     if isinstance(definition, CodeDefinition):
-        raise CourseFault(_other_kind(path, card))
+        raise CourseFault(_wrong_kind(path, card))
     if card.functions:
         raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
     sheet = questions.read(path / questions.FILE)
     if sheet.needs_grader and definition is None:
-        raise CourseFault(_no_grader(sources, path))
+        raise CourseFault(_missing_grader(sources, path))
     return sheet.bind(name_of(path), definition)
 
 
-def _other_kind(path: Path, card: ExerciseFile) -> Problem:
+def _wrong_kind(path: Path, card: ExerciseFile) -> Problem:
     message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
     return Problem(path / "exercise.toml", None, message)
 
 
-def _no_grader(sources: Sources, path: Path) -> Problem:
+def _missing_grader(sources: Sources, path: Path) -> Problem:
     folder = sources.graders(path)
     told = sources.discovery.problems if sources.discovery is not None else ()
     cause = next((problem for problem in told if problem.path.is_relative_to(folder)), None)
@@ -169,7 +169,7 @@ def _no_grader(sources: Sources, path: Path) -> Problem:
     return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
 
 
-def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
+def _check_functions_match(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
     announced = [function.name for function in card.functions]
     for name in sorted(judged ^ set(announced)):
         where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
@@ -178,10 +178,10 @@ def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> N
 
 def python_of(path: Path) -> str:
     """The text of a Python file. Raises CourseFault where it does not compile."""
-    return _compiled(toml_file.read_text(path), path)
+    return _check_compiles(toml_file.read_text(path), path)
 
 
-def _compiled(source: str, path: Path) -> str:
+def _check_compiles(source: str, path: Path) -> str:
     try:
         ast.parse(source)
     except (SyntaxError, ValueError) as error:

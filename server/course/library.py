@@ -68,7 +68,7 @@ class Library:
 
     @cached_property
     def labels(self) -> tuple[Labelled, ...]:
-        return tuple(_numbered(self.lessons))
+        return tuple(_numbered_labels(self.lessons))
 
     def _lessons(self) -> list[Lesson]:
         lessons: dict[str, Lesson] = {}
@@ -90,7 +90,7 @@ class Library:
             raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(BY_FOLDER)})"))
         if not re.fullmatch(SLUG, path.stem) or path.stem == GLOSSARY:
             raise CourseFault(Problem(path, None, "nom de page : minuscules sans accent, chiffres et tirets"))
-        card, body, line = _read(path)
+        card, body, line = _read_lesson_file(path)
         return Lesson(
             module=self.folder.name,
             slug=path.stem,
@@ -128,7 +128,7 @@ class Labelled:
     first: bool
 
 
-def _numbered(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
+def _numbered_labels(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
     """Labels in the order of the lessons, each kind counting for itself over the whole module."""
     counts: Counter[str] = Counter()
     owners: dict[str, str] = {}
@@ -173,16 +173,16 @@ def title_elsewhere(module: str, slug: str) -> str:
 
 def front_matter(path: Path) -> FrontMatter:
     """What a lesson says before its text. Raises CourseFault."""
-    return _read(path)[0]
+    return _read_lesson_file(path)[0]
 
 
-def _read(path: Path) -> tuple[FrontMatter, str, int]:
+def _read_lesson_file(path: Path) -> tuple[FrontMatter, str, int]:
     """Front matter, body, and the line of the body's first character."""
-    head, body, line = _split(path, toml_file.read_text(path))
+    head, body, line = _split_front_matter(path, toml_file.read_text(path))
     return toml_file.parse(head, path, FrontMatter, first_line=2), body, line
 
 
-def _split(path: Path, text: str) -> tuple[str, str, int]:
+def _split_front_matter(path: Path, text: str) -> tuple[str, str, int]:
     """Front matter, body, and the line of the body's first character."""
     lines = text.split("\n")
     if lines[0].rstrip() != FENCE:

@@ -20,7 +20,7 @@ from server.base.files import digest_files, walk_files, write_atomically
 
 log = logging.getLogger(__name__)
 
-OF_OURS = ("graders", "reference", "server/text", "server/course")
+READER_FOLDERS = ("graders", "reference", "server/text", "server/course")
 #: Its file, in the folder of the data.
 MEMORY = "course.json"
 LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments", "numpy", "scipy")
@@ -51,7 +51,7 @@ class Memory:
 
     def imports(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
         """What `read` finds in a file of this content, which stands in this package."""
-        key = hashlib.sha256(f"{_reader()}\0{package}\0".encode() + content).hexdigest()
+        key = hashlib.sha256(f"{_reader_version()}\0{package}\0".encode() + content).hexdigest()
         found = self._imports.get(key)
         self._used[key] = list(read()) if found is None else found
         return self._used[key]
@@ -82,12 +82,12 @@ class Memory:
 def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
     """The digest of all that a look at the texts depends on."""
     roots = [("curriculum", curriculum) for curriculum in curricula]
-    roots += [(name, root / name) for root in code for name in OF_OURS]
+    roots += [(name, root / name) for root in code for name in READER_FOLDERS]
     head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
     return digest_files([one for root in roots for one in walk_files(*root)], head.encode())
 
 
-def _reader() -> str:
+def _reader_version() -> str:
     """Whoever reads imports otherwise does not take these."""
     return f"1 {sys.version}"
 

@@ -31,12 +31,12 @@ def with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
         name = waiting.pop()
         paths = [room / module / "exercices" / name / "exercise.toml" for room in curricula]
         if name not in found:
-            waiting += [one for path in paths if path.is_file() for one in _said(path)]
+            waiting += [one for path in paths if path.is_file() for one in _declared_reuses(path)]
         found.add(name)
     return frozenset(f"{module}/{name}" for name in found)
 
 
-def _said(path: Path) -> list[str]:
+def _declared_reuses(path: Path) -> list[str]:
     """What an exercise says that it reuses; nothing where that cannot be read, which its own reading tells."""
     try:
         names = toml_file.load(toml_file.read_text(path), path).get("reuses", [])
@@ -55,16 +55,20 @@ def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem])
     for exercise in exercises:
         reuses, faults = _closure(exercise, named)
         problems += [_problem(folder, exercise, fault) for fault in faults]
-        made.append(_with(exercise, [named[slug] for slug in reuses]) if reuses and not faults else _without(exercise))
+        made.append(
+            _with_reused(exercise, [named[slug] for slug in reuses])
+            if reuses and not faults
+            else _without_reused(exercise)
+        )
     return made
 
 
-def _with(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
+def _with_reused(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
     head = "\0".join([exercise.version, *(f"{one.slug}\0{one.solution}" for one in reused)])
     return replace(exercise, reuses=tuple(one.slug for one in reused), version=digest_files([], head.encode()))
 
 
-def _without(exercise: Exercise) -> Exercise:
+def _without_reused(exercise: Exercise) -> Exercise:
     return replace(exercise, reuses=())
 
 
@@ -94,10 +98,10 @@ def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
 
 def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[LibraryFile, ...]:
     """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's."""
-    return tuple(_shelves(course.reused(exercise), own))
+    return tuple(_library_files(course.reused(exercise), own))
 
 
-def _shelves(reused: Iterable[Exercise], own: Own) -> Iterator[LibraryFile]:
+def _library_files(reused: Iterable[Exercise], own: Own) -> Iterator[LibraryFile]:
     for one in reused:
         functions = tuple(function.name for function in one.functions)
         file = own.get(one.id)

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from graders.discovery import Discovery
 
 T = TypeVar("T")
-NO_MODULE = "nom de module : des minuscules puis un nombre, comme « l20 » ; sa deuxième édition est « l20e2 »"
+MALFORMED_MODULE_NAME = (
+    "nom de module : des minuscules puis un nombre, comme « l20 » ; sa deuxième édition est « l20e2 »"
+)
 EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
@@ -76,16 +78,18 @@ def load(
     amiss = discovery.problems if discovery else courses.COURSES.problems
     problems = [Problem(one.path, one.line, one.message) for one in amiss]
     sources = Sources(curricula, roots, discovery, Imports(*roots, memory=memory), known)
-    modules = _each(problems, lambda path: _module(sources, path, problems, look, wanted), _modules(curricula, only))
+    modules = _build_all(
+        problems, lambda path: _load_module(sources, path, problems, look, wanted), _module_folders(curricula, only)
+    )
     modules.sort(key=lambda module: (module.order, module.slug))
-    problems.extend(_orphans(sources))
-    problems.extend(_same_kits(modules))
+    problems.extend(_graders_without_exercise(sources))
+    problems.extend(_duplicate_kits(modules))
     if checked:
         memory.keep("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 
 
-def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
+def _build_all(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
     """What `build` makes of each path; where it cannot, its problem is noted and the others go on."""
     built = []
     for path in paths:
@@ -96,37 +100,41 @@ def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]
     return built
 
 
-def _modules(curricula: Iterable[Path], only: str) -> list[Path]:
+def _module_folders(curricula: Iterable[Path], only: str) -> list[Path]:
     there = (path for curriculum in curricula for path in curriculum.iterdir() if path.is_dir())
     folders = sorted(path for path in there if not path.name.startswith((".", "__")))
     return [path for path in folders if not only or path.name == only.partition("/")[0]]
 
 
-def _exercises(module: Path, wanted: Collection[str] | None) -> list[Path]:
+def _exercise_folders(module: Path, wanted: Collection[str] | None) -> list[Path]:
     folder = module / "exercices"
     found = sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
     return [path for path in found if wanted is None or name_of(path) in wanted]
 
 
-def _module(
+def _load_module(
     sources: Sources, path: Path, problems: list[Problem], look: Look, wanted: Collection[str] | None
 ) -> Module:
     if not MODULE_SLUG.fullmatch(path.name):
-        raise CourseFault(Problem(path, None, NO_MODULE))
+        raise CourseFault(Problem(path, None, MALFORMED_MODULE_NAME))
     card = toml_file.read(path / "module.toml", ModuleFile)
     kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in find_kits(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
-    exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path, wanted))
+    exercises = _build_all(
+        problems, lambda folder: _load_exercise(sources, path, folder), _exercise_folders(path, wanted)
+    )
     exercises = reuse.closed(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
     library.questions.update(f"{one.slug}/{name}" for one in exercises for name in sources.found[one.id].ticked)
     if look is not Look.no:
-        exercises = [exercise for exercise in exercises if not _note(problems, _faults(exercise, look))]
-        _note(problems, library.check(formulas=look is Look.drawn))
-        _note(problems, _lost(path, exercises, library))
-        _note(problems, _of_card(path / "module.toml", card, library, formulas=look is Look.drawn))
+        exercises = [
+            exercise for exercise in exercises if not _add_problems(problems, _exercise_faults(exercise, look))
+        ]
+        _add_problems(problems, library.check(formulas=look is Look.drawn))
+        _add_problems(problems, _unknown_lessons(path, exercises, library))
+        _add_problems(problems, _module_file_problems(path / "module.toml", card, library, formulas=look is Look.drawn))
     return Module(
         slug=path.name,
         title=card.title,
@@ -152,14 +160,14 @@ def _module(
     )
 
 
-def _note(problems: list[Problem], new: Iterable[Problem]) -> bool:
+def _add_problems(problems: list[Problem], new: Iterable[Problem]) -> bool:
     """True where there were some."""
     before = len(problems)
     problems.extend(new)
     return len(problems) > before
 
 
-def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
+def _exercise_faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
         yield from problems_of(text, formulas=look is Look.drawn)
     if exercise.answers is not None:
@@ -169,7 +177,7 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
         yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
 
 
-def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
+def _unknown_lessons(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
     """Exercises that are said to follow a lesson that does not exist."""
     lessons = {lesson.slug for lesson in library.lessons}
     for exercise in exercises:
@@ -179,7 +187,7 @@ def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator
             yield Problem(path, line, f"« seance » : page inconnue « {exercise.seance} »")
 
 
-def _of_card(path: Path, card: ModuleFile, library: Library, *, formulas: bool) -> Iterator[Problem]:
+def _module_file_problems(path: Path, card: ModuleFile, library: Library, *, formulas: bool) -> Iterator[Problem]:
     """Its paths and its references, each of which may lead somewhere."""
     source = toml_file.read_text(path)
     for number, one in enumerate(card.paths):
@@ -191,7 +199,7 @@ def _of_card(path: Path, card: ModuleFile, library: Library, *, formulas: bool) 
         yield from problems_of(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)
 
 
-def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
+def _load_exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
@@ -219,7 +227,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         solution=graded.solution,
         make=graded.make,
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
-        hint_texts=_hints(path / "indices.md", sources.names),
+        hint_texts=_read_hints(path / "indices.md", sources.names),
         names=sources.names,
         version=graded.found.version,
         kit=graded.found.kit,
@@ -230,25 +238,27 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     )
 
 
-def _hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
+def _read_hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
     text = toml_file.read_text(path)
     titles = list(HINT_TITLE.finditer(text))
     if [title[1] for title in titles] != ["1", "2", "3"]:
         line = text[: titles[-1].start()].count("\n") + 1 if titles else 1
         raise CourseFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
     ends = [*(title.start() for title in titles[1:]), len(text)]
-    first, second, third = (_part(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True))
+    first, second, third = (
+        _hint_text(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True)
+    )
     return first, second, third
 
 
-def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:
+def _hint_text(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:
     line = text[:start].count("\n") + 1
     if not text[start:end].strip():
         raise CourseFault(Problem(path, line, "indice vide"))
     return Text(Source(text[start:end], path, line, names=names))
 
 
-def _orphans(sources: Sources) -> Iterator[Problem]:
+def _graders_without_exercise(sources: Sources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
     for name in sorted(sources.discovery.definitions if sources.discovery is not None else ()):
         module, slug = name.split("/")
@@ -256,7 +266,7 @@ def _orphans(sources: Sources) -> Iterator[Problem]:
             yield Problem(graders_of(sources.code, module, slug), None, f"ce correcteur n’a pas d’exercice « {name} »")
 
 
-def _same_kits(modules: list[Module]) -> Iterator[Problem]:
+def _duplicate_kits(modules: list[Module]) -> Iterator[Problem]:
     """Kits that two modules call the same: programs would find one for the other."""
     homes: dict[str, Path] = {}
     for module in modules:

@@ -18,20 +18,20 @@ TOML = Language(tree_sitter_toml.language())
 
 def line_of(text: str, location: Location) -> int:
     """The line (from 1) of the value at `location`, or of the innermost table that is there and should hold it."""
-    lines = _places(text).lines
-    return next((lines[place] for place in _outwards(location) if place in lines), 1)
+    lines = _line_index(text).lines
+    return next((lines[place] for place in _prefixes(location) if place in lines), 1)
 
 
 def first_line_of(text: str, location: Location) -> int:
     """The line on which a string's own text begins: below the quotes, where a line end follows them."""
-    return _places(text).texts[location]
+    return _line_index(text).texts[location]
 
 
-def _outwards(location: Location) -> Iterator[Location]:
+def _prefixes(location: Location) -> Iterator[Location]:
     return (location[:length] for length in range(len(location), 0, -1))
 
 
-class _Places:
+class _LineIndex:
     """The line of each table, key and item, and of the text of each string."""
 
     def __init__(self, tree: Tree) -> None:
@@ -84,7 +84,7 @@ class _Places:
             self.texts[location] = node.start_point.row + 1 + below
 
     def _note(self, location: Location, node: Node) -> None:
-        for place in _outwards(location):
+        for place in _prefixes(location):
             self.lines.setdefault(place, node.start_point.row + 1)
 
 
@@ -100,5 +100,5 @@ def _names(key: Node) -> list[str]:
 
 
 @lru_cache(maxsize=64)
-def _places(text: str) -> _Places:
-    return _Places(Parser(TOML).parse(text.encode()))
+def _line_index(text: str) -> _LineIndex:
+    return _LineIndex(Parser(TOML).parse(text.encode()))

@@ -21,7 +21,7 @@ from server.course.closure import Imports
 from server.course.schemas import ExerciseFile
 
 GRADER = "grader"
-IN_THE_COURSE = ("misconceptions.toml", "questions.toml")
+COURSE_FILES = ("misconceptions.toml", "questions.toml")
 SPECIMENS = "specimens"
 MISTAKES = "misconceptions"
 NOT_DATA = {".py", ".md"}
@@ -31,7 +31,7 @@ EQUIVALENTS = "equivalents.toml"
 def version(imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
     """See the head of this file. `folder` is the exercise's, in the course; `code` are the folders that hold graders;
     `kit` is the name of what its programs find."""
-    return digest_files(grading_files(imports, code, folder, card, grader, kit), _asked(card))
+    return digest_files(grading_files(imports, code, folder, card, grader, kit), _graded_fields(card))
 
 
 def grading_files(
@@ -42,11 +42,11 @@ def grading_files(
     graders = graders_of(code, module, folder.name)
     described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
-    yield from (named for named in walk_files(GRADER, graders) if _decides(named[1].relative_to(graders)))
+    yield from (named for named in walk_files(GRADER, graders) if _affects_verdict(named[1].relative_to(graders)))
     if card.kind == "code":
-        yield from _kit(find_kits(folder.parents[1])[kit])
+        yield from _kit_files(find_kits(folder.parents[1])[kit])
     else:
-        yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
+        yield from ((name, folder / name) for name in COURSE_FILES if (folder / name).is_file())
 
 
 def graders_of(code: Sequence[Path], module: str, slug: str) -> Path:
@@ -55,17 +55,17 @@ def graders_of(code: Sequence[Path], module: str, slug: str) -> Path:
     return next((folder for folder in folders if folder.is_dir()), folders[0])
 
 
-def _kit(files: Files) -> Iterator[tuple[str, Path]]:
+def _kit_files(files: Files) -> Iterator[tuple[str, Path]]:
     """A kit of one file is known without its name, which is the module's."""
     yield from ((f"kit/{place}" if len(files) > 1 else "kit", path) for place, path in files.items())
 
 
-def _asked(card: ExerciseFile) -> bytes:
+def _graded_fields(card: ExerciseFile) -> bytes:
     functions = [(function.name, function.signature) for function in card.functions]
     return json.dumps([card.kind, functions, card.limits.overrides()], sort_keys=True).encode()
 
 
-def _decides(relative: Path) -> bool:
+def _affects_verdict(relative: Path) -> bool:
     """Whether a file of a grader's folder does, that it does not import."""
     if relative.parts[0] in {SPECIMENS, MISTAKES}:
         return relative.parts[0] == MISTAKES

@@ -29,13 +29,13 @@ class Places:
 
     def relative(self, page: str, place: str) -> str:
         """The html of a page that is written with addresses, for the place where it will stand."""
-        return ADDRESS.sub(lambda found: self._written(found[1], html.unescape(found[2]), place), page)
+        return ADDRESS.sub(lambda found: self._rewrite_attribute(found[1], html.unescape(found[2]), place), page)
 
-    def _written(self, name: str, address: str, place: str) -> str:
-        target = self._place(address)
+    def _rewrite_attribute(self, name: str, address: str, place: str) -> str:
+        target = self._archive_path(address)
         return f'{name}="{html.escape(posixpath.relpath(target, posixpath.dirname(place) or "."))}"'
 
-    def _place(self, address: str) -> str:
+    def _archive_path(self, address: str) -> str:
         """Where it leads, with the place in the page."""
         if address.startswith(f"{self.static}/"):
             name = address.removeprefix(f"{self.static}/")

@@ -29,10 +29,10 @@ log = logging.getLogger(__name__)
 #: Whose turns the figures of archives are drawn in.
 ADDRESS = "archive"
 #: Seconds that an archive may take in all; a module of the course takes about thirty.
-PATIENCE = 900.0
+ARCHIVE_TIMEOUT = 900.0
 #: Seconds between two tries for a figure, while there is no room in the queue.
-PAUSE = 5.0
-KEPT = re.compile(rf"(?P<module>{MODULE})-[0-9a-f]+\.zip")
+RETRY_SECONDS = 5.0
+ARCHIVE_NAME = re.compile(rf"(?P<module>{MODULE})-[0-9a-f]+\.zip")
 
 
 @dataclass
@@ -93,10 +93,10 @@ class Archives:
 
     async def _make(self, module: Module, path: Path) -> None:
         try:
-            async with self._one_at_a_time, asyncio.timeout(PATIENCE):
+            async with self._one_at_a_time, asyncio.timeout(ARCHIVE_TIMEOUT):
                 pictures = await self._pictures(module)
                 made = await run_in_threadpool(site.archive, self._course, module, pictures, self._downloads)
-                await run_in_threadpool(_keep, path, module.slug, made)
+                await run_in_threadpool(_save_archive, path, module.slug, made)
         except Exception:  # whatever an author's drawing or replay raises: it is told to who asks, and noted here
             log.exception("the archive of %s could not be made", module.slug)
             self._making[module.slug].failed = True
@@ -118,15 +118,15 @@ class Archives:
             try:
                 return await self._figures.draw_lesson_figure(module, name, theme, ADDRESS)
             except Overloaded:
-                await asyncio.sleep(PAUSE)
+                await asyncio.sleep(RETRY_SECONDS)
 
 
-def _keep(path: Path, module: str, made: bytes) -> None:
+def _save_archive(path: Path, module: str, made: bytes) -> None:
     """All of it or nothing; earlier versions of the module's make room."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     write_atomically(path, made)
     for other in path.parent.iterdir():
-        kept = KEPT.fullmatch(other.name)
+        kept = ARCHIVE_NAME.fullmatch(other.name)
         if kept and kept["module"] == module and other != path:
             with suppress(OSError):
                 other.unlink()

@@ -33,7 +33,7 @@ THEMES: tuple[Theme, ...] = ("light", "dark")
 #: What of the front end the pages of an archive may ask for; style sheets ask for the rest by themselves.
 STYLES = ("css", "katex", "img")
 SCRIPTS = ("js/theme.js", "js/offline.js")
-NOT_FOR_READING = {".js"}
+EXCLUDED_SUFFIXES = {".js"}
 
 
 def version(module: Module) -> str:
@@ -83,7 +83,7 @@ class Site:
     def files(self) -> dict[str, bytes]:
         """By their places in the archive."""
         made = {place: self._places.relative(page, place).encode() for place, page in self._pages()}
-        return {**made, **dict(self._brought()), **_static()}
+        return {**made, **dict(self._assets()), **_static_files()}
 
     def _addresses(self) -> Iterator[tuple[str, str]]:
         """The address of everything that the archive holds, and its place there."""
@@ -99,7 +99,7 @@ class Site:
             yield f"/{slug}/figures/{name}.svg?theme={theme}", f"figures/{name}-{theme}.svg"
         for name in self._replays():
             yield f"/{slug}/rejeux/{name}", f"rejeux/{name}.js"
-        for name in self._hands():
+        for name in self._manipulations():
             yield f"/{slug}/manipulations/{name}", f"manipulations/{name}.js"
         for name in self._module.files:
             yield f"/{slug}/fichiers/{name}.zip", f"fichiers/{name}.zip"
@@ -111,7 +111,7 @@ class Site:
             return []
         return list(dict.fromkeys(name for lesson in self._shown for name in lesson.replays))
 
-    def _hands(self) -> list[str]:
+    def _manipulations(self) -> list[str]:
         """The manipulations that ask nothing of the service but what they begin with."""
         if self._on_paper:
             return []
@@ -155,43 +155,43 @@ class Site:
             file=f"{exercise.slug}.py",
         )
 
-    def _brought(self) -> Iterator[tuple[str, bytes]]:
+    def _assets(self) -> Iterator[tuple[str, bytes]]:
         """What pages show or give, and is no page."""
         slug = self._module.slug
         for (name, theme), picture in self._pictures.items():
             yield f"figures/{name}-{theme}.svg", picture
         for name in self._replays():
-            yield f"rejeux/{name}.js", self._scene(name)
-        for name in self._hands():
-            yield f"manipulations/{name}.js", self._follower(name)
+            yield f"rejeux/{name}.js", self._replay_script(name)
+        for name in self._manipulations():
+            yield f"manipulations/{name}.js", self._manipulation_script(name)
         for name in self._module.files:
             yield f"fichiers/{name}.zip", self._downloads.archive(slug, name)
         if slug in self._module.kits:
             yield f"{slug}.py", "".join(self._module.kits[slug].values()).encode()
 
-    def _scene(self, name: str) -> bytes:
+    def _replay_script(self, name: str) -> bytes:
         """A replay as a script, as a folder's page may not fetch: as it begins, and as its prediction plays it."""
         script = self._scripts.find(self._module.slug, name)
         asked = script.prediction.settings if script.prediction else {}
         settings = [{}, dict(asked)] if asked else [{}]
-        scenes = {_compact(sorted(one.items())): script.run(script.read(one.items())) for one in settings}
-        return f"globalThis.baliseScenes[{json.dumps(name)}] = {_compact(scenes)};\n".encode()
+        scenes = {_compact_json(sorted(one.items())): script.run(script.read(one.items())) for one in settings}
+        return f"globalThis.baliseScenes[{json.dumps(name)}] = {_compact_json(scenes)};\n".encode()
 
-    def _follower(self, name: str) -> bytes:
+    def _manipulation_script(self, name: str) -> bytes:
         """A manipulation as a script: what it begins with, and its own scripts as texts."""
         begins = self._scripts.find_manipulation(self._module.slug, name)
         brought = {"scene": begins.run(begins.read([])), "scripts": self._scripts.scripts(self._module.slug, name)}
-        return f"globalThis.baliseHands[{json.dumps(name)}] = {_compact(brought)};\n".encode()
+        return f"globalThis.baliseHands[{json.dumps(name)}] = {_compact_json(brought)};\n".encode()
 
 
-def _compact(value: Any) -> str:
+def _compact_json(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
-def _static() -> dict[str, bytes]:
+def _static_files() -> dict[str, bytes]:
     """Style sheets and what they ask for; scripts where they were built, as a folder's modules are refused."""
     root = assets.static_folder()
-    styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in NOT_FOR_READING]
+    styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in EXCLUDED_SUFFIXES]
     scripts = [root / name for name in SCRIPTS] if assets.is_built() else []
     wanted = [path for path in (*styles, *scripts) if path.is_file()]
     return {f"static/{path.relative_to(root).as_posix()}": path.read_bytes() for path in wanted}

@@ -22,16 +22,16 @@ from server.course.models import Lesson, Term
 from server.reading.schemas import HitView
 from server.reading.vocabulary import WORD, Vocabulary, spelt
 
-MOST_HITS = 30
-MOST_LETTERS, MOST_WORDS = 200, 8  # what is read of a query
+MAX_HITS = 30
+MAX_QUERY_LENGTH, MAX_QUERY_WORDS = 200, 8  # the rest of a query is ignored
 TITLE_WEIGHT, NAME_WEIGHT = 6.0, 20.0
 WORDS_AROUND = 26
-MOST_PHRASES = 60  # ways to write the words of a query next to one another that are looked for
+MAX_PHRASES = 60  # combinations of word forms searched as a phrase
 #: How a numbered block begins, « Théorème 1 : », where others only speak of it.
 NUMBERED = re.compile(r"\b[A-ZÉ]\w+\u00a0\d+(?= :)")
-ON, OFF = "\x02", "\x03"
+MARK_START, MARK_END = "\x02", "\x03"
 #: Words that say nothing by themselves, and what an apostrophe leaves of them.
-SMALL = {
+STOP_WORDS = {
     "a", "au", "aux", "avec", "ce", "ces", "d", "dans", "de", "des", "du", "elle", "en", "est", "et", "il", "j",
     "l", "la", "le", "les", "leur", "m", "n", "ne", "nous", "on", "ou", "par", "pas", "pour", "qu", "que",
     "qui", "quoi", "s", "sa", "se", "ses", "son", "sont", "sur", "t", "un", "une", "vous", "y",
@@ -81,59 +81,62 @@ class Index:
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
         options = "tokenize = 'unicode61 remove_diacritics 2'"
         self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")
-        rows = ((number, passage.part, _clean(passage.text), passage.names) for number, passage in enumerate(passages))
+        rows = (
+            (number, passage.part, _without_marks(passage.text), passage.names)
+            for number, passage in enumerate(passages)
+        )
         self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
 
-    def find(self, query: str, most: int = MOST_HITS) -> Found:
+    def find(self, query: str, most: int = MAX_HITS) -> Found:
         asked = words(query)
         if not asked:
             return Found()
-        mended = {word: self._mended(word) for word in asked}
-        hits = self._ranked([self._kin(word) for word in mended.values()], [*mended.values()], most)
+        mended = {word: self._corrected(word) for word in asked}
+        hits = self._ranked_hits([self._alternatives(word) for word in mended.values()], [*mended.values()], most)
         changed = any(word != instead for word, instead in mended.items())
         return Found(hits, " ".join(mended.values()) if changed and hits else "")
 
-    def _mended(self, word: str) -> str:
+    def _corrected(self, word: str) -> str:
         return word if self._vocabulary.knows(word) else self._vocabulary.mended(word) or word
 
-    def _kin(self, word: str) -> list[str]:
+    def _alternatives(self, word: str) -> list[str]:
         """Each word as FTS5 takes it; the first is meant as a beginning, and FTS5 does not take ligatures apart."""
         kin = self._vocabulary.kin(word) if _has_forms(word) else []
-        ligature = [_beginning(word.replace("oe", "œ"))] if "oe" in word else []
-        return [_beginning(word), *ligature, *(f'"{one}"' for one in kin if one != word)]
+        ligature = [_prefix_term(word.replace("oe", "œ"))] if "oe" in word else []
+        return [_prefix_term(word), *ligature, *(f'"{one}"' for one in kin if one != word)]
 
-    def _family(self, word: str, kin: Sequence[str]) -> str:
+    def _family_query(self, word: str, kin: Sequence[str]) -> str:
         """Whatever begins as the words of its family do."""
         beginnings = self._vocabulary.beginnings(word) if _has_forms(word) else []
-        return _any([*kin, *map(_beginning, beginnings)])
+        return _or_query([*kin, *map(_prefix_term, beginnings)])
 
-    def _ranked(self, kin: list[list[str]], terms: list[str], most: int) -> tuple[HitView, ...]:
-        phrases = _any([" + ".join(phrase) for phrase in islice(product(*kin), MOST_PHRASES)])
-        every = " AND ".join(map(_any, kin))
-        family = " AND ".join(self._family(word, alike) for word, alike in zip(terms, kin, strict=True))
+    def _ranked_hits(self, kin: list[list[str]], terms: list[str], most: int) -> tuple[HitView, ...]:
+        phrases = _or_query([" + ".join(phrase) for phrase in islice(product(*kin), MAX_PHRASES)])
+        every = " AND ".join(map(_or_query, kin))
+        family = " AND ".join(self._family_query(word, alike) for word, alike in zip(terms, kin, strict=True))
         hits: dict[int, HitView] = {}
         for match in dict.fromkeys((phrases, every, family)):
             if len(hits) >= most:
                 break  # what comes later only follows
             hits = hits | {place: hit for place, hit in self._hits(match, most).items() if place not in hits}
-        return tuple((hits or self._hits(" OR ".join(map(_any, kin)), most)).values())[:most]
+        return tuple((hits or self._hits(" OR ".join(map(_or_query, kin)), most)).values())[:most]
 
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
         rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {NAME_WEIGHT}), rowid"
         statement = f"""
-            SELECT rowid, snippet(passages, 1, '{ON}', '{OFF}', '…', {WORDS_AROUND})
+            SELECT rowid, snippet(passages, 1, '{MARK_START}', '{MARK_END}', '…', {WORDS_AROUND})
             FROM passages WHERE passages MATCH ? ORDER BY {rank} LIMIT ?
         """
         with self._lock:
             rows = self._table.execute(statement, (match, most)).fetchall()
-        return {number: _hit(self._passages[number], snippet) for number, snippet in rows}
+        return {number: _hit_view(self._passages[number], snippet) for number, snippet in rows}
 
 
 def words(query: str) -> tuple[str, ...]:
     """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
-    all_words = list(dict.fromkeys(WORD.findall(spelt(query[:MOST_LETTERS]))))
-    telling = [word for word in all_words if word not in SMALL] or all_words
-    return tuple(telling[:MOST_WORDS])
+    all_words = list(dict.fromkeys(WORD.findall(spelt(query[:MAX_QUERY_LENGTH]))))
+    telling = [word for word in all_words if word not in STOP_WORDS] or all_words
+    return tuple(telling[:MAX_QUERY_WORDS])
 
 
 def _has_forms(word: str) -> bool:
@@ -141,37 +144,37 @@ def _has_forms(word: str) -> bool:
     return not word.isdigit() and len(word) > 1
 
 
-def _beginning(word: str) -> str:
+def _prefix_term(word: str) -> str:
     return f'"{word}"*' if _has_forms(word) else f'"{word}"'
 
 
-def _any(terms: Sequence[str]) -> str:
+def _or_query(terms: Sequence[str]) -> str:
     return f"({' OR '.join(dict.fromkeys(terms))})"
 
 
-def _hit(passage: Passage, snippet: str) -> HitView:
-    marked = str(escape(snippet)).replace(ON, "<mark>").replace(OFF, "</mark>")
+def _hit_view(passage: Passage, snippet: str) -> HitView:
+    marked = str(escape(snippet)).replace(MARK_START, "<mark>").replace(MARK_END, "</mark>")
     return HitView(passage.href, passage.label, passage.title, passage.part, Markup(marked))
 
 
-def _clean(text: str) -> str:
-    return text.replace(ON, " ").replace(OFF, " ").replace("\0", " ")
+def _without_marks(text: str) -> str:
+    return text.replace(MARK_START, " ").replace(MARK_END, " ").replace("\0", " ")
 
 
 def _passages(module: Module) -> Iterator[Passage]:
     for term in module.glossary.values():
-        yield _of_term(module, term)
+        yield _term_passage(module, term)
     for lesson in module.lessons:
-        yield from _of_lesson(lesson)
+        yield from _lesson_passages(lesson)
     for exercise in module.exercises:
-        yield _of_exercise(exercise)
+        yield _exercise_passage(exercise)
 
 
-def _of_term(module: Module, term: Term) -> Passage:
+def _term_passage(module: Module, term: Term) -> Passage:
     return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text, term.id)
 
 
-def _of_lesson(lesson: Lesson) -> Iterator[Passage]:
+def _lesson_passages(lesson: Lesson) -> Iterator[Passage]:
     href = f"/{lesson.module}/lire/{lesson.slug}"
     above = " ".join(section.text for section in lesson.sections if not section.id)
     if lesson.solution:  # what it tells is not given away here
@@ -185,7 +188,7 @@ def _of_lesson(lesson: Lesson) -> Iterator[Passage]:
             yield Passage(place, lesson.label, lesson.title, section.title, section.text, numbered)
 
 
-def _of_exercise(exercise: Exercise) -> Passage:
+def _exercise_passage(exercise: Exercise) -> Passage:
     text = " ".join(f"{section.title} {section.text}" for section in exercise.statement.sections)
     href = f"/{exercise.module}/exercices/{exercise.slug}"
     return Passage(href, "Exercice", "", exercise.title, f"{french(exercise.summary)} {text}", exercise.slug)

@@ -52,11 +52,11 @@ from server.web.views import (
 )
 from server.web.words import plural
 
-DEEPEST = 3  # level of the smallest headings in a table of contents
+MAX_HEADING_LEVEL = 3  # in a table of contents
 QUESTION = re.compile(r'<section class="asked" id="[^"]*" data-question="([^"]+)">')
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
-HOUR = 60
-EXAMPLES = 4  # words proposed to one who has not found, or not looked yet
+MINUTES_PER_HOUR = 60
+EXAMPLE_COUNT = 4  # suggested words on an empty search
 
 
 def find_lesson(module: Module, slug: str) -> Lesson:
@@ -81,10 +81,12 @@ def home_view(
 
     `others` are the addresses of modules, by their numbers.
     """
-    rows = _rows(exercises_in_reading_order(module), progress)
+    rows = _rows_by_slug(exercises_in_reading_order(module), progress)
     way = lessons_in_reading_order(module)
     sessions = tuple(
-        _session(module, lesson, _following(module, rows, lesson)) for lesson in way if lesson.kind is SEANCE
+        _session_card(module, lesson, _exercise_rows_after(module, rows, lesson))
+        for lesson in way
+        if lesson.kind is SEANCE
     )
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
@@ -105,7 +107,7 @@ def home_view(
         objectives=module.objectives,
         references=tuple(Markup(line(one, module.names)) for one in module.references),
         paths=tuple(PathView(one.title, one.summary, f"/{module.slug}/lire/{one.page}") for one in module.paths),
-        start=_link(way[0]) if way else None,
+        start=_lesson_link(way[0]) if way else None,
         resumed=next_exercise(tuple(rows.values())),
         sessions=sessions,
         shelves=tuple(_shelves(way)),
@@ -119,12 +121,12 @@ def home_view(
     )
 
 
-def _rows(exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]) -> dict[str, ExerciseRow]:
+def _rows_by_slug(exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
     return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
 
 
-def _following(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:
+def _exercise_rows_after(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:
     return tuple(rows[exercise.slug] for exercise in exercises_after(module, lesson))
 
 
@@ -133,11 +135,11 @@ def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
     return [exercise for exercise in module.exercises if exercise.seance == lesson.slug]
 
 
-def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
-    return SessionCard(_link(lesson), _ornament(module, lesson), exercises)
+def _session_card(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
+    return SessionCard(_lesson_link(lesson), _session_figure(module, lesson), exercises)
 
 
-def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
+def _session_figure(module: Module, lesson: Lesson) -> FigureView | None:
     """The séance's first drawing, without its description, which stands in the lesson itself."""
     name = next((figure for figure in lesson.figures if figure in module.drawings), None)
     if name is None:
@@ -148,12 +150,12 @@ def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
 
 def _shelves(way: Sequence[Lesson]) -> Iterator[Shelf]:
     for kind in KINDS:
-        lessons = tuple(_link(lesson) for lesson in way if lesson.kind is kind)
+        lessons = tuple(_lesson_link(lesson) for lesson in way if lesson.kind is kind)
         if lessons and kind.shelf:
             yield Shelf(kind.name, kind.shelf, lessons)
 
 
-def _link(lesson: Lesson) -> LessonLink:
+def _lesson_link(lesson: Lesson) -> LessonLink:
     return LessonLink(
         slug=lesson.slug,
         href=lesson_href(lesson),
@@ -168,7 +170,7 @@ def _link(lesson: Lesson) -> LessonLink:
 
 def duration(minutes: int) -> str:
     """« 45 min », « 2 h », « 1 h 30 »; nothing for zero."""
-    hours, rest = divmod(minutes, HOUR)
+    hours, rest = divmod(minutes, MINUTES_PER_HOUR)
     if not hours:
         return f"{rest}\u00a0min" if rest else ""
     return f"{hours}\u00a0h\u00a0{rest:02}" if rest else f"{hours}\u00a0h"
@@ -204,10 +206,10 @@ def lesson_view(
         html=_with_questions(module, lesson, heard=said is not None) if shown else Markup(),
         said=json.dumps(dict(said or {}), ensure_ascii=False),
         contents=contents(lesson) if shown else (),
-        exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
-        terms=_terms(module, lesson) if shown else (),
-        previous=_link(way[place - 1]) if place else None,
-        following=_link(way[place + 1]) if place + 1 < len(way) else None,
+        exercises=tuple(_rows_by_slug(exercises_after(module, lesson), progress).values()),
+        terms=_linked_terms(module, lesson) if shown else (),
+        previous=_lesson_link(way[place - 1]) if place else None,
+        following=_lesson_link(way[place + 1]) if place + 1 < len(way) else None,
         gate=gate,
     )
 
@@ -229,7 +231,7 @@ def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
 @lru_cache(maxsize=512)
 def contents(lesson: Lesson) -> tuple[Entry, ...]:
     """The lesson's headings as a tree of two levels."""
-    headings = [heading for heading in lesson.headings if heading.level <= DEEPEST]
+    headings = [heading for heading in lesson.headings if heading.level <= MAX_HEADING_LEVEL]
     top = min((heading.level for heading in headings), default=0)
     tree: list[tuple[Heading, list[Heading]]] = []
     for heading in headings:
@@ -237,21 +239,24 @@ def contents(lesson: Lesson) -> tuple[Entry, ...]:
             tree.append((heading, []))
         elif tree:
             tree[-1][1].append(heading)
-    return tuple(_entry(heading, tuple(_entry(subheading, ()) for subheading in below)) for heading, below in tree)
+    return tuple(
+        _contents_entry(heading, tuple(_contents_entry(subheading, ()) for subheading in below))
+        for heading, below in tree
+    )
 
 
-def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
+def _contents_entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
     return Entry(heading.id, Markup(heading.html), below)
 
 
 @lru_cache(maxsize=512)
-def _terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
+def _linked_terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
     """The words that the lesson links to the glossary, each once."""
     names = dict.fromkeys(TERM_LINK.findall(lesson.html))
-    return tuple(_term(module, module.glossary[name]) for name in names)
+    return tuple(_term_view(module, module.glossary[name]) for name in names)
 
 
-def _term(module: Module, term: Term) -> TermView:
+def _term_view(module: Module, term: Term) -> TermView:
     lesson = next((lesson for lesson in module.lessons if lesson.slug == term.page), None)
     href, where = (lesson_href(lesson), lesson.title) if lesson else ("", "")
     return TermView(term.id, term.word, Markup(term.html), href, where)
@@ -266,7 +271,7 @@ def glossary_page(module: Module) -> GlossaryPage:
 
 @lru_cache(maxsize=32)
 def _letters(module: Module) -> tuple[Letter, ...]:
-    terms = sorted((_term(module, term) for term in module.glossary.values()), key=lambda term: plain(term.word))
+    terms = sorted((_term_view(module, term) for term in module.glossary.values()), key=lambda term: plain(term.word))
     groups = groupby(terms, key=lambda term: plain(term.word)[:1].upper())
     return tuple(Letter(letter, tuple(group)) for letter, group in groups)
 
@@ -284,4 +289,4 @@ def search_page(module: Module, query: str) -> SearchPage:
 
 def _examples(module: Module) -> tuple[str, ...]:
     words = [term.word for term in module.glossary.values()]
-    return tuple(words[:: max(1, len(words) // EXAMPLES)][:EXAMPLES])
+    return tuple(words[:: max(1, len(words) // EXAMPLE_COUNT)][:EXAMPLE_COUNT])

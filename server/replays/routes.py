@@ -17,8 +17,8 @@ from server.base.http import client_address, error_document, problem_response
 from server.replays.service import Answer, Replays, Script
 from server.web.rendering import with_etag
 
-MOST_WAITING = 32  # with the one that is computed
-GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
+MAX_WAITING = 32  # requests, the running one included
+CLIENT_CLOSED_REQUEST = 499  # the client has closed the connection: nobody reads this answer
 router = APIRouter(include_in_schema=False)
 
 
@@ -27,7 +27,7 @@ class Desk:
 
     def __init__(self, replays: Replays) -> None:
         self.replays = replays
-        self._turns = FairLimiter(1, MOST_WAITING - 1)
+        self._turns = FairLimiter(1, MAX_WAITING - 1)
 
     async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
         """None when the reader has left in the meantime. Raises TooMany."""
@@ -52,12 +52,12 @@ DeskOf = Annotated[Desk, Depends(app_service(Desk))]
 
 @router.get("/{module}/rejeux/{name}")
 async def replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
-    return await _answered(request, desk, desk.replays.find, module, name)
+    return await _respond(request, desk, desk.replays.find, module, name)
 
 
 @router.get("/{module}/manipulations/{name}")
 async def manipulation(request: Request, desk: DeskOf, module: str, name: str) -> Response:
-    return await _answered(request, desk, desk.replays.find_manipulation, module, name)
+    return await _respond(request, desk, desk.replays.find_manipulation, module, name)
 
 
 @router.get("/{module}/manipulations/{name}/{file}")
@@ -66,7 +66,7 @@ async def manipulation_script(request: Request, desk: DeskOf, module: str, name:
     return with_etag(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
 
 
-async def _answered(
+async def _respond(
     request: Request, desk: Desk, find: Callable[[str, str], Script], module: str, name: str
 ) -> Response:
     try:
@@ -74,10 +74,10 @@ async def _answered(
         answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
     except ServiceError as error:
         return problem_response(error_document(request, error), error.headers)
-    return Response(status_code=GONE) if answer is None else _sent(request, answer)
+    return Response(status_code=CLIENT_CLOSED_REQUEST) if answer is None else _answer_response(request, answer)
 
 
-def _sent(request: Request, answer: Answer) -> Response:
+def _answer_response(request: Request, answer: Answer) -> Response:
     tag = f'"{answer.tag}"'
     headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
     if request.headers.get("if-none-match") == tag:

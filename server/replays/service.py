@@ -28,12 +28,12 @@ from server.course.editions import MODULE_SLUG
 
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 MEMORY_BYTES = 32 * 1024 * 1024
-LONGEST_VALUE = 80  # characters, where a parameter does not say otherwise
+MAX_VALUE_LENGTH = 80  # characters, where a parameter does not say otherwise
 FILE = re.compile(r"[a-z]+(-[a-z]+)*\.js")
 NO_REPLAY = "Cette animation n’existe pas."
 NO_MANIPULATION = "Cette manipulation n’existe pas."
 #: How a manipulation's script asks for a film of its own settings (`run`, in manipulations/bench.js).
-HAS_IT_COMPUTED = re.compile(r"\bbench\.run\(")
+RUN_CALL = re.compile(r"\bbench\.run\(")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +52,10 @@ class Script:
         given: dict[str, Value] = {}
         for name, text in query:
             if name not in self.parameters:
-                raise Invalid(f"Réglage inconnu : « {name[:LONGEST_VALUE]} ».")
+                raise Invalid(f"Réglage inconnu : « {name[:MAX_VALUE_LENGTH]} ».")
             if name in given:
                 raise Invalid(f"Le réglage « {name} » est donné deux fois.")
-            if len(text) > getattr(self.parameters[name], "longest", LONGEST_VALUE):
+            if len(text) > getattr(self.parameters[name], "longest", MAX_VALUE_LENGTH):
                 raise Invalid(f"Réglage « {name} » : valeur trop longue.")
             try:
                 given[name] = self.parameters[name].read(text)
@@ -99,13 +99,13 @@ class Replays:
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""
-        return names_in(self._home(module)) if MODULE_SLUG.fullmatch(module) else ()
+        return names_in(self._module_folder(module)) if MODULE_SLUG.fullmatch(module) else ()
 
     def find(self, module: str, name: str) -> Script:
         """Raises NotFound."""
         if name not in self.names(module):
             raise NotFound(NO_REPLAY)
-        return load(self._home(module), name)
+        return load(self._module_folder(module), name)
 
     def find_manipulation(self, module: str, name: str) -> Script:
         """What a manipulation starts from, or what it asks to have computed. Raises NotFound."""
@@ -125,34 +125,34 @@ class Replays:
 
     def stands_alone(self, module: str, name: str) -> bool:
         """Whether its scripts have nothing computed here once it has begun. Raises NotFound."""
-        return not any(HAS_IT_COMPUTED.search(text) for text in self.scripts(module, name).values())
+        return not any(RUN_CALL.search(text) for text in self.scripts(module, name).values())
 
     def manipulations(self, module: str) -> tuple[str, ...]:
         """The manipulations of a module, as addresses name them."""
         if not MODULE_SLUG.fullmatch(module):
             return ()
-        scenes = sorted((self._home(module) / MANIPULATIONS).glob("*/scene.py"))
+        scenes = sorted((self._module_folder(module) / MANIPULATIONS).glob("*/scene.py"))
         return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))
 
     def _manipulation(self, module: str, name: str) -> Path:
         if name not in self.manipulations(module):
             raise NotFound(NO_MANIPULATION)
-        return self._home(module) / MANIPULATIONS / name
+        return self._module_folder(module) / MANIPULATIONS / name
 
-    def _home(self, module: str) -> Path:
+    def _module_folder(self, module: str) -> Path:
         return self._curriculum / module if self._curriculum else module_folder(module)
 
     def remembered(self, script: Script, values: Values) -> Answer | None:
-        return self._answers.get(_key(script, values))
+        return self._answers.get(_cache_key(script, values))
 
     def compute(self, script: Script, values: Values) -> Answer:
         """Slow (tenths of a second): call it in a thread, one at a time."""
         body = json.dumps(script.run(values), ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
         answer = Answer(gzip.compress(body, 6, mtime=0), hashlib.sha256(body).hexdigest()[:24])
-        return self._answers.put(_key(script, values), answer)
+        return self._answers.put(_cache_key(script, values), answer)
 
 
-def _key(script: Script, values: Values) -> Key:
+def _cache_key(script: Script, values: Values) -> Key:
     return script, tuple(values.by_name.values())
 
 

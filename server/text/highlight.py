@@ -29,9 +29,9 @@ COLOURED = frozenset(
         *("nf", "nc", "fm", "nd"),
     }
 )
-MOST_DRAWN = 2_000_000  # characters of HTML
+MAX_CACHED_CHARACTERS = 2_000_000  # characters of HTML
 #: The attempt that one looks at is looked at again, and the solution of an exercise by all.
-_drawn: LRUCache[tuple[str, str], str] = LRUCache(MOST_DRAWN, len)
+_cache: LRUCache[tuple[str, str], str] = LRUCache(MAX_CACHED_CHARACTERS, len)
 
 
 def highlight(code: str, language: str = "python") -> str:
@@ -55,8 +55,8 @@ def _body(code: str, language: str) -> str:
     lexer = _lexer(language)
     if lexer is None:
         return html.escape(code)
-    known = _drawn.get((code, language))
-    return known if known is not None else _drawn.put((code, language), str(draw(code, lexer, FORMATTER)))
+    known = _cache.get((code, language))
+    return known if known is not None else _cache.put((code, language), str(draw(code, lexer, FORMATTER)))
 
 
 @lru_cache(maxsize=16)
@@ -66,11 +66,11 @@ def _lexer(language: str) -> Lexer | None:
     except ClassNotFound:
         return None
     if lexer is not None:
-        lexer.add_filter(_OnlyColoured())
+        lexer.add_filter(_KeepColouredTokens())
     return lexer
 
 
-class _OnlyColoured(Filter):
+class _KeepColouredTokens(Filter):
     def filter(self, lexer: Lexer | None, stream: Iterable[tuple[Any, str]]) -> Iterator[tuple[Any, str]]:
         for kind, value in stream:
             yield (kind if STANDARD_TYPES.get(kind) in COLOURED else Text), value

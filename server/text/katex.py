@@ -30,8 +30,8 @@ function balise_render(formulas) {
 }
 """
 #: Formulas drawn in one call: each call waits for another thread, and keeps the others waiting.
-TOGETHER = 16
-KEPT = 4096
+BATCH_SIZE = 16
+MAX_CACHED_FORMULAS = 4096
 
 Formula = tuple[str, bool]  # TeX, and whether it stands on lines of its own
 
@@ -75,7 +75,7 @@ def engine() -> Engine | None:
     return Engine(KATEX) if KATEX.is_file() else None
 
 
-drawn: LRUCache[Formula, str] = LRUCache(KEPT)
+drawn: LRUCache[Formula, str] = LRUCache(MAX_CACHED_FORMULAS)
 
 
 def prepare(formulas: Iterable[Formula]) -> None:
@@ -84,8 +84,8 @@ def prepare(formulas: Iterable[Formula]) -> None:
     if current is None:
         return
     missing = [formula for formula in dict.fromkeys(formulas) if drawn.get(formula) is None]
-    for start in range(0, len(missing), TOGETHER):
-        chunk = missing[start : start + TOGETHER]
+    for start in range(0, len(missing), BATCH_SIZE):
+        chunk = missing[start : start + BATCH_SIZE]
         for formula, answer in zip(chunk, current.render(chunk), strict=True):
             if isinstance(answer, str):
                 drawn.put(formula, answer)

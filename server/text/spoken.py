@@ -26,18 +26,18 @@ class _Reader(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.said: list[str] = []
-        self._silent = 0  # how many open elements deep, within one that is not said
+        self._silent_depth = 0  # depth of open elements inside a silent one
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag in VOID:
             return
-        if self._silent or tag in SILENT or ("aria-hidden", "true") in attrs:
-            self._silent += 1
+        if self._silent_depth or tag in SILENT or ("aria-hidden", "true") in attrs:
+            self._silent_depth += 1
 
     def handle_endtag(self, tag: str) -> None:
-        if self._silent and tag not in VOID:
-            self._silent -= 1
+        if self._silent_depth and tag not in VOID:
+            self._silent_depth -= 1
 
     def handle_data(self, data: str) -> None:
-        if not self._silent:
+        if not self._silent_depth:
             self.said.append(data)

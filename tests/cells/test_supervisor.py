@@ -17,7 +17,7 @@ import pytest
 
 from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
-from server.cells.supervisor import EACH, Cells
+from server.cells.supervisor import MAX_CELLS_PER_READER, Cells
 from tests.support.live import alive, children, until
 from tests.support.quick import in_a_loop, the_course
 
@@ -227,7 +227,7 @@ def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -
 
 def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        mine = [asyncio.create_task(ran(cells, "1", "me")) for _ in range(EACH)]
+        mine = [asyncio.create_task(ran(cells, "1", "me")) for _ in range(MAX_CELLS_PER_READER)]
         await asyncio.sleep(0)
         with pytest.raises(Overloaded, match="vos cellules"):
             await ran(cells, "1", "me")

@@ -116,7 +116,7 @@ def test_a_manipulation_that_needs_no_server_comes_along() -> None:
     assert json.loads(brought)["scripts"].keys() == {"main.js", "calcul.js"}
     course = the_course()
     whole = site.Site(course, course.modules["l20"], {}, Downloads(course))
-    alone = set(whole._hands())
+    alone = set(whole._manipulations())
     assert alone >= {"elastique", "passant", "ressorts"}
     assert alone.isdisjoint({"carte", "particules"})
 

@@ -41,7 +41,7 @@ def test_one_part_that_cannot_be_prepared_is_told_and_the_others_are(
 ) -> None:
     monkeypatch.setattr(ahead, "PAUSE", 0.0)
     monkeypatch.setattr(ahead, "FIRST_PAUSE", 0.0)
-    monkeypatch.setattr(polls, "of_lesson", lambda _module, _lesson: {})
+    monkeypatch.setattr(polls, "polls_of_lesson", lambda _module, _lesson: {})
     read: list[str] = []
     lessons = [Part("a", read), Part("b", read, broken=True), Part("c", read)]
     exercises = {one.id: one for one in (Part("x", read, broken=True), Part("y", read))}
@@ -58,7 +58,7 @@ def test_a_lesson_is_read_without_the_questions_of_the_others(monkeypatch: pytes
         asked.append(lesson.slug)
         return iter(())
 
-    monkeypatch.setattr(polls, "_of_lesson", of_lesson)
+    monkeypatch.setattr(polls, "_lesson_polls", of_lesson)
     polls.polls_of_lesson.cache_clear()
     course: Course = the_course()
     module = course.modules["l20"]

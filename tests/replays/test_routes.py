@@ -19,7 +19,7 @@ from graders.scene.parameters import Values
 from server.app import create_app
 from server.base.errors import Invalid, NotFound, RateLimited
 from server.base.settings import Settings
-from server.replays.routes import MOST_WAITING, Desk
+from server.replays.routes import MAX_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
 from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
@@ -171,11 +171,11 @@ class Reader(Request):
 def test_one_computation_at_a_time_a_short_queue_and_none_for_who_has_left(replays: Replays, tmp_path: Path) -> None:
     slow = Slow(tmp_path)
     script = slow.find("m9", "un-essai")
-    settings = [script.read([("tirage", str(k))]) for k in range(MOST_WAITING + 1)]
+    settings = [script.read([("tirage", str(k))]) for k in range(MAX_WAITING + 1)]
 
     async def crowd() -> list[Answer | BaseException | None]:
         desk = Desk(slow)
-        readers = [Reader(gone=k % 2 == 1) for k in range(MOST_WAITING)]
+        readers = [Reader(gone=k % 2 == 1) for k in range(MAX_WAITING)]
         waiting = [
             asyncio.ensure_future(desk.answer(reader, script, values))
             for reader, values in zip(readers, settings, strict=False)
@@ -192,5 +192,5 @@ def test_one_computation_at_a_time_a_short_queue_and_none_for_who_has_left(repla
     with ThreadPoolExecutor(1) as apart:  # another test of this process may have left a loop running in this thread
         answers = apart.submit(asyncio.run, crowd()).result()
     assert slow.most == 1
-    assert slow.done == MOST_WAITING // 2 + 1
-    assert [answer is None for answer in answers] == [k % 2 == 1 for k in range(MOST_WAITING)]
+    assert slow.done == MAX_WAITING // 2 + 1
+    assert [answer is None for answer in answers] == [k % 2 == 1 for k in range(MAX_WAITING)]

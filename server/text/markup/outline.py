@@ -103,7 +103,7 @@ def missing(reference: Reference, names: Names, lesson: str) -> str:
         found, unknown = known[reference.what]
         return "" if target in found else unknown.format(target)
     if reference.what == "manipulation":
-        return _missing_hands(target, names)
+        return _missing_manipulation(target, names)
     try:
         link = names.link(target, lesson)
     except Unresolved as error:
@@ -111,7 +111,7 @@ def missing(reference: Reference, names: Names, lesson: str) -> str:
     return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
 
 
-def _missing_hands(name: str, names: Names) -> str:
+def _missing_manipulation(name: str, names: Names) -> str:
     if name not in names.manipulations:
         return f"manipulation inconnue : « {name} »"
     still = still_of(name)

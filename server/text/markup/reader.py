@@ -19,13 +19,13 @@ from server.text.markup.text import SLUG, Source
 def outline(source: Source) -> Outline:
     """Read a lesson, or a statement (then nothing may have a label)."""
     job = Job(source)
-    walk = _Walk(job)
-    walk.read(parse(job))
-    walk.found.faults = sorted(job.faults, key=lambda fault: fault.line)
-    return walk.found
+    reader = _OutlineReader(job)
+    reader.read(parse(job))
+    reader.found.faults = sorted(job.faults, key=lambda fault: fault.line)
+    return reader.found
 
 
-class _Walk:
+class _OutlineReader:
     def __init__(self, job: Job) -> None:
         self._job = job
         self.found = Outline()

@@ -20,7 +20,7 @@ from server.text.markup.outline import CELL, Reference, Title, missing
 from server.text.markup.parser import Job, markdown, parse, parse_inline
 from server.text.markup.text import Fault, Link, Names, Source, Target, Unresolved, still_of
 
-NOT_IN_CONTENTS = {"link_open", "link_close", "footnote_ref"}
+CONTENTS_EXCLUDED = {"link_open", "link_close", "footnote_ref"}
 QED = '<p class="qed">∎</p>\n'
 Rule = Callable[["Writer", Sequence[Token], int], str]
 
@@ -51,7 +51,7 @@ def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
 
 def render_title(source: Source, title: Title) -> str:
     """A heading for a table of contents: without the links and the calls of notes that it may hold."""
-    children = [child for child in title.inline.children or () if child.type not in NOT_IN_CONTENTS]
+    children = [child for child in title.inline.children or () if child.type not in CONTENTS_EXCLUDED]
     return Writer(Job(source), source.names()).write_inline(children)
 
 
@@ -202,11 +202,11 @@ def _folded_heading(writer: Writer, block: Block, token: Token) -> str:
     heading = blocks.FOLDED[block.kind]
     if not block.label or block.label == block.parent or not writer.exists("bloc", block.label, token):
         return heading
-    kind, name = _named(writer.names.labels[block.label])
+    kind, name = _reference_name(writer.names.labels[block.label])
     return f"{heading} {kind.of}{name}"
 
 
-def _named(target: Target) -> tuple[blocks.Kind, str]:
+def _reference_name(target: Target) -> tuple[blocks.Kind, str]:
     """« théorème 1 », « équation (3) », or « exemple » where there is no number."""
     if target.kind == "equation":
         return blocks.EQUATION, f"{blocks.EQUATION.noun}\u00a0{target.name}"
@@ -216,10 +216,10 @@ def _named(target: Target) -> tuple[blocks.Kind, str]:
 
 def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     block: Block = tokens[index].meta["block"]
-    return f"</summary>\n{_way_back(writer, block)}" if block.folded else "</p>\n"
+    return f"</summary>\n{_back_link(writer, block)}" if block.folded else "</p>\n"
 
 
-def _way_back(writer: Writer, block: Block) -> str:
+def _back_link(writer: Writer, block: Block) -> str:
     """A link to what is proved or answered: below the summary, which is a button and cannot hold it."""
     target = writer.names.labels.get(block.label)
     if target is None or block.label == block.parent:
@@ -228,7 +228,7 @@ def _way_back(writer: Writer, block: Block) -> str:
         link = writer.names.link(f"#{block.label}", writer.page)
     except Unresolved:
         return ""
-    return f'<p class="block-back"><a href="{html.escape(link.href)}">{_named(target)[1]}</a></p>\n'
+    return f'<p class="block-back"><a href="{html.escape(link.href)}">{_reference_name(target)[1]}</a></p>\n'
 
 
 def _header_open(_writer: Writer, tokens: Sequence[Token], index: int) -> str:

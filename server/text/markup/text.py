@@ -102,9 +102,9 @@ class Names:
         if scheme == "page":
             return self._page(*rest.partition("#")[::2])
         if scheme == "exo":
-            return Link(f"/{self.module}/exercices/{rest}", _known(self.exercises, rest, "exercice inconnu"))
+            return Link(f"/{self.module}/exercices/{rest}", _lookup(self.exercises, rest, "exercice inconnu"))
         if scheme == "terme":
-            word = _known(self.terms, rest, "terme inconnu du glossaire")
+            word = _lookup(self.terms, rest, "terme inconnu du glossaire")
             return Link(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
         if scheme == "fichier":
             if rest not in self.files:
@@ -145,7 +145,7 @@ class Names:
         return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title)
 
 
-def _known(names: Mapping[str, str], name: str, otherwise: str) -> str:
+def _lookup(names: Mapping[str, str], name: str, otherwise: str) -> str:
     if name not in names:
         raise Unresolved(f"{otherwise} : « {name} »")
     return names[name]
