@@ -27,7 +27,7 @@ IGNORED_NAMES = {"README"}
 
 @dataclass(frozen=True)
 class CourseProblem:
-    """What is malformed: the others still serve."""
+    """An error in a course; the other parts still serve."""
 
     path: Path
     line: int
@@ -36,13 +36,13 @@ class CourseProblem:
 
 @dataclass
 class Courses:
-    """The courses that are there, this repository's first, and why others are not."""
+    """The available courses, this repository's first, and the errors of rejected ones."""
 
     folders: list[Path] = field(default_factory=lambda: [REPOSITORY])
     problems: list[CourseProblem] = field(default_factory=list)
 
     def add(self, folder: Path) -> None:
-        """Takes a course in, once; or notes why not."""
+        """Add a course once, or record the errors for which it is rejected."""
         try:
             folder = folder.resolve()
             if folder in self.folders:
@@ -78,21 +78,21 @@ def _faults(folder: Path) -> Iterator[CourseProblem]:
 
 
 def _names(room: Path) -> dict[str, Path]:
-    """What stands in a room of a course, by the names that it is imported by."""
+    """Return the importable entries of a course's room, by module name."""
     entries = room.iterdir() if room.is_dir() else ()
     paths = {path.stem: path for path in entries if path.is_dir() or path.suffix == ".py"}
     return {name: path for name, path in paths.items() if name not in IGNORED_NAMES and not _apart(name, path)}
 
 
 def _apart(name: str, path: Path) -> bool:
-    """What no course is known by; what only the rooms themselves import clashes like the rest, and drafts do not."""
+    """Whether two courses may share an entry: hidden files, drafts, private folders without code."""
     if name.startswith("_") and not name.startswith("__"):
         return path.is_dir() and not any(path.glob("*.py"))
     return name.startswith((".", "__"))
 
 
 def find_courses() -> Courses:
-    """The courses of this process: those that the variable names, then those that are installed."""
+    """Return the courses of this process: those of the environment variable, then the installed ones."""
     courses = Courses()
     for name in filter(None, os.environ.get(ENVIRONMENT_VARIABLE, "").split(os.pathsep)):
         courses.add(Path(os.path.expanduser(name)))
@@ -106,7 +106,7 @@ def find_courses() -> Courses:
 
 
 def _installed() -> Iterator[tuple[str, Path | None]]:
-    """What entry points name, with the folder of the package; the package is not run."""
+    """Yield the value of each entry point with the folder of its package, which is not imported."""
     from importlib.metadata import entry_points
 
     for point in entry_points(group=ENTRY_POINT_GROUP):
@@ -122,7 +122,7 @@ COURSES = find_courses()
 
 
 def add_course(folder: Path) -> None:
-    """Takes one more course in, now that its rooms' packages may be there already."""
+    """Add a course after import: the packages of its rooms may be loaded already."""
     COURSES.add(folder)
     for room in ROOMS:
         package = sys.modules.get(room)
@@ -131,11 +131,11 @@ def add_course(folder: Path) -> None:
 
 
 def room_folders(name: str) -> list[Path]:
-    """The folders of one room ("graders"), one a course."""
+    """Return the folders of one room ("graders"), one for each course."""
     return [folder / name for folder in COURSES.folders]
 
 
 def module_folder(slug: str) -> Path:
-    """What is read of a module; this repository's where there is none."""
+    """Return the curriculum folder of a module; this repository's path where none exists."""
     folders = [room / slug for room in room_folders(CURRICULUM)]
     return next((folder for folder in folders if folder.is_dir()), folders[0])

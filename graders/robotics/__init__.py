@@ -1,1 +1,1 @@
-"""What graders of the robotics modules share: poses compared and simplified, frames drawn."""
+"""Shared code of the graders of robotics modules: comparison and shrinking of poses, drawing of frames."""

@@ -62,7 +62,7 @@ class SamePose(RowComparator):
             turns = (got[:, 2] - expected[:, 2]) / math.tau
             off = np.abs(turns - np.round(turns)) * math.tau / self.tolerance
             beyond = (theta - math.pi) / TOLERANCE
-        # Of more than a few turns, and of a range all but left, nothing is seen from here.
+        # Beyond a few turns, and at the ends of the range, rows must be compared alone.
         unsure = theta > FEW_TURNS if self.any_turn else (beyond > WELL_WITHIN) & (beyond < WELL_BEYOND)
         out = np.isnan(off) if self.any_turn else np.isnan(off) | (beyond >= WELL_BEYOND)
         gaps = np.maximum(apart, np.where(out, np.inf, off))

@@ -1,4 +1,4 @@
-"""What a student's program did, as a replay: made of the film that its grading left, when somebody looks.
+"""Replays of student programs, made on demand from the films of their gradings.
 
 An exercise with films has a file `graders/<module>/<slug>/replays.py` that holds `REPLAYS`, by the "kind" of a film the
 function that makes a replay of it. Never imported on the path of a verdict.
@@ -19,20 +19,20 @@ ALT = "Animation de ce que votre code a fait dans la vérification « {title} »
 
 
 def replay_of(exercise: str, data: FigureData) -> Replay:
-    """The replay of a film that a verdict of this exercise left."""
+    """Return the replay of a film recorded with a verdict of this exercise."""
     module = importlib.import_module(f"graders.{exercise.replace('/', '.')}.replays")
     replay: Replay = module.REPLAYS[data["kind"]](data)
     return replay
 
 
 def wire(exercise: str, data: FigureData, title: str) -> dict[str, Any]:
-    """The same as the player reads it, under the title of its check: a replay without settings."""
+    """Return the replay in the player's format, under the title of its check, without settings."""
     replay = _leading_to_its_mark(replay_of(exercise, data))
     return {"title": french(title), "alt": french(_alt(replay, title)), "parameters": [], "values": {}, **replay.wire()}
 
 
 def _leading_to_its_mark(replay: Replay) -> Replay:
-    """With the frame at which it went wrong, where that is not said: the first that a chart marks as such."""
+    """Set the frame at which it went wrong, if unset, to the first one that a chart marks as an alert."""
     if replay.wrong is not None:
         return replay
     for chart in replay.charts:

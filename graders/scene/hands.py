@@ -1,4 +1,4 @@
-"""What the author of a manipulation writes with: what the reader moves, places or draws with their own hand.
+"""Authoring API of manipulations: drawings in which the reader moves, places or draws something.
 
 A folder `curriculum/<module>/manipulations/<name>/` holds
 
@@ -32,7 +32,7 @@ SPOT = re.compile(r"([0-9]{1,2}(?:\.[0-9]{1,2})?),([0-9]{1,2}(?:\.[0-9]{1,2})?),
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """What a manipulation begins with: the rectangle that is shown, `data` of plain values, and a legend."""
+    """Initial state of a manipulation: the visible rectangle, `data` of plain values, and a legend."""
 
     view: View
     data: Mapping[str, Any]

@@ -1,4 +1,4 @@
-"""What a scene is drawn with: each layer is checked when it is made and knows its form on the wire.
+"""Layers of a scene: each is validated when it is made, and has a wire format.
 
 Coordinates are those of the scene's view. Colours have a meaning, the same in every replay: what is true, estimated,
 measured, wrong; the reader's theme decides how each looks.

@@ -46,17 +46,17 @@ def packed(array: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def picture(cells: NDArray[np.float64]) -> dict[str, Any]:
-    """Cells (H, W) of numbers in [0, 1] as bytes 0..255. What repeats is left to the compression of the answer."""
+    """Encode cells (H, W) of numbers in [0, 1] as bytes 0..255; HTTP compression removes repetitions."""
     height, width = cells.shape
     data = np.rint(np.clip(cells, 0.0, 1.0) * 255.0).astype(np.uint8)
     return {"w": width, "h": height, "d": base64.b64encode(data.tobytes()).decode("ascii")}
 
 
 def rounded(value: float, significant: int = SIGNIFICANT) -> float | int | None:
-    """A number with few digits, whole if it can be; None for what is not finite (a gap in a curve)."""
+    """Round to few significant digits, to an int where possible; None for NaN and infinities (a gap in a curve)."""
     if not math.isfinite(value):
         return None
     if value == 0.0:
         return 0
-    kept = round(value, significant - 1 - math.floor(math.log10(abs(value))))
-    return int(kept) if kept == int(kept) and abs(kept) < 1e15 else kept
+    number = round(value, significant - 1 - math.floor(math.log10(abs(value))))
+    return int(number) if number == int(number) and abs(number) < 1e15 else number

@@ -1,4 +1,4 @@
-"""What a reader may change in a replay: each parameter reads its value from an address, or says in French why not."""
+"""Parameters of a replay that readers change: each parses its value from a URL, or gives a reason in French."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Parameter(Protocol):
     def default(self) -> Value: ...
 
     def read(self, text: str) -> Value:
-        """The value that an address asks for, brought to its step. Raises RefusedError."""
+        """Return the value of a URL parameter, rounded to its step. Raises RefusedError."""
 
     def describe(self) -> dict[str, Any]:
-        """What the browser needs to show it."""
+        """Return the description from which the browser shows it."""
 
 
 def _number(text: str) -> float:
@@ -49,12 +49,12 @@ def _within(value: float, least: float, high: float) -> float:
 
 
 def decimals_of(number: float) -> int:
-    """With how many decimals a number is written, at most 6."""
+    """Return the number of decimals of a number, at most 6."""
     return len(f"{number:.6f}".rstrip("0").partition(".")[2])
 
 
 def on_step(value: float, least: float, step: float) -> float:
-    """The multiple of `step` from `least` on that is nearest."""
+    """Return the nearest value `least` + k `step`."""
     return round(least + step * round((value - least) / step), decimals_of(step) + 2)
 
 

@@ -1,5 +1,4 @@
-"""What a reader is asked before a replay plays, told when it has played to its end: a question of a few answers, or a
-place to point at on the drawing."""
+"""Questions asked before a replay plays and answered at its end: a choice, or a point to place on the drawing."""
 
 from __future__ import annotations
 
@@ -22,10 +21,10 @@ Spot = tuple[float, float]
 
 @dataclass(frozen=True)
 class Prediction:
-    """`answers` are ids and their words; `right` is the id of what happens, and `why` says so, told after playing.
+    """`answers` are ids and texts; `right` is the id of the right one, and `why` the explanation shown after playing.
 
-    `settings` are those with which the replay is then played, as an address has them (`{"fausse": "1"}`), defaults
-    elsewhere. What is counted goes by the ids: a question that changes its sense takes others.
+    `settings` are the URL parameters of the replay then played (`{"fausse": "1"}`), defaults elsewhere. Statistics are
+    kept by id: a question whose meaning changes needs new ids.
     """
 
     question: str
@@ -57,11 +56,11 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Placed:
-    """A point to place within `box` = (x0, y0, x1, y1) of the drawing, by steps of `step`: where will it be?
+    """A question answered by placing a point within `box` = (x0, y0, x1, y1) of the drawing, by steps of `step`.
 
-    `spots` are where it is in the end; with several, the nearest counts. Counted by how far from it one was: up to
-    `near`, up to `far`, or more, in units of the drawing (`unit`, in the singular). `up`: its y grows upwards.
-    `settings` and `why` as those of a Prediction. What is kept of a reader is "x,y".
+    `spots` are the right positions; with several, the nearest counts. Statistics are kept by distance: up to `near`, up
+    to `far`, or more, in units of the drawing (`unit`, in the singular). `up`: its y grows upwards. `settings` and
+    `why` as in a Prediction. A reader's answer is stored as "x,y".
     """
 
     question: str
@@ -95,8 +94,8 @@ class Placed:
             (AWAY, f"Plus loin que {far} {self._units(self.far)}."),
         )
 
-    def told(self, text: str) -> str | None:
-        """The class of a place that was kept; None for what is no place of the box."""
+    def distance_class(self, text: str) -> str | None:
+        """Return the distance class of a stored answer; None for a text that is no point of the box."""
         match = PLACE.fullmatch(text)
         if not match or not self._within(float(match[1]), float(match[2])):
             return None

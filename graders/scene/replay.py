@@ -1,4 +1,4 @@
-"""What the author of a replay writes with.
+"""Authoring API of replays.
 
 A file `curriculum/<module>/rejeux/<name>.py` holds
 
@@ -195,7 +195,7 @@ class Key:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """What `compute` answers: `layers` lie under every frame, `over` above it.
+    """The result of `compute`: `layers` lie under every frame, `over` above it.
 
     `period`: seconds a frame lasts at normal speed. `begin_at_end`: shows the last frame until the reader plays it.
     `summary`: a few sentences that say what happened with these very values. `alt`: what the drawing shows, in words,

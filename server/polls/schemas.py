@@ -45,7 +45,7 @@ class Poll:
     def counted_options(self, answer: str) -> frozenset[str]:
         """The options that an answer is counted for; none where the question does not, or no longer, take it."""
         if self.place is not None:
-            told = self.place.told(answer)
+            told = self.place.distance_class(answer)
             return frozenset() if told is None else frozenset([told])
         ids = frozenset(answer.split(","))
         known = ids <= {option.id for option in self.options} and answer == ",".join(sorted(ids))

@@ -96,7 +96,7 @@ def test_the_point_of_the_crescent_is_the_mean_of_its_particles() -> None:
     x, y = (f"{one:.2f}".replace(".", ",") for one in asked.spots[0])
     assert f"x = {x} et y = {y}" in asked.why
     assert unpacked(layer(body["frames"][-1]["layers"], "polyline")["at"])[-1] == pytest.approx([12.0, 0.0], abs=1e-3)
-    assert asked.told("12,0") == "ailleurs", "where odometry puts it is not near"
+    assert asked.distance_class("12,0") == "ailleurs", "where odometry puts it is not near"
 
 
 def way(body: dict[str, Any]) -> NDArray[np.float64]:
@@ -141,7 +141,7 @@ PLACE = Placed("Où ?", ((1.0, 2.0), (5.0, 2.0)), (0.0, 0.0, 8.0, 4.0), near=0.5
     ],
 )  # fmt: skip
 def test_a_place_is_told_by_how_far_it_is_from_the_nearest(text: str, told: str | None) -> None:
-    assert PLACE.told(text) == told
+    assert PLACE.distance_class(text) == told
     assert [name for name, _ in PLACE.answers] == ["pres", "loin", "ailleurs"]
     assert PLACE.answers[1][1] == "Entre 0,5 et 2 cases."
 
