@@ -43,8 +43,8 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Whether `compute` is asked for a replay, rather than for what one starts from: no widget, the script says so."""
+class ReplayRequest:
+    """Whether the script requests a replay from `compute`, rather than the initial state; it has no widget."""
 
     label: str = "Demandé"
     default: bool = False

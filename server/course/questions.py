@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field
 
 from graders.core.answers import AnswersGrader, MalformedSheetError, NumericDefinition, choice, order
 from graders.core.answers.choice import ChoiceQuestion, ChoiceSheet, Option
-from graders.core.answers.order import Distractor, OrderSheet, Step
+from graders.core.answers.order import Distractor, OrderSheet, ProofStep
 from graders.core.answers.wording import Datum, NumericSheet, NumericWording
 from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
@@ -139,7 +139,7 @@ def _order(file: OrderFile) -> OrderSheet:
     steps = []
     for place, step in enumerate(file.step):
         before = (file.step[place - 1].id,) if place else ()
-        steps.append(Step(step.id, step.text, step.role, before if step.after is None else tuple(step.after)))
+        steps.append(ProofStep(step.id, step.text, step.role, before if step.after is None else tuple(step.after)))
     false = tuple(
         Distractor(distractor.id, distractor.text, distractor.why, distractor.misconception)
         for distractor in file.distractor

@@ -7,7 +7,7 @@ The course holds the texts, in `questions.toml`, and passes them as a sheet. `ch
 from graders.core.answers.choice import ChoiceSheet, Option, choice
 from graders.core.answers.judging import AnswersGrader
 from graders.core.answers.numeric import NumericDefinition, numeric
-from graders.core.answers.order import Distractor, OrderSheet, Step, order
+from graders.core.answers.order import Distractor, OrderSheet, ProofStep, order
 from graders.core.answers.quantity import Quantity
 from graders.core.answers.question_paper import GivenDatum, Paper, PaperPiece, Question
 from graders.core.answers.reading import canonical_json
@@ -27,9 +27,9 @@ __all__ = [
     "OrderSheet",
     "Paper",
     "PaperPiece",
+    "ProofStep",
     "Quantity",
     "Question",
-    "Step",
     "canonical_json",
     "choice",
     "numeric",

@@ -23,7 +23,7 @@ CHAIN = AnswerCheck("ordre", "Chaque étape après celles dont elle a besoin", 1
 
 
 @dataclass(frozen=True)
-class Step:
+class ProofStep:
     """`role` is its purpose in the proof; `after` are the steps that must precede it."""
 
     id: str
@@ -45,11 +45,11 @@ class Distractor:
 @dataclass(frozen=True)
 class OrderSheet:
     instruction: str
-    steps: tuple[Step, ...]
+    steps: tuple[ProofStep, ...]
     distractors: tuple[Distractor, ...]
 
     @property
-    def pieces(self) -> tuple[Step | Distractor, ...]:
+    def pieces(self) -> tuple[ProofStep | Distractor, ...]:
         return (*self.steps, *self.distractors)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from curriculum.l20.manipulations._filtre import film
-from graders.scene.hands import Asked, Cells, Start, cells_text
+from graders.scene.hands import Cells, ReplayRequest, Start, cells_text
 from graders.scene.parameters import Dragged
 from graders.scene.replay import Choice, Draw, Key, Replay, Values, View
 from reference.localisation.mcl import uniform_poses
@@ -37,7 +37,7 @@ ROWS, COLUMNS = 12, 18
 DRAWN = np.array([list(line) for line in PLAN.split()]) == "#"
 PARAMETERS = {
     "particules": Choice("Particules", tuple((str(n), str(n)) for n in (100, 300, 1000)), "1000"),
-    "lance": Asked(),
+    "lance": ReplayRequest(),
     "robot": Dragged("Robot", (3.5, 3.5, 0.0), (1.0, 1.0, COLUMNS - 1.0, ROWS - 1.0)),
     "cases": Cells("Votre carte", ROWS, COLUMNS, cells_text(DRAWN)),
     "tirage": Draw("Une autre promenade", default=1),
