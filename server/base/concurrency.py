@@ -13,22 +13,22 @@ from starlette.concurrency import run_in_threadpool
 log = logging.getLogger(__name__)
 
 
-async def run_periodically(seconds: float, doing: Callable[[], None], failed: str) -> None:
-    """Until it is cancelled, whatever `doing` raises: that is logged, as `failed`."""
+async def run_periodically(seconds: float, action: Callable[[], None], failure_message: str) -> None:
+    """Run `action` in a thread every so many seconds, until cancelled. Log what it raises under `failure_message`."""
     while True:
         await asyncio.sleep(seconds)
         try:
-            await run_in_threadpool(doing)
+            await run_in_threadpool(action)
         except Exception:
-            log.exception(failed)
+            log.exception(failure_message)
 
 
 class GateClosed(Exception):
-    """The service stops: nobody passes any more."""
+    """The gate is closed for good: the service stops."""
 
 
 class Gate:
-    """Opened, or shut for good, from any thread; loops wait at it."""
+    """A latch that is opened, or closed for good, from any thread; event loops wait for it."""
 
     def __init__(self, *, opened: bool = False) -> None:
         self._future: Future[None] = Future()
@@ -44,23 +44,29 @@ class Gate:
             self._future.set_result(None)
 
     def close(self) -> None:
-        """Who waits gets ShutError; who has passed is not concerned."""
+        """Close for good, unless open already: waiters get GateClosed."""
         if not self._future.done():
             self._future.set_exception(GateClosed())
 
     async def wait_open(self) -> None:
-        """Raises ShutError."""
+        """Wait until the gate is open. Raise GateClosed."""
         if not self.is_open:
             await asyncio.shield(asyncio.wrap_future(self._future))
 
 
 class LimiterFullError(Exception):
-    """There is no room, or there is none any more."""
+    """The waiting queue is full, or this waiter had to leave it for another address."""
 
 
 class FairLimiter:
-    def __init__(self, at_once: int, waiting: int) -> None:
-        self._free, self._most = at_once, waiting
+    """A limiter of concurrency whose bounded waiting queue is shared fairly between client addresses.
+
+    Turns go round the addresses. When the queue is full, the newest waiter of the address with the most waiters gives
+    way to one from an address with fewer. For one event loop.
+    """
+
+    def __init__(self, max_concurrent: int, max_waiting: int) -> None:
+        self._free, self._max_waiting = max_concurrent, max_waiting
         self._queues: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
 
     @property
@@ -68,20 +74,20 @@ class FairLimiter:
         return sum(map(len, self._queues.values()))
 
     async def acquire(self, address: str) -> None:
-        """Waits for a turn, which `give_back` ends. Raises FullError."""
+        """Wait for a turn, which `release` ends. Raise LimiterFullError."""
         if self._free:
             self._free -= 1
             return
-        if self.waiting >= self._most:
+        if self.waiting >= self._max_waiting:
             self._make_room(address)
         turn = asyncio.get_running_loop().create_future()
         self._queues.setdefault(address, deque()).append(turn)
         try:
-            await asyncio.shield(turn)  # so that `turn` is ended by us alone
+            await asyncio.shield(turn)  # only this class completes `turn`
         except asyncio.CancelledError:
             if not turn.done():
                 self._leave(address, turn)
-            elif turn.exception() is None:  # it came as one left
+            elif turn.exception() is None:  # granted as its waiter was cancelled
                 self.release()
             raise
 
@@ -95,9 +101,9 @@ class FairLimiter:
             self._queues[address] = queue
 
     def _make_room(self, address: str) -> None:
-        mine = len(self._queues.get(address, ()))
+        own_waiters = len(self._queues.get(address, ()))
         heaviest = max(self._queues.values(), key=len, default=deque[asyncio.Future[None]]())
-        if len(heaviest) <= mine + 1:
+        if len(heaviest) <= own_waiters + 1:
             raise LimiterFullError
         heaviest.pop().set_exception(LimiterFullError())
 

@@ -1,4 +1,4 @@
-"""Counters of what happens in this process, since it began: who counts needs no library, who shows them has one."""
+"""Counters of events in this process since its start, without a dependency on Prometheus."""
 
 import secrets
 import threading
@@ -10,7 +10,7 @@ from cachetools import TTLCache
 
 
 class LabelCounter:
-    """Counts by the value of one label. For several threads."""
+    """Counts by the value of one label. Thread-safe."""
 
     def __init__(self) -> None:
         self._counts: Counter[str] = Counter()
@@ -26,15 +26,15 @@ class LabelCounter:
 
 
 class VisitCounter:
-    """Who asked for something in the last minutes, and how much was asked in the last ones. For several threads.
+    """Visitors of the last minutes, and requests of the last minute. Thread-safe.
 
-    Of a visitor a number is kept that no other process could make, and for no longer: neither address nor session.
+    A visitor is stored as a salted hash of this process, until it expires: neither address nor session.
     """
 
-    def __init__(self, seconds: float = 300.0, most: int = 100_000) -> None:
+    def __init__(self, seconds: float = 300.0, max_visitors: int = 100_000) -> None:
         self._seconds = seconds
-        self._seen: TTLCache[int, None] = TTLCache(most, seconds)
-        self._asked: deque[tuple[int, int]] = deque()  # by second
+        self._seen: TTLCache[int, None] = TTLCache(max_visitors, seconds)
+        self._requests: deque[tuple[int, int]] = deque()  # by second
         self._salt = secrets.token_bytes(16)
         self._lock = threading.Lock()
 
@@ -42,10 +42,10 @@ class VisitCounter:
         second = int(time.monotonic())
         with self._lock:
             self._seen[hash((self._salt, visitor))] = None
-            count = self._asked.pop()[1] if self._asked and self._asked[-1][0] == second else 0
-            self._asked.append((second, count + 1))
-            while self._asked[0][0] <= second - MINUTE:
-                self._asked.popleft()
+            count = self._requests.pop()[1] if self._requests and self._requests[-1][0] == second else 0
+            self._requests.append((second, count + 1))
+            while self._requests[0][0] <= second - MINUTE:
+                self._requests.popleft()
 
     def recent_visitors(self) -> int:
         with self._lock:
@@ -55,14 +55,14 @@ class VisitCounter:
     def requests_in_last_minute(self) -> int:
         since = int(time.monotonic()) - MINUTE
         with self._lock:
-            return sum(count for second, count in self._asked if second > since)
+            return sum(count for second, count in self._requests if second > since)
 
 
 MINUTE = 60
 VISITS = VisitCounter()
-#: By why: `password`, `disabled`, `too_many`, `token`.
+#: By reason: `password`, `disabled`, `too_many`, `token`.
 REFUSED_LOGINS = LabelCounter()
-#: By what: `ticket`, `news`, `answer`; all are made up for later.
+#: Notifications dropped, by kind: `ticket`, `news`, `answer`; polling makes up for them.
 DROPPED_NOTIFICATIONS = LabelCounter()
-#: By why: `worn`, `failed`; told by this machine's workers.
+#: By reason: `worn`, `failed`; reported by this machine's workers.
 TEMPLATE_RENEWALS = LabelCounter()

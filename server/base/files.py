@@ -13,23 +13,23 @@ TEMPLATES = ROOT / "templates"
 
 
 def default_cache_dir() -> Path:
-    """What may be lost at any time: `$XDG_CACHE_HOME/balise` where that is absolute, or `~/.cache/balise`."""
+    """Return the user's cache folder: `$XDG_CACHE_HOME/balise` where that is absolute, or `~/.cache/balise`."""
     base = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "balise"
 
 
 def default_data_dir() -> Path:
-    """The data folder of this user: `$XDG_DATA_HOME/balise`, or `~/.local/share/balise`."""
+    """Return the user's data folder: `$XDG_DATA_HOME/balise`, or `~/.local/share/balise`."""
     base = os.environ.get("XDG_DATA_HOME")
     return (Path(base) if base else Path.home() / ".local" / "share") / "balise"
 
 
-EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
+EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date of the ZIP format
 
 
 def reproducible_zip(folder: str, files: dict[str, bytes]) -> bytes:
-    """The files under `folder`, in the order of their names."""
-    import zipfile  # as late as possible: every command imports this module
+    """Return a ZIP of the files under `folder`, sorted by name: equal files give equal bytes."""
+    import zipfile  # every command imports this module; few make archives
 
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -41,31 +41,34 @@ def reproducible_zip(folder: str, files: dict[str, bytes]) -> bytes:
 
 
 DIGITS = 12
-Named = tuple[str, Path]
+NamedPath = tuple[str, Path]
 
 
-def digest_files(roots: Iterable[Named], head: bytes = b"") -> str:
-    """First 12 hexadecimal digits of sha256 over `head`, then over named files and folders in the order given."""
-    total = hashlib.sha256(head)
+def digest_files(roots: Iterable[NamedPath], head: bytes = b"") -> str:
+    """Return the first 12 hexadecimal digits of the SHA-256 of `head`, then of named files and folders, in this order.
+
+    Names and contents count; locations and dates do not.
+    """
+    digest = hashlib.sha256(head)
     for name, path in (entry for root in roots for entry in walk_files(*root)):
         content = path.read_bytes()
-        total.update(f"\0{name}\0{len(content)}\0".encode())
-        total.update(content)
-    return total.hexdigest()[:DIGITS]
+        digest.update(f"\0{name}\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()[:DIGITS]
 
 
-def walk_files(name: str, root: Path) -> Iterator[Named]:
-    """A file, or those below a folder in a fixed order; but for what Python, editors and systems leave there."""
+def walk_files(name: str, root: Path) -> Iterator[NamedPath]:
+    """Yield a file, or the sorted files below a folder, without hidden files and `__pycache__`."""
     if root.is_file():
         yield name, root
         return
     relatives = (path.relative_to(root) for path in root.rglob("*") if path.is_file())
     for relative in sorted(relatives, key=Path.as_posix):
-        if not _is_debris(relative):
+        if not _is_hidden(relative):
             yield f"{name}/{relative.as_posix()}", root / relative
 
 
-def _is_debris(relative: Path) -> bool:
+def _is_hidden(relative: Path) -> bool:
     return any(part.startswith(".") or part == "__pycache__" for part in relative.parts)
 
 
@@ -73,7 +76,7 @@ OWNER_ONLY, ANYONE = 0o600, 0o666
 
 
 def write_atomically(path: Path, content: str | bytes, mode: int = ANYONE) -> None:
-    """Puts a file in its place at once, with these rights (less the process's mask). Raises OSError."""
+    """Write a file that appears whole or not at all, with this mode less the umask. Raise OSError."""
     unfinished = path.with_suffix(f".{os.getpid()}.new")
     unfinished.unlink(missing_ok=True)
     with open(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from server.base import logs
 from server.base.processes import die_with_parent
 
+#: A frame is length, number, status, then `length` bytes. An answer has the number of its question; the first
+#: message has number 0.
 HEADER = struct.Struct(">IIB")
 QUESTION, DONE, FAILED = 0, 1, 2
 
@@ -21,20 +23,20 @@ def encode_frame(number: int, status: int, payload: bytes) -> bytes:
     return HEADER.pack(len(payload), number, status) + payload
 
 
-#: Helpers leave the processors to graders, pages and whoever else has something to do.
+#: Helpers give way to graders and pages.
 NICE = 5
 
 
 class ServiceLine:
-    """The service's end of the line, for several threads."""
+    """The socket to the service. Thread-safe."""
 
     def __init__(self, end: socket.socket) -> None:
         self._end, self._sending = end, threading.Lock()
 
     def questions(self) -> Iterator[tuple[int, bytes]]:
-        """Number and content of each question, until the service has nothing more to ask.
+        """Yield the number and content of each question, until the service closes the socket.
 
-        What has been imported until now stays.
+        Objects that exist by now are never collected (`gc.freeze`).
         """
         gc.freeze()
         gc.enable()
@@ -48,16 +50,16 @@ class ServiceLine:
             self._end.sendall(encode_frame(number, status, payload))
 
 
-def connect_to_service(name: str, line: int, parent: int) -> ServiceLine:
-    """What a helper does first: it ends with the service, is nice, and leaves it to the service to be stopped.
+def connect_to_service(name: str, descriptor: int, parent: int) -> ServiceLine:
+    """Set a helper process up: it dies with its parent, is niced, logs, and ignores SIGINT and SIGTERM.
 
-    Ctrl+C, and whoever stops a service with all its processes, tell helpers too: the service ends them in its order.
+    Ctrl+C reaches every process of the group: the service stops its helpers itself, in order.
     """
     die_with_parent(parent)
-    gc.disable()  # until the first question: nothing of what is imported is to be collected
+    gc.disable()  # until the first question: imported objects stay
     logs.configure_logging(name, os.environ.get("BALISE_LOG_FORMAT", logs.TEXT))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     os.nice(NICE)
-    os.set_inheritable(line, False)  # no child of ours may keep the line open after our death
-    return ServiceLine(socket.socket(fileno=line))
+    os.set_inheritable(descriptor, False)  # no child may keep the socket open after this process has died
+    return ServiceLine(socket.socket(fileno=descriptor))

@@ -1,4 +1,4 @@
-"""A process that answers questions for the service: started at the first one, started again when it dies or hangs."""
+"""Helper processes that answer questions for the service: started lazily, restarted when they die or hang."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from server.base.helper_line import DONE, HEADER, QUESTION, encode_frame
 log = logging.getLogger(__name__)
 
 STOP_SECONDS = 3.0
-#: Seconds without a question after which the process is let go, and its memory with it.
+#: Seconds without a question after which the process is stopped, to free its memory.
 IDLE_TIMEOUT = 900.0
 
 
 class HelperError(Exception):
-    """The process has ended, said that it could not, or took too long."""
+    """The process has ended, failed, or timed out."""
 
 
 @dataclass(frozen=True)
 class HelperProgram:
-    """What a helper runs, with the number of its end of the line and ours as last arguments, and what it may do.
+    """The command of a helper and its limits. Its last two arguments are its socket's descriptor and our process id.
 
-    `longest` bounds the bytes of an answer, `patience` the seconds to one, its start included.
+    `timeout` bounds the seconds to an answer, the start of the process included.
     """
 
     command: Sequence[str]
@@ -40,33 +40,35 @@ class HelperProgram:
 
 
 class Helper:
-    """Asks, and hands on the answers unread: only their length, number and status are looked at. For one event loop."""
+    """Asks a helper process, and returns its answers unparsed. For one event loop."""
 
     def __init__(self, program: HelperProgram) -> None:
         self.program = program
         self._starting = asyncio.Lock()
         self._process: _Process | None = None
-        self._asking = 0
-        self._rest: asyncio.TimerHandle | None = None
-        self._leaving: set[asyncio.Task[None]] = set()
+        self._pending_count = 0
+        self._idle_timer: asyncio.TimerHandle | None = None
+        self._closing: set[asyncio.Task[None]] = set()
         self._closed = False
 
     async def ask(self, question: bytes) -> bytes:
-        """Raises UnansweredError. A process that takes too long is killed, and its other questions fail with it."""
-        self._stay()
-        self._asking += 1
+        """Return the answer. Raise HelperError. A process that times out is killed, with its other questions."""
+        self._cancel_idle_timer()
+        self._pending_count += 1
         try:
-            process = await self._running()
+            process = await self._running_process()
             return await process.ask(question, self.program.timeout)
         except OSError as error:  # a TimeoutError, too
             log.error("%s has not answered: %r", self.program.command[-1], error)
             raise HelperError from error
         finally:
-            self._asking -= 1
-            if not self._asking and not self._closed:
-                self._rest = asyncio.get_running_loop().call_later(self.program.idle_timeout, self._let_go)
+            self._pending_count -= 1
+            if not self._pending_count and not self._closed:
+                self._idle_timer = asyncio.get_running_loop().call_later(
+                    self.program.idle_timeout, self._shut_down_idle
+                )
 
-    async def _running(self) -> _Process:
+    async def _running_process(self) -> _Process:
         async with self._starting:
             if self._closed:
                 raise ConnectionError("the service stops")
@@ -74,40 +76,40 @@ class Helper:
                 self._process = await _Process.start(self.program)
             return self._process
 
-    def _stay(self) -> None:
-        if self._rest is not None:
-            self._rest.cancel()
-            self._rest = None
+    def _cancel_idle_timer(self) -> None:
+        if self._idle_timer is not None:
+            self._idle_timer.cancel()
+            self._idle_timer = None
 
-    def _let_go(self) -> None:
+    def _shut_down_idle(self) -> None:
         process, self._process = self._process, None
         if process is not None:
-            leaving = asyncio.create_task(process.close())
-            self._leaving.add(leaving)
-            leaving.add_done_callback(self._leaving.discard)
+            closing = asyncio.create_task(process.close())
+            self._closing.add(closing)
+            closing.add_done_callback(self._closing.discard)
 
     async def close(self) -> None:
-        """Whoever still waits for an answer gets none."""
+        """Stop the process; pending questions raise HelperError."""
         self._closed = True
-        self._stay()
+        self._cancel_idle_timer()
         async with self._starting:
-            self._let_go()
-        await asyncio.gather(*self._leaving, return_exceptions=True)
+            self._shut_down_idle()
+        await asyncio.gather(*self._closing, return_exceptions=True)
 
 
 class _Process:
-    """One such process, and the questions that it has not answered yet."""
+    """A running process, with its pending questions."""
 
     def __init__(
         self,
         process: asyncio.subprocess.Process,
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
-        longest: int,
+        max_answer_bytes: int,
     ) -> None:
-        self._process, self._reader, self._writer, self._longest = process, reader, writer, longest
+        self._process, self._reader, self._writer, self._max_answer_bytes = process, reader, writer, max_answer_bytes
         self._numbers = count(1)
-        self._asked: dict[int, asyncio.Future[bytes]] = {}
+        self._pending: dict[int, asyncio.Future[bytes]] = {}
         self._listening = asyncio.create_task(self._listen())
         self._answered = False
         self.ended = False
@@ -123,7 +125,7 @@ class _Process:
                 pass_fds=[theirs.fileno()],
                 env=program.environment,
                 stdin=asyncio.subprocess.DEVNULL,
-                process_group=0,  # it is the service that is told to stop, and ends it
+                process_group=0,  # signals go to the service, which stops it
             )
         reader, writer = await asyncio.open_connection(sock=ours)
         writer.write(encode_frame(0, QUESTION, program.first_message))
@@ -133,15 +135,15 @@ class _Process:
     def pid(self) -> int:
         return self._process.pid
 
-    async def ask(self, question: bytes, patience: float) -> bytes:
-        """Raises ConnectionError when the process ends first; TimeoutError, and kills it, when it takes too long."""
+    async def ask(self, question: bytes, timeout: float) -> bytes:
+        """Return the answer. Raise ConnectionError when the process ends first; kill it at a TimeoutError."""
         if self.ended:
             raise ConnectionError("the process has ended")
         number = next(self._numbers)
         answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
-        self._asked[number] = answer
+        self._pending[number] = answer
         try:
-            async with asyncio.timeout(patience):
+            async with asyncio.timeout(timeout):
                 self._writer.write(encode_frame(number, QUESTION, question))
                 await self._writer.drain()
                 return await answer
@@ -149,23 +151,23 @@ class _Process:
             self._end()
             raise
         finally:
-            self._asked.pop(number, None)
+            self._pending.pop(number, None)
 
     async def _listen(self) -> None:
         try:
             while True:
                 length, number, status = HEADER.unpack(await self._reader.readexactly(HEADER.size))
-                if length > self._longest:
+                if length > self._max_answer_bytes:
                     raise ConnectionError("an answer of that length is none")
-                self._hear(number, status, await self._reader.readexactly(length))
+                self._handle_answer(number, status, await self._reader.readexactly(length))
         except (OSError, EOFError) as error:
             log.info("the process says no more: %r", error)
         finally:
             self._end()
 
-    def _hear(self, number: int, status: int, payload: bytes) -> None:
+    def _handle_answer(self, number: int, status: int, payload: bytes) -> None:
         self._answered = True
-        answer = self._asked.get(number)
+        answer = self._pending.get(number)
         if answer is None or answer.done():
             return
         if status == DONE:
@@ -174,14 +176,14 @@ class _Process:
             answer.set_exception(ConnectionError("the process could not"))
 
     def _end(self) -> None:
-        """It gets no more questions, and whoever still waits is told so."""
-        self._refuse()
+        """Kill the process, and fail its pending questions."""
+        self._fail_pending()
         self._kill()
         self._writer.close()
 
-    def _refuse(self) -> None:
+    def _fail_pending(self) -> None:
         self.ended = True
-        for answer in self._asked.values():
+        for answer in self._pending.values():
             if not answer.done():
                 answer.set_exception(ConnectionError("the process has ended"))
 
@@ -190,11 +192,11 @@ class _Process:
             self._process.kill()
 
     async def close(self) -> None:
-        """Lets it end what it has below it by itself, for a while; not one that has done nothing yet, and comes up."""
+        """Let it stop its own children for `STOP_SECONDS`, then kill it; at once where it has not answered yet."""
         if not self.ended and self._answered:
-            self._refuse()
+            self._fail_pending()
             with suppress(OSError, TimeoutError):
-                self._writer.write_eof()  # closing the line would end our listening, and the end of that is its death
+                self._writer.write_eof()  # closing the writer would end `_listen`, which kills it
                 await asyncio.wait_for(self._process.wait(), STOP_SECONDS)
         self._end()
         self._listening.cancel()

@@ -24,35 +24,35 @@ SESSION_COOKIE = "balise_session"
 
 
 UNKNOWN_ADDRESS = "inconnue"
-IPV6_NETWORK_BITS = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
+IPV6_NETWORK_BITS = 64  # bits: a subscriber has a whole /64 network
 
 
-#: The weight by which `Accept-Encoding` says of an encoding that it is not taken.
-REFUSED = re.compile(r"q=0(\.0*)?")
+#: The weight of a refused encoding in `Accept-Encoding`.
+REFUSED_WEIGHT = re.compile(r"q=0(\.0*)?")
 
 
 def accepted_encodings(header: str) -> Sequence[str]:
-    """The encodings that an `Accept-Encoding` names and takes."""
-    named = (one.lower().replace(" ", "").partition(";") for one in header.split(","))
-    return [name for name, _, weight in named if name and not REFUSED.fullmatch(weight)]
+    """Return the encodings that an `Accept-Encoding` header accepts by name."""
+    named = (part.lower().replace(" ", "").partition(";") for part in header.split(","))
+    return [name for name, _, weight in named if name and not REFUSED_WEIGHT.fullmatch(weight)]
 
 
 def session_token(connection: HTTPConnection) -> str:
-    """The session that a browser shows, or nothing. Of several the first: it is that of the nearest path, the others
-    were set when the service stood elsewhere on its site."""
+    """Return the token of the session cookie, or an empty string.
+
+    The first of several: browsers send the cookie of the longest path first, the others are of an earlier root path.
+    """
     pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))
     return next((value.strip() for name, _, value in pairs if name.strip() == SESSION_COOKIE), "")
 
 
 def client_address(connection: HTTPConnection) -> str:
-    """Whom the limits count as one visitor: an IPv4 address, or the network of an IPv6 one.
-
-    It is what is at the other end, or what a trusted proxy says is behind it (`balise serve --trusted-proxy`).
-    """
+    """Return the key of a visitor for the rate limits: the peer's address, or that which a trusted proxy forwards."""
     return visitor_key(connection.client.host) if connection.client else UNKNOWN_ADDRESS
 
 
 def visitor_key(host: str) -> str:
+    """Return an IPv4 address, or the /64 network of an IPv6 address."""
     try:
         address = ip_address(host)
     except ValueError:
@@ -77,22 +77,24 @@ TITLES = {
 def problem_document(
     request: Request, status: int, title: str, detail: str, *, slug: str = "", **members: Any
 ) -> dict[str, Any]:
-    """The members of a problem document; extension members are added as they are."""
+    """Return a problem document (RFC 9457) with these extension members."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
-    told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
-    return {**told, "instance": root_path.external_path(request.url.path), **members}
+    document = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
+    return {**document, "instance": root_path.external_path(request.url.path), **members}
 
 
 def _sendable(text: str) -> str:
-    """A lone surrogate of the request's cannot be sent back."""
+    """Replace lone surrogates, which a request may hold and JSON in UTF-8 cannot."""
     return text.encode("utf-8", "replace").decode()
 
 
 def error_document(request: Request, error: ServiceError) -> dict[str, Any]:
+    """Return the problem document of an error."""
     members: dict[str, Any] = {}
     if isinstance(error, InvalidFields):
-        told = error.problems.items()
-        members["errors"] = [{"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in told]
+        members["errors"] = [
+            {"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in error.problems.items()
+        ]
     return problem_document(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
 
@@ -101,7 +103,7 @@ def problem_response(body: dict[str, Any], headers: Mapping[str, str] | None = N
 
 
 def error_location(error: Mapping[str, Any]) -> dict[str, Any]:
-    """Where and why: a JSON pointer in the body, or the name of a parameter."""
+    """Return the reason of one pydantic error, with its JSON pointer in the body or the name of its parameter."""
     source, *path = error["loc"]
     detail = french_reason(error)
     if source == "body":
@@ -113,17 +115,15 @@ def _pointer(path: Sequence[object]) -> str:
     return "#" + "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)
 
 
-#: Bytes of a request without its body; and of what comes without anything of a body, or a request, being ended by it.
+#: The longest head of a request, and the longest incomplete event of h11, in bytes.
 MAX_HEAD_BYTES = 64 * 1024
 
 
 def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
-    """How the application is served. `grace`: seconds left to open connections when it stops; `proxies`: whose word is
-    taken for where a request comes from.
+    """Return the configuration of uvicorn. `grace` is the shutdown timeout in seconds, `proxies` are trusted proxies.
 
-    Parser and loop are said, whatever is installed. That of httptools passes the body of a request that asks for an
-    upgrade on as the next request, and bounds nothing; the loop of uvloop starts no process in a group of its own, and
-    leaves those that it starts descriptors which are not theirs.
+    Parser and loop are explicit. httptools parses the body of an upgrade request as the next request, and bounds
+    nothing; uvloop starts no process in a group of its own, and leaks descriptors to child processes.
     """
     import uvicorn
 

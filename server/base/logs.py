@@ -1,6 +1,6 @@
-"""Logs: lines for people, or one JSON object a line for programs, each with the request that it comes from.
+"""Logs: lines of text, or one JSON object per line, with the id of the request.
 
-What a student writes and where they are is never in them: what is logged is names of ours, counts and times.
+They never hold what a student writes, nor an address: only names from the code, counts and times.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ TEXT, JSON = "text", "json"
 LONGEST = 200
 REQUEST_ID_PATTERN = re.compile(r"[A-Za-z0-9._-]{8,64}")
 
-#: The trail of what was asked, from the request to its verdict: told in JSON alone.
+#: Events from the request to its verdict; logged in JSON only.
 event_log = logging.getLogger("balise")
 _request: ContextVar[str] = ContextVar("request", default="")
 
@@ -29,13 +29,13 @@ def new_request_id() -> str:
 
 
 def current_request_id() -> str:
-    """The request that this is done for; empty for what nobody asked for."""
+    """Return the id of the current request; empty outside of requests."""
     return _request.get()
 
 
 @contextmanager
 def request_context(request: str) -> Iterator[None]:
-    """What is logged within is of this request."""
+    """Log with the id of this request within the block."""
     token = _request.set(request)
     try:
         yield
@@ -44,12 +44,12 @@ def request_context(request: str) -> Iterator[None]:
 
 
 def log_event(message: str, **fields: object) -> None:
-    """One step of the trail, with what a program may look for."""
+    """Log an event with structured fields."""
     event_log.info(message, extra={"fields": fields})
 
 
 class JsonLines(logging.Formatter):
-    """A record as an object: `time`, `level`, `process`, `logger`, `message`, `request` if any, and its own fields."""
+    """A record as a JSON object: `time`, `level`, `process`, `logger`, `message`, `request` if any, and more."""
 
     def __init__(self, process: str) -> None:
         super().__init__()
@@ -72,11 +72,11 @@ class JsonLines(logging.Formatter):
 
 
 class RecentErrors(logging.Handler):
-    """The latest errors of this process: when, of which logger, and their first line. For several threads."""
+    """Keeps the latest errors of this process: time, logger and first line. Thread-safe."""
 
-    def __init__(self, most: int = 8) -> None:
+    def __init__(self, max_errors: int = 8) -> None:
         super().__init__(logging.ERROR)
-        self._latest: deque[tuple[datetime, str, str]] = deque(maxlen=most)
+        self._latest: deque[tuple[datetime, str, str]] = deque(maxlen=max_errors)
 
     def emit(self, record: logging.LogRecord) -> None:
         line = record.getMessage().partition("\n")[0][:LONGEST]
@@ -90,7 +90,7 @@ RECENT_ERRORS = RecentErrors()
 
 
 def configure_logging(process: str, form: str, level: int = logging.WARNING) -> None:
-    """What a process does first. `form` is TEXT or JSON."""
+    """Configure logging at the start of a process. `form` is TEXT or JSON."""
     handler = logging.StreamHandler()
     named = f" {process}" if process else ""
     handler.setFormatter(

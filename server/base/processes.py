@@ -1,4 +1,4 @@
-"""Processes of ours: what they are given, and that they end with the one that started them."""
+"""Child processes: their environment, and their death with their parent."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from server.base.settings import Settings  # with pydantic, which who draws has no use for
 
 _PR_SET_PDEATHSIG = 1
-#: What says nothing secret, and every process needs.
-COMMON = ("BALISE_LOG_FORMAT", "BALISE_COURSES")
+#: Settings without secrets that every process needs.
+COMMON_VARIABLES = ("BALISE_LOG_FORMAT", "BALISE_COURSES")
 
 
 def die_with_parent(parent: int) -> None:
-    """Has the kernel end this process when its parent does; ends it now if that has already happened."""
+    """Have the kernel kill this process when its parent dies; exit now if it is dead already."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0) != 0:
         raise OSError(ctypes.get_errno(), "prctl(PR_SET_PDEATHSIG)")
@@ -28,17 +28,19 @@ def die_with_parent(parent: int) -> None:
 
 
 def child_environment(settings: Settings) -> dict[str, str]:
-    """This process's environment, with every setting, and the project importable from any folder."""
+    """Return this process's environment, with every setting, and the project importable from any folder."""
     values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
     settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}
-    return {**os.environ, **settings_env, "PYTHONPATH": _path()}
+    return {**os.environ, **settings_env, "PYTHONPATH": _python_path()}
 
 
 def bare_environment() -> dict[str, str]:
-    """The same without any setting but the form of logs and the courses: the database's password is among them."""
-    others = {name: value for name, value in os.environ.items() if name in COMMON or not name.startswith("BALISE_")}
-    return {**others, "PYTHONPATH": _path()}
+    """Return the environment without settings, except `COMMON_VARIABLES`: no password of a database."""
+    variables = {
+        name: value for name, value in os.environ.items() if name in COMMON_VARIABLES or not name.startswith("BALISE_")
+    }
+    return {**variables, "PYTHONPATH": _python_path()}
 
 
-def _path() -> str:
+def _python_path() -> str:
     return os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))

@@ -1,8 +1,8 @@
-"""Where on its site the service stands: at the root, or under the path that a reverse proxy gives it.
+"""The path under which a reverse proxy serves the application.
 
-Inside, every address begins at the service's own root (`/classes`), as if there were no such path. It is taken off the
-requests as they come in, and put before the addresses as they go out: of pages by `written`, of JSON by `address`,
-of redirections by `Mounted`. One process serves one site: the path is what the application was last built with.
+Inside, every path begins at the application's root (`/classes`). The root path is stripped from requests, and prefixed
+to outgoing addresses: in pages by `with_external_paths`, in JSON by `external_path`, in redirections by
+`RootPathMiddleware`. One process serves one site: the path of the application that was built last.
 """
 
 from __future__ import annotations
@@ -13,20 +13,20 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-#: The attributes of our pages that hold an address.
+#: Attributes of the pages' HTML that hold an address.
 ATTRIBUTES = (
     "href", "src", "srcset", "action", "formaction",
     "data-source", "data-action", "data-hands", "data-answers", "data-save", "data-stream", "data-progress",
     "data-events", "data-verdict", "data-steps",
 )  # fmt: skip
-#: Our templates and our Markdown write every address so, and escape quotes in what they show.
+#: Templates and Markdown write every address in this form, and escape quotes in text.
 _ADDRESS = re.compile(rf'(?<=\s)({"|".join(ATTRIBUTES)})="/(?!/)')
 
 _roots = [""]
 
 
 def set_root_path(root: str) -> None:
-    """From now on this process serves under this path: `/balise`, or nothing."""
+    """Serve under this path from now on: `/balise`, or an empty string."""
     _roots[0] = root
 
 
@@ -35,22 +35,22 @@ def root_path() -> str:
 
 
 def external_path(path: str) -> str:
-    """An address of the service, as the outside knows it."""
+    """Prefix the root path to a path of the application."""
     return f"{root_path()}{path}"
 
 
 def with_external_paths(page: str) -> str:
-    """The HTML of a page, or of a part of one, as the outside knows its addresses."""
+    """Prefix the root path to every address in the HTML of a page or fragment."""
     return _ADDRESS.sub(rf'\1="{root_path()}/', page) if root_path() else page
 
 
 def service_url(connection: HTTPConnection) -> str:
-    """The service's whole address as this visitor has it, without a slash at its end."""
+    """Return the application's URL as this visitor has it, without a trailing slash."""
     return f"{connection.url.scheme}://{connection.url.netloc}{root_path()}"
 
 
 class RootPathMiddleware:
-    """Takes the path off what is asked, whether or not the proxy has left it there; puts it before redirections."""
+    """Strips the root path from requests, whether or not the proxy left it there; prefixes it to redirections."""
 
     def __init__(self, app: ASGIApp, root: str) -> None:
         self._app, self._root = app, root
@@ -59,18 +59,18 @@ class RootPathMiddleware:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
 
-        # Starlette sends on whoever writes a slash too many, with the whole address.
+        # Starlette redirects a trailing slash to an absolute URL.
         here = f"{scope['scheme']}://{Headers(scope=scope).get('host', '')}"
 
         async def send_outwards(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                place = headers.get("location", "").removeprefix(here)
-                if place.startswith("/") and not place.startswith("//"):
-                    headers["location"] = f"{self._root}{place}"
+                location = headers.get("location", "").removeprefix(here)
+                if location.startswith("/") and not location.startswith("//"):
+                    headers["location"] = f"{self._root}{location}"
             await send(message)
 
-        scope.update(self._inside(scope))  # whatever answers for an application that failed reads it as well
+        scope.update(self._inside(scope))  # in place: the handler of unexpected errors reads it too
         await self._app(scope, receive, send_outwards)
 
     def _inside(self, scope: Scope) -> dict[str, object]:

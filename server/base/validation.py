@@ -47,7 +47,7 @@ REASONS = {
 
 
 def french_reason(error: Mapping[str, Any]) -> str:
-    """What is wrong, to follow the name of what is refused. `error` is one of `ValidationError.errors()`."""
+    """Return what is wrong in French, to follow the name of the field. `error` is one of `ValidationError.errors()`."""
     bounds = {name: _french(value) for name, value in error.get("ctx", {}).items()}
     return REASONS.get(error["type"], "valeur refusée").format(**bounds)
 
@@ -61,30 +61,32 @@ UNITS = ((1 << 30, "Gio"), (1 << 20, "Mio"), (1 << 10, "Kio"))
 
 
 def format_size(count: float) -> str:
-    """« 64 Kio », « 1,5 Mio », « 1 octet »."""
+    """Write a number of bytes in French: « 64 Kio », « 1,5 Mio », « 1 octet »."""
     for unit, name in UNITS:
         if count >= unit:
             return f"{count / unit:.2f}".rstrip("0").rstrip(".").replace(".", ",") + NO_BREAK + name
     return f"{count:.0f}{NO_BREAK}octet{'s' if count >= 2 else ''}"
 
 
-def parse_uuid(text: UUID | str, unknown: str) -> UUID:
-    """The UUID that a text is; a text that is none names nothing: raises NotFound, with the sentence `unknown`."""
+def parse_uuid(text: UUID | str, message: str) -> UUID:
+    """Parse a UUID from an address or a request. Raise NotFound with this sentence where the text is none."""
     try:
         return text if isinstance(text, UUID) else UUID(text)
     except ValueError as error:
-        raise NotFound(unknown) from error
+        raise NotFound(message) from error
 
 
-def encode_bounded(text: str, most: int, what: str = "Le code") -> bytes:
-    """The text in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes.
+def encode_bounded(text: str, max_bytes: int, subject: str = "Le code") -> bytes:
+    """Encode as UTF-8. Raise Invalid for lone surrogates, TooLarge above `max_bytes`.
 
-    `what` is the subject of the sentence, in the singular.
+    `subject` begins the sentence of the error, in the singular.
     """
     try:
         source = text.encode()
     except UnicodeEncodeError as error:
-        raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
-    if len(source) > most:
-        raise TooLarge(f"{what} dépasse de {format_size(len(source) - most)} la limite de {format_size(most)}.")
+        raise Invalid(f"{subject} contient un caractère qui n’existe pas en Unicode.") from error
+    if len(source) > max_bytes:
+        raise TooLarge(
+            f"{subject} dépasse de {format_size(len(source) - max_bytes)} la limite de {format_size(max_bytes)}."
+        )
     return source

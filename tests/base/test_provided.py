@@ -19,7 +19,7 @@ class Bell:
 
 @pytest.fixture(autouse=True)
 def _asked_for_here_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(room, "_asked_for", set())
+    monkeypatch.setattr(room, "_requested_types", set())
 
 
 def test_a_route_gets_the_object_of_the_type_that_it_asks_for() -> None:

@@ -99,7 +99,7 @@ def process(cells: Cells) -> int:
 def asked(cells: Cells) -> int:
     """How many questions it has not answered yet."""
     assert cells.helper._process is not None
-    return len(cells.helper._process._asked)
+    return len(cells.helper._process._pending)
 
 
 async def asking(cells: Cells) -> None:
