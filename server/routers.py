@@ -3,7 +3,7 @@
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.cells.routes import router as cells_router
-from server.desk.assignments.exemptions import router as exemptions_router
+from server.desk.assignments.exemption_routes import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
@@ -11,7 +11,7 @@ from server.desk.likeness.routes import router as likeness_router
 from server.desk.marks.journal import router as journal_router
 from server.desk.marks.routes import router as marks_router
 from server.desk.own.routes import router as own_router
-from server.desk.people.keeping import router as keeping_router
+from server.desk.people.management import router as keeping_router
 from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router

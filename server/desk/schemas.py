@@ -1,4 +1,4 @@
-"""What the templates of the classes' pages receive: every page's context is one of these types, and nothing else."""
+"""Contexts of the templates of a class: every page receives one of these types, and nothing else."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from server.web.news import NewsView
 
 
 @dataclass(frozen=True)
-class ClassRow:
-    """A class in a list; `waiting` is how many ask to join it, `asking` how many questions wait, for its staff."""
+class ClassListRow:
+    """A class in a list; `waiting` counts join requests, `asking` open questions, for its staff."""
 
     href: str
     name: str
@@ -23,19 +23,19 @@ class ClassRow:
 
 @dataclass(frozen=True)
 class ClassesPage:
-    """`news` is what one was told and has not read; `modules`: slug and title of those that one may make a class of."""
+    """The list of classes; `news`: unread messages; `modules`: slug and title of those for a new class."""
 
     news: tuple[NewsView, ...]
-    taught: tuple[ClassRow, ...]
-    attended: tuple[ClassRow, ...]
-    archived: tuple[ClassRow, ...]
+    taught: tuple[ClassListRow, ...]
+    attended: tuple[ClassListRow, ...]
+    archived: tuple[ClassListRow, ...]
     may_create: bool
     modules: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
-class Tab:
-    """A link to a page of the class; `here`: it is, or belongs to, the page that is shown."""
+class ClassTab:
+    """A link to a page of the class; `here`: the current page belongs to it."""
 
     label: str
     href: str
@@ -44,7 +44,7 @@ class Tab:
 
 @dataclass(frozen=True)
 class ClassHead:
-    """What every page of a class begins with, and where one may go from it. `tabs` are for its staff."""
+    """The head of every page of a class, with the actions that the reader may use. `tabs` are for its staff."""
 
     id: str
     name: str
@@ -55,12 +55,12 @@ class ClassHead:
     may_keep_list: bool
     may_set_up: bool
     may_see_code: bool
-    tabs: tuple[Tab, ...]
+    tabs: tuple[ClassTab, ...]
 
 
 @dataclass(frozen=True)
-class CodeView:
-    """How one joins: the code as it is read aloud, the whole address, the same as a picture (SVG), and until when."""
+class JoinCodeView:
+    """The join code as it is read aloud, its address, the address as a QR code (SVG), and its expiry."""
 
     code: str
     address: str
@@ -71,7 +71,7 @@ class CodeView:
 
 @dataclass(frozen=True)
 class MemberRow:
-    """A date is empty where there is none; `guest`: bound to one browser; `handed`: their password may be remade."""
+    """A member of the list. Missing dates are empty; `guest`: without a login, bound to one browser."""
 
     id: str
     name: str
@@ -95,8 +95,8 @@ class StaffRow:
 
 
 @dataclass(frozen=True)
-class OwnSeat:
-    """What somebody is in their class."""
+class OwnMembership:
+    """The reader's own membership."""
 
     role: str
     pending: bool
@@ -106,11 +106,11 @@ class OwnSeat:
 
 @dataclass(frozen=True)
 class PeoplePage:
-    """Who is in a class, as its staff see it; `students` are those of the group `group` where one is chosen."""
+    """The members of a class as its staff see them; `students` are those of the label `group` if it is chosen."""
 
     head: ClassHead
     staff: tuple[StaffRow, ...]
-    code: CodeView | None
+    code: JoinCodeView | None
     may_hand_passwords: bool
     students: tuple[MemberRow, ...]
     total: int
@@ -123,7 +123,7 @@ class PeoplePage:
 
 @dataclass(frozen=True)
 class EditionChoice:
-    """An edition that a class may be copied into; `without` are exercises of its assignments that are not in it."""
+    """An edition into which a class may be copied; `without`: assigned exercises that it lacks."""
 
     slug: str
     title: str
@@ -132,18 +132,18 @@ class EditionChoice:
 
 @dataclass(frozen=True)
 class SettingsPage:
-    """`editions` are those of the class's module, from its own on."""
+    """The settings of a class; `editions`: those of its module, from its own on."""
 
     head: ClassHead
     approval: bool
     staff: tuple[StaffRow, ...]
-    code: CodeView | None
+    code: JoinCodeView | None
     editions: tuple[EditionChoice, ...]
 
 
 @dataclass(frozen=True)
-class ChangeRow:
-    """A person whom a list adds, changes or leaves out; `note` says what happens to them."""
+class ImportChangeRow:
+    """A person whom a list adds, changes or leaves out; `note` describes the change."""
 
     line: str
     name: str
@@ -153,13 +153,13 @@ class ChangeRow:
 
 @dataclass(frozen=True)
 class ImportPage:
-    """A list before it is written. `text` is the list, `digest` says what it would change."""
+    """The preview of a list. `text` is the list, `digest` identifies its changes."""
 
     head: ClassHead
-    added: tuple[ChangeRow, ...]
-    updated: tuple[ChangeRow, ...]
+    added: tuple[ImportChangeRow, ...]
+    updated: tuple[ImportChangeRow, ...]
     unchanged: int
-    left: tuple[ChangeRow, ...]
+    left: tuple[ImportChangeRow, ...]
     rejected: tuple[tuple[int, str, str], ...]
     ignored: tuple[str, ...]
     text: str
@@ -171,7 +171,7 @@ class ImportPage:
 
 
 @dataclass(frozen=True)
-class SlipView:
+class PasswordSlipView:
     name: str
     login: str
     link: str
@@ -181,17 +181,17 @@ class SlipView:
 @dataclass(frozen=True)
 class SlipsPage:
     head: ClassHead
-    slips: tuple[SlipView, ...]
+    slips: tuple[PasswordSlipView, ...]
     refused: tuple[str, ...]
     days: int
     address: str
 
 
 @dataclass(frozen=True)
-class SatExercise:
-    """An exercise of a test: how often one has sent something, and when something was saved last (or empty).
+class SittingExercise:
+    """An exercise of a test: the number of submissions, and the time of the last saved draft (or empty).
 
-    `failed`: how many of what was sent an error of ours has left ungraded.
+    `failed` counts submissions that an internal error left ungraded.
     """
 
     title: str
@@ -205,10 +205,10 @@ class SatExercise:
 
 @dataclass(frozen=True)
 class SittingPage:
-    """A test as its student sees it. Times come as ISO and in words, empty where there are none.
+    """A test as its student sees it. Times come as ISO text and in words, empty where there are none.
 
-    `ends`: of a sitting, its end; before it, the end if one began now. `now` is the server's time. `extra`: the time
-    is longer than the others'. `handed_in`: at one's own word; else time has ended it.
+    `ends`: the end of the sitting; before it, the end if it began now. `now` is the server's time. `extra`: the
+    student has extra time. `handed_in`: by the student; otherwise time ended it.
     """
 
     head: ClassHead
@@ -224,13 +224,13 @@ class SittingPage:
     ends: str
     ends_text: str
     handed_in: bool
-    exercises: tuple[SatExercise, ...]
+    exercises: tuple[SittingExercise, ...]
     action: str
 
 
 @dataclass(frozen=True)
 class ReleaseView:
-    """The results of a test, to be released: how many have begun, and still sit. `released` is empty before.
+    """The release of a test's results: the numbers of sittings begun and still running. `released` is empty before.
 
     `opens` is empty once somebody may have begun: until then there is nothing to release.
     """
@@ -246,7 +246,7 @@ class ReleaseView:
 
 @dataclass(frozen=True)
 class JoinPage:
-    """The class of a code. `asks_name`: of a visitor or a guest; `already`: where who is in it already goes on."""
+    """The class of a join code. `asks_name`: for visitors and guests; `already`: its address for current members."""
 
     code: str
     name: str
@@ -258,8 +258,8 @@ class JoinPage:
 
 
 @dataclass(frozen=True)
-class JoinForm:
-    """What a visitor or a guest has written of their name, and why it is refused."""
+class JoinFormValues:
+    """The name that a visitor or a guest has entered, and why it is refused."""
 
     given: str
     family: str

@@ -1,14 +1,14 @@
-"""The pages of a class that its tabs lead to: the one table of them."""
+"""The table of a class's tabs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from server.desk.schemas import Tab
+from server.desk.schemas import ClassTab
 from server.rights.models import Right
 
-#: For who sees the class as its staff do, and for who learns there: what it takes, what the tab says, where it leads.
-STAFF: tuple[tuple[Right, str, str], ...] = (
+#: Required right, label and path of each tab.
+STAFF_TABS: tuple[tuple[Right, str, str], ...] = (
     (Right.read_work, "Tableau", ""),
     (Right.see_students, "Devoirs", "/devoirs"),
     (Right.read_marks, "Carnet", "/carnet"),
@@ -21,8 +21,8 @@ STAFF: tuple[tuple[Right, str, str], ...] = (
 )
 
 
-def tabs(href: str, may: Callable[[Right], bool], here: str) -> tuple[Tab, ...]:
-    """Those of who may use them; `here` is the path of the page within the class. A student's page stands alone."""
+def visible_tabs(href: str, may: Callable[[Right], bool], here: str) -> tuple[ClassTab, ...]:
+    """Return the tabs that the reader may use; `here` is the current path within the class. Students get none."""
     if not may(Right.see_students):
         return ()
-    return tuple(Tab(label, href + path, path == here) for right, label, path in STAFF if may(right))
+    return tuple(ClassTab(label, href + path, path == here) for right, label, path in STAFF_TABS if may(right))

@@ -24,7 +24,7 @@ from server.audit.models import AuditAction, AuditEvent
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk.assignments import late_line
-from server.desk.own.views import standing
+from server.desk.own.views import exercise_standing
 from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.marks.schemas import ExerciseMark
@@ -412,10 +412,10 @@ rules = st.builds(
 
 @given(rules, st.floats(0.01, 0.99))
 def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -> None:
-    line = late_line.line_of(found)
+    line = late_line.draw_late_line(found)
     assert "nan" not in line.svg
     assert len(line.svg) < 12_000
-    pieces = list(late_line._pieces(found))
+    pieces = list(late_line._line_segments(found))
     for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
         assert piece.start <= piece.end
         assert following is None or following.start == piece.end, "the line has no gap"
@@ -436,7 +436,7 @@ def test_what_a_student_is_told_of_an_exercise() -> None:
         return ExerciseMark(EXERCISE, 1.0, counted, None, None, attempts, None)
 
     full, late = marked(AttemptMark(uuid4(), 20.0, 20.0, 0), 3), marked(AttemptMark(uuid4(), 14.0, 20.0, 3), 1)
-    assert standing(full, over=False) == ("done", "✓", "réussi")
-    assert standing(late, over=True) == ("done", "✓", "réussi : 14 / 20")
-    assert standing(marked(None, 2), over=False)[2] == "rien avant la date de remise"
-    assert [standing(marked(None, 0), over=over)[2] for over in (False, True)] == ["à faire", "pas fait"]
+    assert exercise_standing(full, over=False) == ("done", "✓", "réussi")
+    assert exercise_standing(late, over=True) == ("done", "✓", "réussi : 14 / 20")
+    assert exercise_standing(marked(None, 2), over=False)[2] == "rien avant la date de remise"
+    assert [exercise_standing(marked(None, 0), over=over)[2] for over in (False, True)] == ["à faire", "pas fait"]

@@ -49,5 +49,5 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
             for names in (BOTH, BOTH[:1], BOTH[1:])
         ]
     with database.read() as db:
-        found = repository.finished(db, made.id, [one.id for one in given])
+        found = repository.count_finished_students(db, made.id, [one.id for one in given])
         assert [found.get(one.id, 0) for one in given] == [1, 2, 1]

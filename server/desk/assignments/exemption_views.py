@@ -26,16 +26,16 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.late_line import line_of
+from server.desk.assignments.late_line import draw_late_line
 from server.desk.assignments.schemas import (
     ExemptionRow,
     ExemptionsPage,
     ExemptionValues,
-    Step,
-    WhyField,
-    WhyPage,
+    ExplainedField,
+    ExplanationStep,
+    RulesExplanationPage,
 )
-from server.desk.assignments.views import TAB, href_of, may_keep, when
+from server.desk.assignments.views import TAB, assignment_href, format_date, may_manage
 from server.marks.cells import french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -45,42 +45,43 @@ from server.web.words import short_moment
 
 ORDERS = ("eleve", "date")
 NOBODY = "La classe n’a pas encore d’élève."
-GONE = "n’est plus dans la classe"
+LEFT_CLASS = "n’est plus dans la classe"
 
 
-def exemptions_page(
+def build_exemptions_page(
     db: Session,
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     one: Assignment,
     order: str,
     values: ExemptionValues | None = None,
     problems: Mapping[str, str] | None = None,
 ) -> ExemptionsPage:
     """A bounded number of queries, however many there are."""
-    members = classes.load_members(db, place.school_class.id)
+    members = classes.load_members(db, access.school_class.id)
     order = order if order in ORDERS else ORDERS[0]
     return ExemptionsPage(
-        head=views.head(course, place, TAB),
+        head=views.class_head(course, access, TAB),
         title=one.title,
-        href=href_of(one),
-        rows=tuple(_rows(db, one, members, order)),
+        href=assignment_href(one),
+        rows=tuple(_sorted_rows(db, one, members, order)),
         order=order,
         students=tuple((str(each.id), each.name) for each in active_students(members)),
         groups=tuple(student_labels(members)),
         values=values or ExemptionValues(),
         problems=problems or {},
-        may_keep=may_keep(place),
+        may_keep=may_manage(access),
         zone=school_time.time_zone_name(),
         own=tuple(
-            (words.FIELDS[name], words.value(name, getattr(one, name))) for name in ("opens_at", "due_at", "closes_at")
+            (words.FIELD_NAMES[name], words.format_field_value(name, getattr(one, name)))
+            for name in ("opens_at", "due_at", "closes_at")
         ),
     )
 
 
-def _rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
+def _sorted_rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
     """Those that hold first, then those revoked; by the class's list, groups before, or the newest first."""
-    places = {each.id: (place, each) for place, each in enumerate(members)}
+    places = {each.id: (access, each) for access, each in enumerate(members)}
 
     def key(each: Exemption) -> tuple[object, ...]:
         seat = places.get(each.account_id) if each.account_id else None
@@ -89,38 +90,38 @@ def _rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -
             return held, -each.created_at.timestamp()
         return held, seat is not None, seat[0] if seat else 0, (each.label or "").casefold(), each.created_at
 
-    return [_row(one, each, places) for each in sorted(repository.load_all_exemptions(db, one.id), key=key)]
+    return [_exemption_row(one, each, places) for each in sorted(repository.load_all_exemptions(db, one.id), key=key)]
 
 
-def _row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
+def _exemption_row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
     seat = places.get(each.account_id) if each.account_id else None
     member = seat[1] if seat else None
     author = places.get(each.created_by) if each.created_by else None
-    why = f"{href_of(one)}/pourquoi?eleve={each.account_id}" if member and not each.label else ""
+    why = f"{assignment_href(one)}/pourquoi?eleve={each.account_id}" if member and not each.label else ""
     return ExemptionRow(
         id=str(each.id),
-        who=each.label or (member.name if member else GONE),
+        who=each.label or (member.name if member else LEFT_CLASS),
         is_group=each.label is not None,
         why_href=why,
-        effects=tuple(_effects(each)),
+        effects=tuple(_described_effects(each)),
         reason=each.reason,
         by=author[1].name if author else "",
-        made=replace(when(each.created_at), text=short_moment(each.created_at)),
-        revoked=when(each.revoked_at),
+        made=replace(format_date(each.created_at), text=short_moment(each.created_at)),
+        revoked=format_date(each.revoked_at),
     )
 
 
-def _effects(each: Exemption) -> Iterator[tuple[str, str]]:
+def _described_effects(each: Exemption) -> Iterator[tuple[str, str]]:
     for name, said in exemption_effects(each).items():
-        yield words.FIELDS[name], words.value(name, said)  # type: ignore[index]
+        yield words.FIELD_NAMES[name], words.format_field_value(name, said)  # type: ignore[index]
 
 
-def as_csv(db: Session, place: ClassAccess, one: Assignment, order: str) -> bytes:
+def exemptions_csv(db: Session, access: ClassAccess, one: Assignment, order: str) -> bytes:
     """For a French spreadsheet."""
-    names = list(words.FIELDS.values())
+    names = list(words.FIELD_NAMES.values())
     header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
     rows = []
-    for row in _rows(db, one, classes.load_members(db, place.school_class.id), order):
+    for row in _sorted_rows(db, one, classes.load_members(db, access.school_class.id), order):
         told = dict(row.effects)
         who = ["", row.who] if row.is_group else [row.who, ""]
         effects_of = [told.get(name, "") for name in names]
@@ -128,36 +129,42 @@ def as_csv(db: Session, place: ClassAccess, one: Assignment, order: str) -> byte
     return b"".join(french_csv(header, rows))
 
 
-def why_page(db: Session, course: Course, place: ClassAccess, one: Assignment, student: Member) -> WhyPage:
+def build_rules_explanation_page(
+    db: Session, course: Course, access: ClassAccess, one: Assignment, student: Member
+) -> RulesExplanationPage:
     """For the staff with the reasons; for the student themself without."""
-    staff = place.has(Right.see_students)
+    staff = access.has(Right.see_students)
     exemptions = repository.load_exemptions(db, [one.id]).get(one.id, ())
     seat = student.membership
     rules = rules_in_force(one, exemptions, seat.account_id, seat.groups)
     told = explain_rules(rules, exemptions, seat.account_id)
-    asked = [name for name in words.FIELDS if name != "time_factor" or one.duration_minutes or len(told[name]) > 1]
-    members = classes.load_members(db, place.school_class.id) if staff else ()
-    return WhyPage(
-        head=views.head(course, place, TAB),
+    asked = [name for name in words.FIELD_NAMES if name != "time_factor" or one.duration_minutes or len(told[name]) > 1]
+    members = classes.load_members(db, access.school_class.id) if staff else ()
+    return RulesExplanationPage(
+        head=views.class_head(course, access, TAB),
         title=one.title,
-        href=href_of(one) if staff else f"{views.href_of(place.school_class)}#devoir-{one.id}",
+        href=assignment_href(one) if staff else f"{views.class_href(access.school_class)}#devoir-{one.id}",
         student=str(student.id),
         name=student.name,
         fields=tuple(
-            WhyField(words.FIELDS[name], words.value(name, told[name][0].value), _steps(name, told[name], staff=staff))
+            ExplainedField(
+                words.FIELD_NAMES[name],
+                words.format_field_value(name, told[name][0].value),
+                _explanation_steps(name, told[name], staff=staff),
+            )
             for name in asked
         ),
-        late=words.late_of(rules) if rules.due_at else "",
-        line=line_of(rules),
+        late=words.describe_late_rules(rules) if rules.due_at else "",
+        line=draw_late_line(rules),
         people=tuple((str(each.id), each.name) for each in active_students(members)),
         for_staff=staff,
-        sitting=_sitting(sitting_repository.load_sitting(db, one.id, seat.account_id), rules)
+        sitting=_sitting_sentence(sitting_repository.load_sitting(db, one.id, seat.account_id), rules)
         if one.mode == Mode.test
         else "",
     )
 
 
-def _sitting(found: Sitting | None, rules: Rules) -> str:
+def _sitting_sentence(found: Sitting | None, rules: Rules) -> str:
     """A sentence on a test: what the rules come to for who has begun it."""
     if found is None:
         return "Pas encore commencé."
@@ -168,7 +175,7 @@ def _sitting(found: Sitting | None, rules: Rules) -> str:
     return f"{began} ; {ended} le {short_moment(end)}." if end else f"{began}."
 
 
-WHO = {
+ORIGIN_WORDS = {
     "assignment": "Le devoir, pour tous",
     "adjusted": "Reportée d’elle-même",
     "student": "Un aménagement pour l’élève",
@@ -176,12 +183,12 @@ WHO = {
 ADJUSTED = "la fermeture ne vient ni avant la date de remise, ni avant la fin du temps en plus"
 
 
-def _steps(name: str, told: Sequence[ExplainedValue], *, staff: bool) -> tuple[Step, ...]:
+def _explanation_steps(name: str, told: Sequence[ExplainedValue], *, staff: bool) -> tuple[ExplanationStep, ...]:
     """From what is said to all to what holds."""
     steps = [
-        Step(
-            who=_who(each, staff=staff),
-            value=words.value(name, each.value),
+        ExplanationStep(
+            who=_origin_words(each, staff=staff),
+            value=words.format_field_value(name, each.value),
             reason=ADJUSTED if each.origin == "adjusted" else each.reason if staff else "",
             holds=each is told[0],
         )
@@ -190,15 +197,15 @@ def _steps(name: str, told: Sequence[ExplainedValue], *, staff: bool) -> tuple[S
     return tuple(steps)
 
 
-def _who(told: ExplainedValue, *, staff: bool) -> str:
+def _origin_words(told: ExplainedValue, *, staff: bool) -> str:
     if told.origin == "label":
         return f"Un aménagement pour le groupe « {visible(told.label)} »"
-    return WHO[told.origin] if staff or told.origin != "student" else "Un aménagement pour vous"
+    return ORIGIN_WORDS[told.origin] if staff or told.origin != "student" else "Un aménagement pour vous"
 
 
-def find_student(db: Session, place: ClassAccess, name: str) -> Member:
+def find_student(db: Session, access: ClassAccess, name: str) -> Member:
     """A student who is in the class now; the first, where none is named. Raises NotFound."""
-    for each in active_students(classes.load_members(db, place.school_class.id)):
+    for each in active_students(classes.load_members(db, access.school_class.id)):
         if not name or str(each.id) == name.lower():
             return each
     raise NotFound(NO_STUDENT if name else NOBODY)

@@ -15,19 +15,19 @@ from server.assignments.schemas import AssignmentInput, ExemptionInput, Exemptio
 from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
-from server.desk.assignments.words import number
+from server.desk.assignments.words import format_number
 from server.web import school_time
 
 NO_NUMBER = "{what} : « {text} » n’est pas un nombre."
 NO_CHOICE = "Ce choix n’est pas proposé."
-WEIGHT = "poids:"
-LONGEST = 5000
+WEIGHT_PREFIX = "poids:"
+MAX_FIELD_CHARACTERS = 5000
 
-Word = TypeVar("Word", bound=StrEnum)
+ChoiceEnum = TypeVar("ChoiceEnum", bound=StrEnum)
 T = TypeVar("T")
 
 
-class _Reader:
+class _FormReader:
     """Reads fields one after another, and keeps what is wrong with each."""
 
     def __init__(self, fields: FormData) -> None:
@@ -35,9 +35,9 @@ class _Reader:
         self.problems: dict[str, str] = {}
 
     def text(self, name: str) -> str:
-        return text_of(self.fields, name)
+        return field_text(self.fields, name)
 
-    def _try(self, field: str, reading: Callable[[], T], instead: T) -> T:
+    def _read_or_record(self, field: str, reading: Callable[[], T], instead: T) -> T:
         try:
             return reading()
         except Invalid as refused:
@@ -45,31 +45,31 @@ class _Reader:
             return instead
 
     def date(self, name: str, field: str, what: str, kept: datetime | None) -> datetime | None:
-        return self._try(field, lambda: school_time.parse_field(self.text(name), what, kept), None)
+        return self._read_or_record(field, lambda: school_time.parse_field(self.text(name), what, kept), None)
 
     def number(self, name: str, field: str, what: str) -> float | None:
-        return self._try(field, lambda: _number(self.text(name), what), None)
+        return self._read_or_record(field, lambda: _parse_number(self.text(name), what), None)
 
-    def word(self, name: str, field: str, of: type[Word], default: Word) -> Word:
+    def choice(self, name: str, field: str, of: type[ChoiceEnum], default: ChoiceEnum) -> ChoiceEnum:
         given = self.text(name) or default.value
         if given not in set(of):
             self.problems.setdefault(field, NO_CHOICE)
             return default
         return of(given)
 
-    def refuse(self) -> None:
+    def raise_problems(self) -> None:
         """Raises InvalidFields where something is wrong."""
         if self.problems:
             raise InvalidFields(self.problems)
 
 
-def text_of(fields: FormData, name: str) -> str:
+def field_text(fields: FormData, name: str) -> str:
     """Of a field that may be absent, or a file."""
     given = fields.get(name, "")
-    return given.strip()[:LONGEST] if isinstance(given, str) else ""
+    return given.strip()[:MAX_FIELD_CHARACTERS] if isinstance(given, str) else ""
 
 
-def _number(text: str, what: str) -> float | None:
+def _parse_number(text: str, what: str) -> float | None:
     """With a comma or a point. Raises Invalid."""
     plain = text.replace(",", ".").replace("\u202f", "").replace(" ", "")
     if not plain:
@@ -80,12 +80,12 @@ def _number(text: str, what: str) -> float | None:
     return float(plain)
 
 
-def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentInput:
+def parse_assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentInput:
     """What the form asks for; `before` is what the assignment is, which says to the second what its fields show.
 
     Raises InvalidFields.
     """
-    read = _Reader(fields)
+    read = _FormReader(fields)
     opens = read.date("ouvre", "opens_at", "Ouverture", before.opens_at if before else None)
     due = read.date("rendre", "due_at", "À rendre avant", before.due_at if before else None)
     closes = read.date("ferme", "closes_at", "Fermeture", before.closes_at if before else None)
@@ -95,8 +95,11 @@ def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentIn
     if minutes is not None and minutes != int(minutes):
         read.problems.setdefault("duration_minutes", "La durée est un nombre entier de minutes.")
     exercises = tuple(
-        WeightedExercise(name, _or_one(read.number(f"{WEIGHT}{name}", "exercises", f"Coefficient de « {name[:100]} »")))
-        for name in chosen(fields)
+        WeightedExercise(
+            name,
+            _default_weight(read.number(f"{WEIGHT_PREFIX}{name}", "exercises", f"Coefficient de « {name[:100]} »")),
+        )
+        for name in checked_exercises(fields)
     )
     wanted = AssignmentInput(
         title=read.text("titre"),
@@ -104,51 +107,55 @@ def assignment(fields: FormData, before: AssignmentInput | None) -> AssignmentIn
         opens_at=opens or utc_now().replace(second=0, microsecond=0),
         due_at=due,
         closes_at=closes,
-        late=read.word("retard", "late", LatePolicy, LatePolicy.accept),
+        late=read.choice("retard", "late", LatePolicy, LatePolicy.accept),
         late_per_day=per_day,
-        counts=read.word("compte", "counts", AttemptSelection, AttemptSelection.best),
-        weight=_or_one(weight),
-        mode=read.word("mode", "mode", Mode, Mode.practice),
-        hints=read.word("indices", "hints", Visibility, Visibility.usual),
-        diagnosis=read.word("diagnostic", "diagnosis", Visibility, Visibility.usual),
-        solution=read.word("corrige", "solution", Visibility, Visibility.usual),
+        counts=read.choice("compte", "counts", AttemptSelection, AttemptSelection.best),
+        weight=_default_weight(weight),
+        mode=read.choice("mode", "mode", Mode, Mode.practice),
+        hints=read.choice("indices", "hints", Visibility, Visibility.usual),
+        diagnosis=read.choice("diagnostic", "diagnosis", Visibility, Visibility.usual),
+        solution=read.choice("corrige", "solution", Visibility, Visibility.usual),
         duration_minutes=None if minutes is None else int(minutes),
     )
-    read.refuse()
+    read.raise_problems()
     return wanted
 
 
-def _or_one(given: float | None) -> float:
+def _default_weight(given: float | None) -> float:
     return 1.0 if given is None else given
 
 
-def chosen(fields: FormData) -> list[str]:
+def checked_exercises(fields: FormData) -> list[str]:
     """The exercises that are ticked."""
     return [name for name in fields.getlist("exercice") if isinstance(name, str)]
 
 
-def assignment_values(fields: FormData) -> AssignmentValues:
+def submitted_assignment_values(fields: FormData) -> AssignmentValues:
     """The form as it was filled, to be shown again."""
-    ticked = {name: text_of(fields, f"{WEIGHT}{name}") or "1" for name in chosen(fields) if len(name) <= 200}
+    ticked = {
+        name: field_text(fields, f"{WEIGHT_PREFIX}{name}") or "1"
+        for name in checked_exercises(fields)
+        if len(name) <= 200
+    }
     return AssignmentValues(
-        title=text_of(fields, "titre"),
-        opens=text_of(fields, "ouvre"),
-        due=text_of(fields, "rendre"),
-        closes=text_of(fields, "ferme"),
-        late=text_of(fields, "retard") or LatePolicy.accept,
-        per_day=text_of(fields, "par_jour"),
-        weight=text_of(fields, "coefficient") or "1",
-        counts=text_of(fields, "compte") or AttemptSelection.best,
-        hints=text_of(fields, "indices") or Visibility.usual,
-        diagnosis=text_of(fields, "diagnostic") or Visibility.usual,
-        solution=text_of(fields, "corrige") or Visibility.usual,
-        mode=text_of(fields, "mode") or Mode.practice,
-        duration=text_of(fields, "duree"),
+        title=field_text(fields, "titre"),
+        opens=field_text(fields, "ouvre"),
+        due=field_text(fields, "rendre"),
+        closes=field_text(fields, "ferme"),
+        late=field_text(fields, "retard") or LatePolicy.accept,
+        per_day=field_text(fields, "par_jour"),
+        weight=field_text(fields, "coefficient") or "1",
+        counts=field_text(fields, "compte") or AttemptSelection.best,
+        hints=field_text(fields, "indices") or Visibility.usual,
+        diagnosis=field_text(fields, "diagnostic") or Visibility.usual,
+        solution=field_text(fields, "corrige") or Visibility.usual,
+        mode=field_text(fields, "mode") or Mode.practice,
+        duration=field_text(fields, "duree"),
         weights=ticked,
     )
 
 
-def values_of(wanted: AssignmentInput) -> AssignmentValues:
+def stored_assignment_values(wanted: AssignmentInput) -> AssignmentValues:
     """An assignment as its form shows it."""
     return AssignmentValues(
         title=wanted.title,
@@ -156,24 +163,24 @@ def values_of(wanted: AssignmentInput) -> AssignmentValues:
         due=school_time.format_field(wanted.due_at),
         closes=school_time.format_field(wanted.closes_at),
         late=wanted.late,
-        per_day="" if wanted.late_per_day is None else number(wanted.late_per_day),
-        weight=number(wanted.weight),
+        per_day="" if wanted.late_per_day is None else format_number(wanted.late_per_day),
+        weight=format_number(wanted.weight),
         counts=wanted.counts,
         hints=wanted.hints,
         diagnosis=wanted.diagnosis,
         solution=wanted.solution,
         mode=wanted.mode,
         duration="" if wanted.duration_minutes is None else str(wanted.duration_minutes),
-        weights={one.exercise: number(one.weight) for one in wanted.exercises},
+        weights={one.exercise: format_number(one.weight) for one in wanted.exercises},
     )
 
 
 EXCUSED: Mapping[str, bool | None] = {"": None, "oui": True, "non": False}
 
 
-def exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
+def parse_exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
     """For whom, and what. Raises InvalidFields."""
-    read = _Reader(fields)
+    read = _FormReader(fields)
     students = []
     for name in fields.getlist("eleve"):
         try:
@@ -191,19 +198,19 @@ def exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
         excused=EXCUSED.get(excused),
         reason=read.text("raison"),
     )
-    read.refuse()
+    read.raise_problems()
     return ExemptionTarget(tuple(students), read.text("groupe")), wanted
 
 
-def exemption_values(fields: FormData) -> ExemptionValues:
+def submitted_exemption_values(fields: FormData) -> ExemptionValues:
     return ExemptionValues(
         students=tuple(str(name) for name in fields.getlist("eleve")),
-        group=text_of(fields, "groupe"),
-        opens=text_of(fields, "ouvre"),
-        due=text_of(fields, "rendre"),
-        closes=text_of(fields, "ferme"),
-        factor=text_of(fields, "temps"),
-        excused=text_of(fields, "dispense"),
-        reason=text_of(fields, "raison"),
-        replace=bool(text_of(fields, "remplacer")),
+        group=field_text(fields, "groupe"),
+        opens=field_text(fields, "ouvre"),
+        due=field_text(fields, "rendre"),
+        closes=field_text(fields, "ferme"),
+        factor=field_text(fields, "temps"),
+        excused=field_text(fields, "dispense"),
+        reason=field_text(fields, "raison"),
+        replace=bool(field_text(fields, "remplacer")),
     )

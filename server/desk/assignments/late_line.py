@@ -16,8 +16,8 @@ from server.web.words import format_points, long_moment
 
 WIDTH, HEIGHT = 420.0, 196.0
 LEFT, RIGHT, TOP, BOTTOM = 34.0, 410.0, 14.0, 142.0
-MOST_STEPS = 60  # beyond, steps are drawn as a slope
-BEYOND = timedelta(days=3)  # what is drawn after the last date that matters
+MAX_DRAWN_STEPS = 60  # beyond, steps are drawn as a slope
+MARGIN_AFTER_LAST_DATE = timedelta(days=3)  # what is drawn after the last date that matters
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class LateLine:
 
 
 @dataclass(frozen=True)
-class _Piece:
+class _LineSegment:
     """From one moment to another the best possible mark goes from `left` to `right`; None: nothing counts."""
 
     start: datetime
@@ -38,45 +38,45 @@ class _Piece:
     right: float | None
 
 
-def line_of(rules: Rules) -> LateLine:
+def draw_late_line(rules: Rules) -> LateLine:
     """Of the rules in force."""
     sentences = tuple(_sentences(rules))
-    pieces = list(_pieces(rules))
-    return LateLine(_drawn(rules, pieces, " ".join(sentences)), sentences)
+    pieces = list(_line_segments(rules))
+    return LateLine(_render_svg(rules, pieces, " ".join(sentences)), sentences)
 
 
-def _pieces(rules: Rules) -> Iterator[_Piece]:
-    opens, end = rules.opens_at, _last(rules)
+def _line_segments(rules: Rules) -> Iterator[_LineSegment]:
+    opens, end = rules.opens_at, _end_of_drawing(rules)
     on_time = min(rules.due_at or end, rules.closes_at or end)
-    yield _Piece(opens, on_time, MAX_POINTS, MAX_POINTS)
+    yield _LineSegment(opens, on_time, MAX_POINTS, MAX_POINTS)
     accepted = min(rules.closes_at or end, end)
     if rules.late is LatePolicy.accept and accepted > on_time:
-        yield _Piece(on_time, accepted, MAX_POINTS, MAX_POINTS)
+        yield _LineSegment(on_time, accepted, MAX_POINTS, MAX_POINTS)
     elif rules.late is LatePolicy.penalty:
-        yield from _steps(on_time, accepted, rules.late_per_day)
+        yield from _penalty_steps(on_time, accepted, rules.late_per_day)
     shut = on_time if rules.late is LatePolicy.refuse else accepted
     if end > shut:
-        yield _Piece(shut, end, None, None)
+        yield _LineSegment(shut, end, None, None)
 
 
-def _steps(due: datetime, end: datetime, per_day: float) -> Iterator[_Piece]:
+def _penalty_steps(due: datetime, end: datetime, per_day: float) -> Iterator[_LineSegment]:
     """A step for each day begun, down to nothing."""
     days = min(math.ceil((end - due) / DAY), math.ceil(MAX_POINTS / per_day))
-    if days > MOST_STEPS:
+    if days > MAX_DRAWN_STEPS:
         bottom = min(due + days * DAY, end)
-        yield _Piece(due, bottom, MAX_POINTS, max(0.0, MAX_POINTS - days * per_day))
+        yield _LineSegment(due, bottom, MAX_POINTS, max(0.0, MAX_POINTS - days * per_day))
         days, reached = 0, bottom
     else:
         reached = due
     for day in range(1, days + 1):
         worth = max(0.0, MAX_POINTS - day * per_day)
         reached = min(due + day * DAY, end)
-        yield _Piece(due + (day - 1) * DAY, reached, worth, worth)
+        yield _LineSegment(due + (day - 1) * DAY, reached, worth, worth)
     if reached < end:
-        yield _Piece(reached, end, 0.0, 0.0)
+        yield _LineSegment(reached, end, 0.0, 0.0)
 
 
-def _last(rules: Rules) -> datetime:
+def _end_of_drawing(rules: Rules) -> datetime:
     """Until when it is drawn."""
     if rules.closes_at is not None:
         after = max((rules.closes_at - rules.opens_at) / 12, timedelta(hours=1))
@@ -84,11 +84,11 @@ def _last(rules: Rules) -> datetime:
     if rules.due_at is None:
         return rules.opens_at + 7 * DAY
     if rules.late is LatePolicy.penalty:
-        return rules.due_at + min(math.ceil(MAX_POINTS / rules.late_per_day), 400) * DAY + BEYOND
-    return rules.due_at + max((rules.due_at - rules.opens_at) / 3, BEYOND)
+        return rules.due_at + min(math.ceil(MAX_POINTS / rules.late_per_day), 400) * DAY + MARGIN_AFTER_LAST_DATE
+    return rules.due_at + max((rules.due_at - rules.opens_at) / 3, MARGIN_AFTER_LAST_DATE)
 
 
-def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
+def _render_svg(rules: Rules, pieces: Sequence[_LineSegment], told: str) -> Markup:
     start, end = pieces[0].start, pieces[-1].end
     length = (end - start) / timedelta(seconds=1) or 1.0
 
@@ -103,7 +103,7 @@ def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
         height = y(mark)
         parts.append(f'<line class="late-axis" x1="{LEFT}" y1="{height:.1f}" x2="{RIGHT}" y2="{height:.1f}"/>')
         parts.append(f'<text x="{LEFT - 6}" y="{height + 4:.1f}" text-anchor="end">{mark}</text>')
-    for row, (when, name) in enumerate(_dates(rules)):
+    for row, (when, name) in enumerate(_named_dates(rules)):
         place = x(when)
         anchor = "start" if place < LEFT + 70 else "end" if place > RIGHT - 70 else "middle"
         below = BOTTOM + 18 + 15 * row
@@ -121,7 +121,7 @@ def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
     )
 
 
-def _dates(rules: Rules) -> Iterator[tuple[datetime, str]]:
+def _named_dates(rules: Rules) -> Iterator[tuple[datetime, str]]:
     for when, name in ((rules.opens_at, "ouvre"), (rules.due_at, "à rendre"), (rules.closes_at, "ferme")):
         if when is not None:
             yield when, name
@@ -143,12 +143,12 @@ def _sentences(rules: Rules) -> Iterator[str]:
     if rules.late is LatePolicy.accept:
         yield f"Ensuite, {until}, un envoi compte en entier et il est marqué en retard."
     else:
-        yield f"Ensuite, {until}, {_costs(rules.late_per_day)}"
+        yield f"Ensuite, {until}, {_penalty_sentence(rules.late_per_day)}"
     if closes:
         yield "Après la fermeture, plus rien ne compte."
 
 
-def _costs(per_day: float) -> str:
+def _penalty_sentence(per_day: float) -> str:
     first = max(0.0, MAX_POINTS - per_day)
     days = math.ceil(MAX_POINTS / per_day)
     unit = "point" if per_day < 2 else "points"

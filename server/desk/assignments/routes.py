@@ -13,11 +13,11 @@ from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
 from server.desk import views
-from server.desk.asking import log_in_first
+from server.desk.assignments import exam_papers
 from server.desk.assignments import forms as assignment_forms
-from server.desk.assignments import papers
 from server.desk.assignments import views as assignment_views
 from server.desk.assignments.schemas import AssignmentFormPage
+from server.desk.requests import redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -27,113 +27,113 @@ from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
-LIST, ONE = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
+ASSIGNMENTS_PATH, ASSIGNMENT_PATH = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
 
 
-@router.get(LIST)
-def all_of_class(request: Request, class_id: str, reader: CurrentReader) -> Response:
+@router.get(ASSIGNMENTS_PATH)
+def list_assignments(request: Request, class_id: str, reader: CurrentReader) -> Response:
     """A student has theirs on the class's page."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
-    if not place.has(Right.see_students):
-        return redirect(views.href_of(place.school_class))
-    view = assignment_views.assignments_page(reader.db, reader.course, place)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
+    if not access.has(Right.see_students):
+        return redirect(views.class_href(access.school_class))
+    view = assignment_views.build_assignments_page(reader.db, reader.course, access)
     return render_page(request, "classes/assignments.html", reader.account, page=view)
 
 
-@router.get(f"{LIST}/nouveau")
-def new(request: Request, class_id: str, reader: CurrentReader, sujet: str = "") -> Response:
+@router.get(f"{ASSIGNMENTS_PATH}/nouveau")
+def show_new_form(request: Request, class_id: str, reader: CurrentReader, sujet: str = "") -> Response:
     """`sujet` names a paper of the course, for which the form is filled."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
-    require_open(place.school_class)
-    values = papers.values(reader.course, place.school_class.module, sujet)
-    view = assignment_views.form_page(reader.course, place, values)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
+    require_open(access.school_class)
+    values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
+    view = assignment_views.build_form_page(reader.course, access, values)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
-@router.post(LIST)
-def create(
+@router.post(ASSIGNMENTS_PATH)
+def create_assignment(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
-    place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    values = assignment_forms.assignment_values(fields)
+    access = rights.require_right(db, account, Right.manage_assignments, class_id)
+    values = assignment_forms.submitted_assignment_values(fields)
     drawn: AssignmentInput | None = None
     try:
-        wanted = assignment_forms.assignment(fields, None)
+        wanted = assignment_forms.parse_assignment(fields, None)
         if not fields.get("apercu"):
-            made = editing.create_assignment(db, course, place.school_class, account.id, wanted)
-            return redirect(assignment_views.href_of(made))
-        drawn = validate_assignment(wanted, editing.assignable_exercises(course, place.school_class))
+            made = editing.create_assignment(db, course, access.school_class, account.id, wanted)
+            return redirect(assignment_views.assignment_href(made))
+        drawn = validate_assignment(wanted, editing.assignable_exercises(course, access.school_class))
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
-    view = assignment_views.form_page(course, place, values, problems=problems, drawn=drawn)
-    return _form(request, account, view)
+    view = assignment_views.build_form_page(course, access, values, problems=problems, drawn=drawn)
+    return _render_form(request, account, view)
 
 
-def _form(request: Request, account: SignedIn, view: AssignmentFormPage) -> HTMLResponse:
+def _render_form(request: Request, account: SignedIn, view: AssignmentFormPage) -> HTMLResponse:
     return render_page(
         request, "classes/assignment_form.html", account, status=422 if view.problems else 200, page=view
     )
 
 
-@router.get(ONE)
-def one(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
+@router.get(ASSIGNMENT_PATH)
+def show_assignment(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
     """A student has it on the class's page."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
-    found = editing.find_assignment(reader.db, place.school_class, aid)
-    if not place.has(Right.see_students):
-        return redirect(f"{views.href_of(place.school_class)}#devoir-{found.id}")
-    view = assignment_views.assignment_page(reader.db, reader.course, place, found)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_assignments, class_id)
+    found = editing.find_assignment(reader.db, access.school_class, aid)
+    if not access.has(Right.see_students):
+        return redirect(f"{views.class_href(access.school_class)}#devoir-{found.id}")
+    view = assignment_views.build_assignment_page(reader.db, reader.course, access, found)
     return render_page(request, "classes/assignment.html", reader.account, page=view)
 
 
-@router.get(f"{ONE}/modifier")
-def form(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
+@router.get(f"{ASSIGNMENT_PATH}/modifier")
+def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
-    require_open(place.school_class)
-    found = editing.find_assignment(reader.db, place.school_class, aid)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
+    require_open(access.school_class)
+    found = editing.find_assignment(reader.db, access.school_class, aid)
     wanted = editing.load_assignment_input(reader.db, found)
-    values = assignment_forms.values_of(wanted)
-    view = assignment_views.form_page(reader.course, place, values, one=found, drawn=wanted)
+    values = assignment_forms.stored_assignment_values(wanted)
+    view = assignment_views.build_form_page(reader.course, access, values, one=found, drawn=wanted)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
-@router.post(f"{ONE}/modifier")
-def change(
+@router.post(f"{ASSIGNMENT_PATH}/modifier")
+def update_assignment(
     request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
-    place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found = editing.find_assignment(db, place.school_class, aid, to_change=True)
-    values = assignment_forms.assignment_values(fields)
+    access = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found = editing.find_assignment(db, access.school_class, aid, to_change=True)
+    values = assignment_forms.submitted_assignment_values(fields)
     drawn: AssignmentInput | None = None
     try:
         before = editing.load_assignment_input(db, found)
-        wanted = assignment_forms.assignment(fields, before)
+        wanted = assignment_forms.parse_assignment(fields, before)
         if not fields.get("apercu"):
-            editing.update_assignment(db, course, place.school_class, account.id, found, wanted)
-            return redirect(assignment_views.href_of(found))
+            editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
+            return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(course, place.school_class)))
+        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(course, access.school_class)))
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
-    view = assignment_views.form_page(course, place, values, one=found, problems=problems, drawn=drawn)
-    return _form(request, account, view)
+    view = assignment_views.build_form_page(course, access, values, one=found, problems=problems, drawn=drawn)
+    return _render_form(request, account, view)
 
 
-@router.post(f"{ONE}/supprimer")
-def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require_right(db, account, Right.manage_assignments, class_id)
-    found: Assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
-    editing.delete_assignment(db, place.school_class, account.id, found)
-    return redirect(f"{views.href_of(place.school_class)}/devoirs")
+@router.post(f"{ASSIGNMENT_PATH}/supprimer")
+def delete_assignment(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
+    access = rights.require_right(db, account, Right.manage_assignments, class_id)
+    found: Assignment = editing.find_assignment(db, access.school_class, aid, to_change=True)
+    editing.delete_assignment(db, access.school_class, account.id, found)
+    return redirect(f"{views.class_href(access.school_class)}/devoirs")

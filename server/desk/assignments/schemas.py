@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from server.desk.assignments.late_line import LateLine
-from server.desk.schemas import ClassHead, OwnSeat, ReleaseView, StaffRow
+from server.desk.schemas import ClassHead, OwnMembership, ReleaseView, StaffRow
 
 
 @dataclass(frozen=True)
-class When:
+class FormattedDate:
     """A date as ISO text, and on the school's clock; both empty for none."""
 
     iso: str = ""
@@ -35,9 +35,9 @@ class AssignmentRow:
     mode: str
     is_test: bool
     stage: StageView
-    opens: When
-    due: When
-    closes: When
+    opens: FormattedDate
+    due: FormattedDate
+    closes: FormattedDate
     exercises: int
     exemptions: int
     finished: int
@@ -62,7 +62,7 @@ class PaperLink:
 
 
 @dataclass(frozen=True)
-class WeightedRow:
+class WeightedExerciseRow:
     title: str
     href: str
     weight: str
@@ -74,7 +74,7 @@ class AssignmentPage:
 
     head: ClassHead
     row: AssignmentRow
-    exercises: tuple[WeightedRow, ...]
+    exercises: tuple[WeightedExerciseRow, ...]
     facts: tuple[tuple[str, str], ...]
     line: LateLine
     students: int
@@ -84,7 +84,7 @@ class AssignmentPage:
 
 
 @dataclass(frozen=True)
-class Choice:
+class ExerciseOption:
     """An exercise that one may give. `after` names the lesson that it begins to follow, where it is another."""
 
     id: str
@@ -126,7 +126,7 @@ class AssignmentFormPage:
     back: str
     is_new: bool
     values: AssignmentValues
-    choices: tuple[Choice, ...]
+    choices: tuple[ExerciseOption, ...]
     problems: Mapping[str, str]
     line: LateLine | None
     zone: str
@@ -145,8 +145,8 @@ class ExemptionRow:
     effects: tuple[tuple[str, str], ...]
     reason: str
     by: str
-    made: When
-    revoked: When
+    made: FormattedDate
+    revoked: FormattedDate
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ class ExemptionsPage:
 
 
 @dataclass(frozen=True)
-class Step:
+class ExplanationStep:
     """What somebody has said of a field; `holds` is what is in force. `reason` is empty for a student."""
 
     who: str
@@ -193,14 +193,14 @@ class Step:
 
 
 @dataclass(frozen=True)
-class WhyField:
+class ExplainedField:
     name: str
     value: str
-    steps: tuple[Step, ...]
+    steps: tuple[ExplanationStep, ...]
 
 
 @dataclass(frozen=True)
-class WhyPage:
+class RulesExplanationPage:
     """The rules in force for one student, and where each comes from. `people` are whom one may choose.
 
     `sitting`: of a test, when they began it, and its end.
@@ -211,7 +211,7 @@ class WhyPage:
     href: str
     student: str
     name: str
-    fields: tuple[WhyField, ...]
+    fields: tuple[ExplainedField, ...]
     late: str
     line: LateLine
     people: tuple[tuple[str, str], ...]
@@ -232,13 +232,13 @@ class OwnExercise:
 
 
 @dataclass(frozen=True)
-class OwnTest:
+class OwnTestStatus:
     """Where somebody stands in a test: what the way to its page says, `href` empty for who only watches."""
 
     href: str
     link: str
     running: bool
-    ends: When
+    ends: FormattedDate
 
 
 @dataclass(frozen=True)
@@ -252,9 +252,9 @@ class OwnAssignment:
     title: str
     is_test: bool
     stage: StageView
-    opens: When
-    due: When
-    closes: When
+    opens: FormattedDate
+    due: FormattedDate
+    closes: FormattedDate
     late: str
     excused: bool
     duration: str
@@ -262,12 +262,12 @@ class OwnAssignment:
     exercises: tuple[OwnExercise, ...] | None
     done: int
     differs: bool
-    test: OwnTest | None = None
+    test: OwnTestStatus | None = None
     mark: str = ""
 
 
 @dataclass(frozen=True)
-class NextThing:
+class NextStep:
     """What to do next: a test that is open, or an exercise of the assignment that is due first."""
 
     href: str
@@ -278,20 +278,20 @@ class NextThing:
 
 
 @dataclass(frozen=True)
-class OwnPage:
+class OwnClassPage:
     """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes.
 
     `done`: what is open still, with nothing left to do there.
     """
 
     head: ClassHead
-    seat: OwnSeat
+    seat: OwnMembership
     staff: tuple[StaffRow, ...]
     current: tuple[OwnAssignment, ...]
     done: tuple[OwnAssignment, ...]
     upcoming: tuple[OwnAssignment, ...]
     past: tuple[OwnAssignment, ...]
-    next: NextThing | None
+    next: NextStep | None
     average: str
     zone: str
     watched: str = ""

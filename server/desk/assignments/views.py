@@ -18,18 +18,18 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import repository as desk
 from server.desk import views
-from server.desk.assignments import papers, words
-from server.desk.assignments.late_line import line_of
+from server.desk.assignments import exam_papers, words
+from server.desk.assignments.late_line import draw_late_line
 from server.desk.assignments.schemas import (
     AssignmentFormPage,
     AssignmentPage,
     AssignmentRow,
     AssignmentsPage,
     AssignmentValues,
-    Choice,
+    ExerciseOption,
+    FormattedDate,
     StageView,
-    WeightedRow,
-    When,
+    WeightedExerciseRow,
 )
 from server.desk.sitting.views import release_view
 from server.rights.models import Right
@@ -42,12 +42,12 @@ NOBODY = UUID(int=0)
 TAB = "/devoirs"
 
 
-def when(date: datetime | None) -> When:
-    return When() if date is None else When(iso_moment(date), long_moment(date))
+def format_date(date: datetime | None) -> FormattedDate:
+    return FormattedDate() if date is None else FormattedDate(iso_moment(date), long_moment(date))
 
 
 def stage_view(at: AssignmentStage) -> StageView:
-    sign, name = words.STAGES[at]
+    sign, name = words.STAGE_WORDS[at]
     return StageView(at.value, sign, name)
 
 
@@ -56,88 +56,89 @@ def common_rules(frame: Assignment | AssignmentInput) -> Rules:
     return rules_in_force(frame, (), NOBODY, ())
 
 
-def href_of(assignment: Assignment) -> str:
+def assignment_href(assignment: Assignment) -> str:
     return f"/classes/{assignment.class_id}/devoirs/{assignment.id}"
 
 
-def assignments_page(db: Session, course: Course, place: ClassAccess) -> AssignmentsPage:
+def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> AssignmentsPage:
     """Six queries, however many there are."""
-    rows = repository.load_class_assignments(db, place.school_class.id)
+    rows = repository.load_class_assignments(db, access.school_class.id)
     names = [one.id for one in rows]
     exercises, exempted = repository.load_exercises(db, names), repository.count_exemptions(db, names)
-    finished = desk.finished(db, place.school_class.id, names)
+    finished = desk.count_finished_students(db, access.school_class.id, names)
     now = utc_now()
     shown = tuple(
-        _row(one, len(exercises.get(one.id, ())), exempted.get(one.id, 0), finished.get(one.id, 0), now) for one in rows
+        _assignment_row(one, len(exercises.get(one.id, ())), exempted.get(one.id, 0), finished.get(one.id, 0), now)
+        for one in rows
     )
-    students = classes.count_students(db, [place.school_class.id])[place.school_class.id][0]
-    given = papers.links(course, place.school_class.module, views.href_of(place.school_class))
-    head, zone = views.head(course, place, TAB), school_time.time_zone_name()
-    return AssignmentsPage(head, shown, students, may_keep(place), zone, given)
+    students = classes.count_students(db, [access.school_class.id])[access.school_class.id][0]
+    given = exam_papers.paper_links(course, access.school_class.module, views.class_href(access.school_class))
+    head, zone = views.class_head(course, access, TAB), school_time.time_zone_name()
+    return AssignmentsPage(head, shown, students, may_manage(access), zone, given)
 
 
-def may_keep(place: ClassAccess) -> bool:
-    return place.has(Right.manage_assignments) and place.school_class.archived_at is None
+def may_manage(access: ClassAccess) -> bool:
+    return access.has(Right.manage_assignments) and access.school_class.archived_at is None
 
 
-def _row(one: Assignment, exercises: int, exemptions: int, finished: int, now: datetime) -> AssignmentRow:
+def _assignment_row(one: Assignment, exercises: int, exemptions: int, finished: int, now: datetime) -> AssignmentRow:
     return AssignmentRow(
-        href=href_of(one),
+        href=assignment_href(one),
         title=one.title,
-        mode=words.MODES[Mode(one.mode)],
+        mode=words.MODE_WORDS[Mode(one.mode)],
         is_test=one.mode == Mode.test,
         stage=stage_view(assignment_stage(common_rules(one), now)),
-        opens=when(one.opens_at),
-        due=when(one.due_at),
-        closes=when(one.closes_at),
+        opens=format_date(one.opens_at),
+        due=format_date(one.due_at),
+        closes=format_date(one.closes_at),
         exercises=exercises,
         exemptions=exemptions,
         finished=finished,
     )
 
 
-def assignment_page(db: Session, course: Course, place: ClassAccess, one: Assignment) -> AssignmentPage:
+def build_assignment_page(db: Session, course: Course, access: ClassAccess, one: Assignment) -> AssignmentPage:
     wanted = editing.load_assignment_input(db, one)
     exempted = repository.count_exemptions(db, [one.id]).get(one.id, 0)
-    finished = desk.finished(db, place.school_class.id, [one.id]).get(one.id, 0)
+    finished = desk.count_finished_students(db, access.school_class.id, [one.id]).get(one.id, 0)
     return AssignmentPage(
-        head=views.head(course, place, TAB),
-        row=_row(one, len(wanted.exercises), exempted, finished, utc_now()),
-        exercises=tuple(_weighted(course, each.exercise, each.weight) for each in wanted.exercises),
-        facts=tuple(_facts(wanted)),
-        line=line_of(common_rules(one)),
-        students=classes.count_students(db, [place.school_class.id])[place.school_class.id][0],
-        may_keep=may_keep(place),
-        may_compare=place.has(Right.compare_codes),
-        release=release_view(db, one) if one.mode == Mode.test and place.has(Right.release_feedback) else None,
+        head=views.class_head(course, access, TAB),
+        row=_assignment_row(one, len(wanted.exercises), exempted, finished, utc_now()),
+        exercises=tuple(_weighted_exercise_row(course, each.exercise, each.weight) for each in wanted.exercises),
+        facts=tuple(_rule_facts(wanted)),
+        line=draw_late_line(common_rules(one)),
+        students=classes.count_students(db, [access.school_class.id])[access.school_class.id][0],
+        may_keep=may_manage(access),
+        may_compare=access.has(Right.compare_codes),
+        release=release_view(db, one) if one.mode == Mode.test and access.has(Right.release_feedback) else None,
     )
 
 
-def _weighted(course: Course, name: str, weight: float) -> WeightedRow:
+def _weighted_exercise_row(course: Course, name: str, weight: float) -> WeightedExerciseRow:
     exercise = course.exercises.get(name)
     if exercise is None:
-        return WeightedRow(f"{name} (n’est plus dans le cours)", "", words.number(weight))
-    return WeightedRow(exercise.title, exercise_href(exercise), words.number(weight))
+        return WeightedExerciseRow(f"{name} (n’est plus dans le cours)", "", words.format_number(weight))
+    return WeightedExerciseRow(exercise.title, exercise_href(exercise), words.format_number(weight))
 
 
-def _facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
+def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
-        ("Mode", words.MODES[wanted.mode]),
-        ("En retard", words.lateness(wanted.late, wanted.late_per_day)),
-        ("Ce qui compte", words.COUNTS[wanted.counts]),
-        ("Coefficient", words.number(wanted.weight)),
-        ("Indices", words.SHOWN[wanted.hints]),
-        ("Diagnostic", words.SHOWN[wanted.diagnosis]),
-        ("Corrigé", words.SHOWN[wanted.solution]),
+        ("Mode", words.MODE_WORDS[wanted.mode]),
+        ("En retard", words.describe_late_policy(wanted.late, wanted.late_per_day)),
+        ("Ce qui compte", words.SELECTION_WORDS[wanted.counts]),
+        ("Coefficient", words.format_number(wanted.weight)),
+        ("Indices", words.VISIBILITY_WORDS[wanted.hints]),
+        ("Diagnostic", words.VISIBILITY_WORDS[wanted.diagnosis]),
+        ("Corrigé", words.VISIBILITY_WORDS[wanted.solution]),
     ]
     if wanted.duration_minutes is not None:
-        facts.insert(1, ("Durée", words.duration(wanted.duration_minutes)))
+        facts.insert(1, ("Durée", words.format_duration(wanted.duration_minutes)))
     return facts
 
 
-def form_page(
+def build_form_page(
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     values: AssignmentValues,
     *,
     one: Assignment | None = None,
@@ -145,33 +146,33 @@ def form_page(
     drawn: AssignmentInput | None = None,
 ) -> AssignmentFormPage:
     """To make an assignment, or to change `one`; `drawn` is what the line shows."""
-    home = f"{views.href_of(place.school_class)}/devoirs"
+    home = f"{views.class_href(access.school_class)}/devoirs"
     return AssignmentFormPage(
-        head=views.head(course, place, TAB),
-        action=home if one is None else f"{href_of(one)}/modifier",
-        back=home if one is None else href_of(one),
+        head=views.class_head(course, access, TAB),
+        action=home if one is None else f"{assignment_href(one)}/modifier",
+        back=home if one is None else assignment_href(one),
         is_new=one is None,
         values=values,
-        choices=tuple(_choices(course, place, values.weights)),
+        choices=tuple(_exercise_options(course, access, values.weights)),
         problems=problems or {},
-        line=None if drawn is None else line_of(common_rules(drawn)),
+        line=None if drawn is None else draw_late_line(common_rules(drawn)),
         zone=school_time.time_zone_name(),
-        counts=tuple((one.value, told) for one, told in words.COUNTS.items()),
-        shown=tuple((one.value, told) for one, told in words.SHOWN.items()),
+        counts=tuple((one.value, told) for one, told in words.SELECTION_WORDS.items()),
+        shown=tuple((one.value, told) for one, told in words.VISIBILITY_WORDS.items()),
     )
 
 
-def _choices(course: Course, place: ClassAccess, chosen: Mapping[str, str]) -> Sequence[Choice]:
+def _exercise_options(course: Course, access: ClassAccess, chosen: Mapping[str, str]) -> Sequence[ExerciseOption]:
     """In the order in which one meets them; then those that have left the course, and were given."""
-    module = course.modules.get(place.school_class.module)
+    module = course.modules.get(access.school_class.module)
     exercises = [] if module is None else exercises_in_reading_order(module)
     labels = {} if module is None else {lesson.slug: lesson.label for lesson in module.lessons}
     found, last = [], ""
     for each in exercises:
         after = labels.get(each.seance, "Sans séance")
         weight = chosen.get(each.id, "1")
-        found.append(Choice(each.id, each.title, each.id in chosen, weight, "" if after == last else after))
+        found.append(ExerciseOption(each.id, each.title, each.id in chosen, weight, "" if after == last else after))
         last = after
     known = {each.id for each in exercises}
     gone = [name for name in chosen if name not in known]
-    return [*found, *(Choice(name, f"{name} (n’est plus dans le cours)", True, chosen[name]) for name in gone)]
+    return [*found, *(ExerciseOption(name, f"{name} (n’est plus dans le cours)", True, chosen[name]) for name in gone)]

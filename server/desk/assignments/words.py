@@ -11,55 +11,55 @@ from server.assignments.rules import Field, Rules
 from server.assignments.stages import AssignmentStage
 from server.web.words import format_points, long_moment
 
-MODES: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
-STAGES: Mapping[AssignmentStage, tuple[str, str]] = {
+MODE_WORDS: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
+STAGE_WORDS: Mapping[AssignmentStage, tuple[str, str]] = {
     AssignmentStage.upcoming: ("◷", "à venir"),
     AssignmentStage.open: ("▶", "ouvert"),
     AssignmentStage.late: ("!", "en retard accepté"),
     AssignmentStage.closed: ("■", "fermé"),
 }
-COUNTS: Mapping[AttemptSelection, str] = {
+SELECTION_WORDS: Mapping[AttemptSelection, str] = {
     AttemptSelection.best: "le meilleur essai",
     AttemptSelection.last: "le dernier essai",
     AttemptSelection.best_before_due: "le meilleur essai avant la date de remise",
 }
-SHOWN: Mapping[Visibility, str] = {
+VISIBILITY_WORDS: Mapping[Visibility, str] = {
     Visibility.usual: "comme d’habitude",
     Visibility.after_due: "après la date de remise",
     Visibility.after_close: "après la fermeture",
     Visibility.never: "jamais",
 }
-LATE: Mapping[LatePolicy, str] = {
+LATE_POLICY_WORDS: Mapping[LatePolicy, str] = {
     LatePolicy.refuse: "refusé",
     LatePolicy.accept: "accepté, et marqué en retard",
     LatePolicy.penalty: "pénalisé",
 }
-FIELDS: Mapping[Field, str] = {
+FIELD_NAMES: Mapping[Field, str] = {
     "opens_at": "Ouverture",
     "due_at": "À rendre avant",
     "closes_at": "Fermeture",
     "time_factor": "Temps",
     "excused": "Dispense",
 }
-NOTHING: Mapping[str, str] = {"due_at": "pas de date de remise", "closes_at": "reste ouvert"}
+EMPTY_VALUES: Mapping[str, str] = {"due_at": "pas de date de remise", "closes_at": "reste ouvert"}
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """As a form's field holds it: 1,33."""
     return f"{value:.10g}".replace(".", ",")
 
 
-def lateness(late: LatePolicy, per_day: float | None) -> str:
+def describe_late_policy(late: LatePolicy, per_day: float | None) -> str:
     if late is LatePolicy.penalty and per_day:
         return f"pénalisé : {format_points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
-    return LATE[late]
+    return LATE_POLICY_WORDS[late]
 
 
-def late_of(rules: Rules) -> str:
-    return lateness(rules.late, rules.late_per_day)
+def describe_late_rules(rules: Rules) -> str:
+    return describe_late_policy(rules.late, rules.late_per_day)
 
 
-def duration(minutes: float) -> str:
+def format_duration(minutes: float) -> str:
     """« 55 min », « 1 h 20 », « 2 j 3 h »."""
     whole = round(minutes)
     hours, left = divmod(whole, 60)
@@ -69,12 +69,12 @@ def duration(minutes: float) -> str:
     return (f"{hours} h {left:02d}" if left else f"{hours} h") if hours else f"{left} min"
 
 
-def value(name: str, said: Any) -> str:
+def format_field_value(name: str, said: Any) -> str:
     """What was said of a field."""
     if isinstance(said, datetime):
         return long_moment(said)
     if name == "time_factor":
-        return "× " + number(round(float(said), 2)) if said != 1 else "temps ordinaire"
+        return "× " + format_number(round(float(said), 2)) if said != 1 else "temps ordinaire"
     if name == "excused":
         return "dispensé" if said else "non dispensé"
-    return NOTHING.get(name, "—")
+    return EMPTY_VALUES.get(name, "—")

@@ -19,7 +19,7 @@ from server.desk.board.links import BoardLinks, misconception_href
 from server.desk.board.schemas import MisconceptionPage
 from server.desk.board.side_panel import share_text
 from server.desk.board.views import misconception_row
-from server.desk.views import head, href_of
+from server.desk.views import class_head, class_href
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.views import lesson_href
@@ -40,12 +40,12 @@ def misconception_page(
     if stats is None:
         raise NotFound(UNKNOWN)
     exercise, known = course.exercises[exercise_id], find_misconception(course, exercise_id, misconception)
-    href = href_of(school_class)
+    href = class_href(school_class)
     links = BoardLinks(course, href, progress.students)
     had = progress.students_who_had(exercise_id, misconception)
     paragraphs = [part.strip() for part in known.diagnosis.explanation.split("\n\n") if part.strip()]
     return MisconceptionPage(
-        head=head(course, access, ""),
+        head=class_head(course, access, ""),
         row=misconception_row(links, stats),
         paragraphs=tuple(exercise.prose(one) if exercise.answers else one for one in paragraphs),
         prose=exercise.answers is not None,

@@ -16,10 +16,10 @@ from server.board.schemas import Board
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf
-from server.desk.asking import log_in_first
 from server.desk.board.changes import OpenBoard, board_events
 from server.desk.board.misconception_views import misconception_page
-from server.desk.views import href_of
+from server.desk.requests import redirect_to_login
+from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
@@ -38,7 +38,7 @@ SIGN_OF_LIFE = ":\n\n"
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}")
 def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, access, f"{module}/{slug}", mistake)
     return render_page(request, "classes/mistake.html", reader.account, page=view)
@@ -50,7 +50,7 @@ def project(
 ) -> Response:
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = misconception_page(reader.db, reader.course, access, f"{module}/{slug}", mistake, chosen=bool(choix))
     return render_page(request, "classes/projection.html", reader.account, page=view)
@@ -67,7 +67,7 @@ async def events(
     )  # refusals come before the stream begins
     boards.require_free_stream(account.id)
     allowed = partial(_may_watch, database, account, access)
-    view = OpenBoard(course, href_of(access.school_class), last_event_id or version, bool(erreurs))
+    view = OpenBoard(course, class_href(access.school_class), last_event_id or version, bool(erreurs))
     stream = _event_stream(boards.follow(access.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from server.desk.schemas import ClassHead, CodeView
+from server.desk.schemas import ClassHead, JoinCodeView
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class BoardPage:
     has_students: bool
     rule: str
     waiting: int
-    code: CodeView | None
+    code: JoinCodeView | None
     version: str
     stream: str
     again: str

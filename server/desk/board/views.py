@@ -24,7 +24,7 @@ from server.desk.board.schemas import (
     SortLink,
 )
 from server.desk.board.side_panel import number_text, side_panel
-from server.desk.views import code_view, group_counts, head, href_of
+from server.desk.views import class_head, class_href, count_students_by_label, join_code_view
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import school_time
@@ -77,7 +77,7 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
     progress = inputs.progress
     unnamed_groups = tuple(service.load_unnamed_groups(db, progress))
     may_regrade = access.has(Right.regrade)
-    links = BoardLinks(course, href_of(school_class), progress.students)
+    links = BoardLinks(course, class_href(school_class), progress.students)
 
     def render_side_panel() -> str:
         panel = side_panel(links, service.build_insights(progress, unnamed_groups), may_regrade=may_regrade)
@@ -88,11 +88,11 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         *(may_regrade, school_time.time_zone().key),
     )
     return BoardPage(
-        head=head(course, access, ""),
+        head=class_head(course, access, ""),
         has_students=bool(progress.students),
         rule=RULE,
         waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
-        code=code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
+        code=join_code_view(school_class, base) if not progress.students and access.has(Right.see_code) else None,
         version=FRAGMENTS.get_or_render(("board version", inputs.version), lambda: inputs.board.version),
         stream=f"{links.href}/evenements{'?erreurs=toutes' if query.everything else ''}",
         again=_href(links, query),
@@ -192,7 +192,7 @@ def _stuck(cells: Sequence[ProgressCell]) -> int:
 
 
 def _group_links(links: BoardLinks, query: BoardQuery) -> tuple[BoardLink, ...]:
-    sizes = group_counts(student.groups for student in links.students)
+    sizes = count_students_by_label(student.groups for student in links.students)
     if not sizes:
         return ()
     everyone = BoardLink("Tous", _href(links, query, group="", page=1), not query.group)

@@ -13,9 +13,9 @@ from server.behaviour.models import BehaviourGroup
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
-from server.desk.asking import log_in_first
 from server.desk.groups import views as group_views
-from server.desk.groups.schemas import NameForm
+from server.desk.groups.schemas import GroupNameForm
+from server.desk.requests import redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -27,12 +27,12 @@ from server.web.views import Reader, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
-ADDRESS = "/classes/{class_id}/groupes/{module}/{slug}/{group}"
+GROUP_PATH = "/classes/{class_id}/groupes/{module}/{slug}/{group}"
 NO_NAME = "Donnez d’abord un nom à ce groupe : c’est lui que l’archive emporte."
 
 
 @dataclass(frozen=True)
-class Which:
+class GroupPath:
     """The group that the address names."""
 
     class_id: str
@@ -44,52 +44,52 @@ class Which:
     def exercise(self) -> str:
         return f"{self.module}/{self.slug}"
 
-    def find(self, db: Db, place: ClassAccess) -> BehaviourGroup:
+    def find(self, db: Db, access: ClassAccess) -> BehaviourGroup:
         """Raises NotFound."""
-        return service.find_group(db, place.school_class, self.exercise, self.group)
+        return service.find_group(db, access.school_class, self.exercise, self.group)
 
 
-WhichGroup = Annotated[Which, Depends()]
+GroupPathDep = Annotated[GroupPath, Depends()]
 
 
-@router.get(ADDRESS)
-def show(
+@router.get(GROUP_PATH)
+def show_group(
     request: Request,
-    which: WhichGroup,
+    which: GroupPathDep,
     reader: CurrentReader,
     essai: Annotated[UUID | None, Query()] = None,
     depuis: Annotated[str, Query(max_length=100)] = "",
 ) -> Response:
     """With the program of the attempt `essai`; with the words of the group `depuis` in the form, to be given or not."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, which.class_id)
-    return _show(request, which, reader, place, essai, depuis=depuis)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, which.class_id)
+    return _render_group(request, which, reader, access, essai, depuis=depuis)
 
 
-def _show(
+def _render_group(
     request: Request,
-    which: Which,
+    which: GroupPath,
     reader: Reader,
-    place: ClassAccess,
+    access: ClassAccess,
     wanted: UUID | None,
     *,
     depuis: str = "",
-    filled: NameForm | None = None,
+    filled: GroupNameForm | None = None,
 ) -> HTMLResponse:
     assert reader.account is not None
-    found = service.load_class_group(reader.db, place.school_class, which.exercise, which.group)
-    earlier = service.list_other_names(reader.db, place.school_class, which.exercise, which.group)
-    view = group_views.page_of(reader.db, reader.course, place, reader.account, found, earlier, wanted)
+    found = service.load_class_group(reader.db, access.school_class, which.exercise, which.group)
+    earlier = service.list_other_names(reader.db, access.school_class, which.exercise, which.group)
+    view = group_views.build_group_page(reader.db, reader.course, access, reader.account, found, earlier, wanted)
     taken = next((one for one in earlier if one.group_id == depuis), None)
-    form, status = filled or group_views.form_of(taken or found.name), 422 if filled else 200
+    form, status = filled or group_views.group_name_form(taken or found.name), 422 if filled else 200
     return render_page(request, "classes/group.html", reader.account, status=status, page=view, form=form)
 
 
-@router.post(ADDRESS)
-def name(
+@router.post(GROUP_PATH)
+def name_group(
     request: Request,
-    which: WhichGroup,
+    which: GroupPathDep,
     account: SignedIn,
     reader: CurrentReader,
     db: Db,
@@ -99,32 +99,32 @@ def name(
     action: Field = "nommer",
 ) -> Response:
     """Names the group, or takes its name back, as an emptied form does."""
-    place = rights.require_right(db, account, Right.name_behaviours, which.class_id)
-    group = which.find(db, place)
-    require_open(place.school_class)
+    access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
+    group = which.find(db, access)
+    require_open(access.school_class)
     if action == "retirer" or not (title + explanation + question).strip():
-        service.withdraw_group_name(db, place.school_class, group, account.id)
+        service.withdraw_group_name(db, access.school_class, group, account.id)
     else:
         try:
             given = service.parse_description(title, explanation, question)
         except Invalid as refused:
-            return _show(
-                request, which, reader, place, None, filled=NameForm(title, explanation, question, refused.detail)
+            return _render_group(
+                request, which, reader, access, None, filled=GroupNameForm(title, explanation, question, refused.detail)
             )
-        service.set_group_name(db, place.school_class, group, given, account.id)
-    return redirect(f"{group_views.href_of(place.school_class.id, group.exercise, group.id)}#nommer")
+        service.set_group_name(db, access.school_class, group, given, account.id)
+    return redirect(f"{group_views.group_href(access.school_class.id, group.exercise, group.id)}#nommer")
 
 
-@router.get(ADDRESS + "/erreur.zip")
-def take_away(which: WhichGroup, account: SignedIn, db: Db, course: CourseOf) -> Response:
+@router.get(GROUP_PATH + "/erreur.zip")
+def download_misconception(which: GroupPathDep, account: SignedIn, db: Db, course: CourseOf) -> Response:
     """The named group as a misconception, for the authors of the course."""
-    place = rights.require_right(db, account, Right.name_behaviours, which.class_id)
-    found = service.load_class_group(db, place.school_class, which.exercise, which.group)
+    access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
+    found = service.load_class_group(db, access.school_class, which.exercise, which.group)
     exercise = find_exercise(course, which.module, which.slug)
     if found.name is None:
         raise NotFound(NO_NAME)
-    read = service.load_program(db, place.school_class, found.group.id)
-    names = group_views.author_s_names(db, place, read.account_id)
+    read = service.load_program(db, access.school_class, found.group.id)
+    names = group_views.author_name_words(db, access, read.account_id)
     identity, held = export.render_archive(
         exercise, found.group, service.description_of(found.name), read.source, names
     )

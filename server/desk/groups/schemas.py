@@ -34,7 +34,7 @@ class ProgramRow:
 
 
 @dataclass(frozen=True)
-class NameForm:
+class GroupNameForm:
     """What is written of the name, as it is or as it was sent; `problem` is why that is refused."""
 
     title: str
@@ -44,7 +44,7 @@ class NameForm:
 
 
 @dataclass(frozen=True)
-class Suggestion:
+class NameSuggestion:
     """Words that were given to another group of the exercise; `href` puts them into the form."""
 
     href: str
@@ -74,7 +74,7 @@ class GroupPage:
     code_href: str
     named: bool
     may_name: bool
-    earlier: tuple[Suggestion, ...]
+    earlier: tuple[NameSuggestion, ...]
     questions: tuple[str, ...]
     titles: tuple[str, ...]
     rows: tuple[ProgramRow, ...]

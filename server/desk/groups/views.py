@@ -16,7 +16,7 @@ from server.behaviour.schemas import ClassGroup, GroupMember
 from server.classes import repository as classes
 from server.course import Course, Exercise
 from server.desk import views
-from server.desk.groups.schemas import ExampleView, GroupPage, NameForm, ProgramRow, Suggestion
+from server.desk.groups.schemas import ExampleView, GroupNameForm, GroupPage, NameSuggestion, ProgramRow
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.models import Right
@@ -29,29 +29,29 @@ from server.web.words import format_mark, iso_moment, short_moment
 UNKNOWN_STUDENT = "élève"
 
 
-def href_of(class_id: UUID, exercise: str, group: str) -> str:
+def group_href(class_id: UUID, exercise: str, group: str) -> str:
     """The address of a group's page."""
     return f"/classes/{class_id}/groupes/{exercise}/{group}"
 
 
-def page_of(
+def build_group_page(
     db: Session,
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     account: Account,
     found: ClassGroup,
     earlier: Sequence[BehaviourName],
     wanted: UUID | None,
 ) -> GroupPage:
     """`wanted` is the attempt to read, None for the shortest program. Raises NotFound."""
-    school_class, group = place.school_class, found.group
+    school_class, group = access.school_class, found.group
     exercise = course.exercises.get(group.exercise)
     read = behaviour.load_program(db, school_class, group.id, wanted)
     names = {one.id: one.name for one in classes.load_members(db, school_class.id)}
-    href = href_of(school_class.id, group.exercise, group.id)
-    may_name = place.has(Right.name_behaviours) and school_class.archived_at is None
+    href = group_href(school_class.id, group.exercise, group.id)
+    may_name = access.has(Right.name_behaviours) and school_class.archived_at is None
     return GroupPage(
-        head=views.head(course, place, "/groupes"),
+        head=views.class_head(course, access, "/groupes"),
         href=href,
         exercise=exercise.title if exercise else group.exercise,
         exercise_href=exercise_href(exercise) if exercise else "",
@@ -61,23 +61,23 @@ def page_of(
         total=found.total,
         known=found.known,
         still=len({line.student for line in found.lines if line.latest}),
-        example=_example(group.example, exercise) if group.example else None,
+        example=_example_view(group.example, exercise) if group.example else None,
         code=read.code,
         code_href=f"/soumissions/{read.id}",
         named=found.name is not None,
         may_name=may_name,
-        earlier=tuple(Suggestion(f"{href}?depuis={one.group_id}#nommer", one.title) for one in earlier if may_name),
-        questions=_questions(db, account, read) if may_name else (),
-        titles=_titles(exercise) if may_name else (),
-        rows=tuple(_row(line, names, href, read) for line in found.lines),
+        earlier=tuple(NameSuggestion(f"{href}?depuis={one.group_id}#nommer", one.title) for one in earlier if may_name),
+        questions=_failed_check_hints(db, account, read) if may_name else (),
+        titles=_misconception_titles(exercise) if may_name else (),
+        rows=tuple(_program_row(line, names, href, read) for line in found.lines),
     )
 
 
-def form_of(name: BehaviourName | None) -> NameForm:
-    return NameForm("", "", "") if name is None else NameForm(name.title, name.explanation, name.question)
+def group_name_form(name: BehaviourName | None) -> GroupNameForm:
+    return GroupNameForm("", "", "") if name is None else GroupNameForm(name.title, name.explanation, name.question)
 
 
-def _example(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleView:
+def _example_view(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleView:
     expected, got, inputs = example["expected"], example["got"], example["inputs"]
     parts = next((one.parts for one in exercise.functions if one.name == example["function"]), ()) if exercise else ()
     return ExampleView(
@@ -89,19 +89,19 @@ def _example(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleVi
     )
 
 
-def _questions(db: Session, account: Account, read: Submission) -> tuple[str, ...]:
+def _failed_check_hints(db: Session, account: Account, read: Submission) -> tuple[str, ...]:
     grading = gradebook.find_attempt(db, account, read.id).grading
     checks = Verdict.from_json(grading.verdict).checks if grading else ()
     return tuple(dict.fromkeys(check.hint for check in checks if not check.passed and check.hint))
 
 
-def _titles(exercise: Exercise | None) -> tuple[str, ...]:
+def _misconception_titles(exercise: Exercise | None) -> tuple[str, ...]:
     if exercise is None or not isinstance(exercise.grader, CodeGrader):
         return ()
     return tuple(dict.fromkeys(one.title for one in exercise.grader.misconceptions))
 
 
-def _row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:
+def _program_row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:
     return ProgramRow(
         name=names.get(line.student, UNKNOWN_STUDENT),
         href=f"/soumissions/{line.submission}",
@@ -114,9 +114,9 @@ def _row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submissi
     )
 
 
-def author_s_names(db: Session, place: ClassAccess, account_id: UUID) -> Sequence[str]:
+def author_name_words(db: Session, access: ClassAccess, account_id: UUID) -> Sequence[str]:
     """Every word of the author's names, as the account and the class's list have them."""
-    found = next(iter(classes.load_members(db, place.school_class.id, [account_id])), None)
+    found = next(iter(classes.load_members(db, access.school_class.id, [account_id])), None)
     if found is None:
         return ()
     given = (found.name, found.account.name, found.membership.family_name, found.membership.given_name)

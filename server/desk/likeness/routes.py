@@ -17,8 +17,8 @@ from server.course import Course, Exercise
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.desk import views
-from server.desk.asking import log_in_first
-from server.desk.likeness.schemas import CodeLine, ExerciseChoice, LikenessPage, PairView, Side
+from server.desk.likeness.schemas import ExerciseChoice, LikenessPage, PairSide, PairView, SharedCodeLine
+from server.desk.requests import redirect_to_login
 from server.identity.dependencies import OptionalAccount
 from server.rights import service as rights
 from server.rights.models import Right
@@ -34,7 +34,7 @@ NO_ASSIGNMENT = "Ce devoir n’existe pas."
 
 
 @router.get("/classes/{class_id}/devoirs/{assignment_id}/ressemblances")
-def likeness(
+def show_likeness(
     request: Request,
     class_id: str,
     assignment_id: UUID,
@@ -45,23 +45,23 @@ def likeness(
 ) -> Response:
     """Compares when an exercise is chosen, outside of any transaction: it takes a second or more."""
     if account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     with database.read() as db:
-        place = rights.require_right(db, account, Right.compare_codes, class_id)
-        assignment = assignments.find_assignment(db, place.school_class.id, assignment_id)
+        access = rights.require_right(db, account, Right.compare_codes, class_id)
+        assignment = assignments.find_assignment(db, access.school_class.id, assignment_id)
         if assignment is None:
             raise NotFound(NO_ASSIGNMENT)
         assigned = assignments.load_exercises(db, [assignment.id])[assignment.id]
         exercises = [course.exercises[one.exercise] for one in assigned if one.exercise in course.exercises]
-        chosen = _chosen(exercises, exercice)
+        chosen = _chosen_exercise(exercises, exercice)
         sent = service.load_copies(db, assignment, chosen) if chosen else []
-        names = {member.id: member.name for member in classes.load_members(db, place.school_class.id)}
+        names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
     found = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
-    view = _view(course, place, assignment, exercises, chosen, found, names)
+    view = _likeness_page(course, access, assignment, exercises, chosen, found, names)
     return render_page(request, "classes/likeness.html", account, page=view)
 
 
-def _chosen(exercises: list[Exercise], name: str) -> Exercise | None:
+def _chosen_exercise(exercises: list[Exercise], name: str) -> Exercise | None:
     if not name:
         return None
     chosen = next((one for one in exercises if one.id == name), None)
@@ -70,16 +70,16 @@ def _chosen(exercises: list[Exercise], name: str) -> Exercise | None:
     return chosen
 
 
-def _view(
+def _likeness_page(
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     assignment: Assignment,
     exercises: list[Exercise],
     chosen: Exercise | None,
     found: Comparison,
     names: Mapping[UUID, str],
 ) -> LikenessPage:
-    head = views.head(course, place, "/devoirs")
+    head = views.class_head(course, access, "/devoirs")
     return LikenessPage(
         head=head,
         title=assignment.title,
@@ -90,19 +90,19 @@ def _view(
         too_short=found.too_short,
         pairs=tuple(
             PairView(
-                _side(pair.first, pair.shares[0], pair.lines[0], names),
-                _side(pair.second, pair.shares[1], pair.lines[1], names),
+                _pair_side(pair.first, pair.shares[0], pair.lines[0], names),
+                _pair_side(pair.second, pair.shares[1], pair.lines[1], names),
             )
             for pair in found.pairs
         ),
     )
 
 
-def _side(copy: Copy, share: float, shared: tuple[int, ...], names: Mapping[UUID, str]) -> Side:
+def _pair_side(copy: Copy, share: float, shared: tuple[int, ...], names: Mapping[UUID, str]) -> PairSide:
     lines = copy.code.split("\n")
-    return Side(
+    return PairSide(
         name=names.get(copy.student, "élève sorti de la classe"),
         href=f"/soumissions/{copy.submission}",
         share=int(100 * share),
-        lines=tuple(CodeLine(number, text, number in shared) for number, text in enumerate(lines, 1)),
+        lines=tuple(SharedCodeLine(number, text, number in shared) for number, text in enumerate(lines, 1)),
     )

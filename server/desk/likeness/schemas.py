@@ -8,7 +8,7 @@ from server.desk.schemas import ClassHead
 
 
 @dataclass(frozen=True)
-class CodeLine:
+class SharedCodeLine:
     """A line of a code: `shared` stands in the other one too."""
 
     number: int
@@ -17,19 +17,19 @@ class CodeLine:
 
 
 @dataclass(frozen=True)
-class Side:
+class PairSide:
     """One of two codes: whose, where it is, how much of what is their own the other has, in percent."""
 
     name: str
     href: str
     share: int
-    lines: tuple[CodeLine, ...]
+    lines: tuple[SharedCodeLine, ...]
 
 
 @dataclass(frozen=True)
 class PairView:
-    first: Side
-    second: Side
+    first: PairSide
+    second: PairSide
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from server.classes.models import ClassRole
 from server.course import Course
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.asking import log_in_first
 from server.desk.marks.routes import PageNumber
 from server.desk.marks.schemas import GradebookOption, LogEntryView, LogPage
-from server.desk.views import head, href_of
+from server.desk.requests import redirect_to_login
+from server.desk.views import class_head, class_href
 from server.identity.dependencies import SignedIn
 from server.marks.cells import Cell, ascii_slug, french_csv
 from server.rights import service as rights
@@ -54,7 +54,7 @@ def show_log(
     request: Request, class_id: str, reader: CurrentReader, eleve: Text = "", genre: Text = "", p: PageNumber = 1
 ) -> Response:
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_audit_log, class_id)
     view = _log_page(reader.db, reader.course, access, _parse_filter(eleve, genre), p)
     return render_page(request, "classes/log.html", reader.account, page=view)
@@ -68,12 +68,12 @@ def _log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, 
     query = {name: value for name, value in fields.items() if value}
 
     def address(number: int) -> str:
-        return f"{href_of(access.school_class)}/journal?{urlencode({**query, 'p': number})}"
+        return f"{class_href(access.school_class)}/journal?{urlencode({**query, 'p': number})}"
 
     members = classes.load_members(db, class_id)
     students = [member for member in members if member.role is ClassRole.student]
     return LogPage(
-        head=head(course, access, "/journal"),
+        head=class_head(course, access, "/journal"),
         entries=tuple(_entry_view(entry) for entry in entries),
         total=total,
         first=offset + 1,

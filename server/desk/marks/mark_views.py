@@ -6,7 +6,7 @@ from server.base.errors import NotFound
 from server.course import Course
 from server.desk.marks.schemas import ExerciseView, MarkPage, OverrideView
 from server.desk.marks.views import UNKNOWN, assignment_cell, points_text
-from server.desk.views import head
+from server.desk.views import class_head
 from server.marks.files import EXCUSED, unique_titles
 from server.marks.means import format_number, round_points
 from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
@@ -34,7 +34,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
     mark = row.marks[index]
     sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
     return MarkPage(
-        head=head(course, access, "/carnet"),
+        head=class_head(course, access, "/carnet"),
         student=row.member.name,
         assignment=unique_titles(gradebook.assignments)[index],
         mark=assignment_cell(mark, ""),

@@ -10,10 +10,10 @@ from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.asking import UNKNOWN_ACTION, Group, log_in_first
 from server.desk.marks.mark_views import mark_page
 from server.desk.marks.schemas import MarkForm
 from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
+from server.desk.requests import UNKNOWN_ACTION, GroupQuery, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import repository, service
@@ -39,11 +39,11 @@ EMPTY = MarkForm()
 
 @router.get("/classes/{class_id}/carnet")
 def show_gradebook(
-    request: Request, class_id: str, reader: CurrentReader, groupe: Group = "", devoir: Name = "", tri: Name = "",
+    request: Request, class_id: str, reader: CurrentReader, groupe: GroupQuery = "", devoir: Name = "", tri: Name = "",
     colonne: Name = "", p: PageNumber = 1,
 ) -> Response:  # fmt: skip
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     inputs = load_inputs(reader.db, reader.course, access.school_class, utc_now())
     view = gradebook_page(reader.db, access, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
@@ -84,7 +84,7 @@ def download_copies(
 @router.get("/classes/{class_id}/carnet/{student}/{assignment_id}")
 def show_mark(request: Request, class_id: str, student: str, assignment_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     return _mark_page(request, reader.account, reader.db, reader.course, access, student, assignment_id)
 

@@ -22,7 +22,7 @@ from server.desk.marks.schemas import (
     MarkRow,
     MarkTable,
 )
-from server.desk.views import group_counts, head, href_of, regrade_href
+from server.desk.views import class_head, class_href, count_students_by_label, regrade_href
 from server.marks.files import (
     ABSENT,
     EXCUSED,
@@ -89,7 +89,7 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
     }
     if query.assignment and query.assignment not in titles:
         raise NotFound(UNKNOWN)
-    group_sizes = group_counts(student.groups for student in inputs.students)
+    group_sizes = count_students_by_label(student.groups for student in inputs.students)
     group = query.group if query.group in group_sizes else ""
     total = group_sizes[group] if group else len(inputs.students)
     number = min(query.page_number, max(1, math.ceil(total / STUDENTS_PER_PAGE)))
@@ -101,18 +101,18 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         return str(macros.body(builder.body()))
 
     key = ("gradebook", inputs.version, query, access.has(Right.regrade), school_time.time_zone().key)
-    class_href = href_of(access.school_class)
+    home = class_href(access.school_class)
     chosen = next((assignment for assignment in assignments if str(assignment.id) == query.assignment), None)
     about = None if chosen is None else _assignment_link(chosen, access)
     return GradebookPage(
-        head=head(inputs.course, access, "/carnet"),
+        head=class_head(inputs.course, access, "/carnet"),
         at=iso_moment(inputs.now),
         at_text=short_moment(inputs.now),
         total=total,
         group=group,
         assignment=titles.get(query.assignment, ""),
         assignment_href="" if about is None else about[1],
-        back=_address(f"{class_href}/carnet", query, devoir="", tri=""),
+        back=_address(f"{home}/carnet", query, devoir="", tri=""),
         body=FRAGMENTS.get_or_render(key, render),
     )
 
@@ -127,7 +127,7 @@ def _assignment_link(assignment: Assignment, access: ClassAccess) -> tuple[str, 
     """Return words and address of an assignment's page; None for the exercises of a class without assignments."""
     if assignment.id == access.school_class.id:
         return None
-    return "le devoir", f"{href_of(access.school_class)}/devoirs/{assignment.id}"
+    return "le devoir", f"{class_href(access.school_class)}/devoirs/{assignment.id}"
 
 
 class _BodyBuilder:
@@ -142,7 +142,7 @@ class _BodyBuilder:
         group_sizes: Mapping[str, int],
     ) -> None:
         self._place, self._query, self._titles, self._group_sizes = access, query, titles, group_sizes
-        self._class_href = href_of(access.school_class)
+        self._class_href = class_href(access.school_class)
         self._everyone = gradebook
         rows = [row for row in gradebook.rows if not query.group or query.group in row.member.groups]
         self._gradebook = replace(gradebook, rows=tuple(rows))

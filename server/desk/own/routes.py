@@ -3,9 +3,9 @@
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.desk.asking import log_in_first
 from server.desk.assignments.exemption_views import find_student
 from server.desk.own import views
+from server.desk.requests import redirect_to_login
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
@@ -15,11 +15,11 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/eleves/{student}/comme")
-def as_student(request: Request, class_id: str, student: str, reader: CurrentReader) -> Response:
+def show_class_as_student(request: Request, class_id: str, student: str, reader: CurrentReader) -> Response:
     """The class as this student sees it, with nothing to press."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    member = find_student(reader.db, place, student)
-    view = views.watched_page(reader.db, reader.course, place, reader.account, member)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
+    member = find_student(reader.db, access, student)
+    view = views.build_watched_page(reader.db, reader.course, access, reader.account, member)
     return render_page(request, "classes/own.html", reader.account, page=view)

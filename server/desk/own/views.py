@@ -21,10 +21,10 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.schemas import NextThing, OwnAssignment, OwnExercise, OwnPage, StageView
-from server.desk.assignments.views import stage_view, when
-from server.desk.own import sitting as tests
-from server.desk.schemas import OwnSeat
+from server.desk.assignments.schemas import NextStep, OwnAssignment, OwnClassPage, OwnExercise, StageView
+from server.desk.assignments.views import format_date, stage_view
+from server.desk.own import test_status as tests
+from server.desk.schemas import OwnMembership
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.marks import service as marks
@@ -37,15 +37,15 @@ from server.web import school_time
 from server.web.views import exercise_href
 from server.web.words import WHOLE, format_mark, plural
 
-OPEN = ("open", "late", "done")
+OPEN_STAGES = ("open", "late", "done")
 #: Of what is still open, where there is nothing left to do.
 ALL_DONE = StageView("done", "✓", "tout est fait")
 #: Of an exercise that a test asks for too: neither that it was done before nor that it was not.
-HELD = ("sent", "•", "retenu le temps d’un contrôle")
+WITHHELD_STANDING = ("sent", "•", "retenu le temps d’un contrôle")
 
 
 @dataclass(frozen=True)
-class _Known:
+class _StudentWork:
     """What there is to say of a student's work: marks and sittings by assignment; what was sent of what is held."""
 
     marks: Mapping[UUID, OwnMark]
@@ -56,76 +56,82 @@ class _Known:
     watched: bool
 
 
-def own_page(db: Session, course: Course, place: ClassAccess, account: Account) -> OwnPage:
+def build_own_page(db: Session, course: Course, access: ClassAccess, account: Account) -> OwnClassPage:
     """Of a member who is none of the staff."""
-    membership = place.membership
+    membership = access.membership
     assert membership is not None  # who has no seat is an administrator, who sees the class as its staff do
-    may_see, may_leave = place.has(Right.see_assignments), place.has(Right.leave_class)
-    return _page(db, course, place, account, membership, may_see=may_see, may_leave=may_leave)
+    may_see, may_leave = access.has(Right.see_assignments), access.has(Right.leave_class)
+    return _build_page(db, course, access, account, membership, may_see=may_see, may_leave=may_leave)
 
 
-def watched_page(db: Session, course: Course, place: ClassAccess, account: Account, student: Member) -> OwnPage:
+def build_watched_page(
+    db: Session, course: Course, access: ClassAccess, account: Account, student: Member
+) -> OwnClassPage:
     """The page of a student, as their teacher looks at it: the same, with nothing to press."""
-    return _page(db, course, place, account, student.membership, watched=student)
+    return _build_page(db, course, access, account, student.membership, watched=student)
 
 
-def _page(
+def _build_page(
     db: Session,
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     account: Account,
     seat: Membership,
     *,
     may_see: bool = True,
     may_leave: bool = False,
     watched: Member | None = None,
-) -> OwnPage:
+) -> OwnClassPage:
     now = utc_now()
     found = (
         student_assignments.load_assignments_for_student(db, seat.class_id, seat.account_id, seat.groups, now)
         if may_see
         else ()
     )
-    known = _known(db, course, place, seat.account_id, found, now, watched=watched is not None) if found else None
+    known = (
+        _load_student_work(db, course, access, seat.account_id, found, now, watched=watched is not None)
+        if found
+        else None
+    )
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
-    shown = [] if known is None else [(one, _assignment(course, one, known, suffix)) for one in found]
-    own = OwnSeat(views.ROLES[ClassRole(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
-    running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN), key=_urgency)
-    return OwnPage(
-        head=views.head(course, place, "/eleves" if watched else ""),
+    shown = [] if known is None else [(one, _own_assignment(course, one, known, suffix)) for one in found]
+    own = OwnMembership(views.ROLES[ClassRole(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
+    running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN_STAGES), key=_urgency)
+    return OwnClassPage(
+        head=views.class_head(course, access, "/eleves" if watched else ""),
         seat=own,
-        staff=views.staff_rows(repository.load_staff(db, place.school_class.id), place, account),
+        staff=views.staff_rows(repository.load_staff(db, access.school_class.id), access, account),
         current=tuple(view for _, view in running if view.stage.kind != ALL_DONE.kind),
         done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
-        next=_next(running),
+        next=_next_step(running),
         average="" if known is None or known.average is None else format_points(known.average),
         zone=school_time.time_zone_name(),
         watched=watched.name if watched else "",
-        watched_href=f"{views.href_of(place.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
+        watched_href=f"{views.class_href(access.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
     )
 
 
-def _known(
+def _load_student_work(
     db: Session,
     course: Course,
-    place: ClassAccess,
+    access: ClassAccess,
     account_id: UUID,
     found: Sequence[StudentAssignment],
     now: datetime,
     *,
     watched: bool,
-) -> _Known:
+) -> _StudentWork:
     """What a student may know, asked of their account whoever looks: who watches sees no more."""
-    own = marks.load_own_marks(db, course, place.school_class, account_id, now)
+    own = marks.load_own_marks(db, course, access.school_class, account_id, now)
     held = gradebook.load_withholding_times(db, account_id)
     sat = (
         sitting_repository.load_account_sittings(db, account_id)
         if any(one.assignment.mode == Mode.test for one in found)
         else ()
     )
-    return _Known(
+    return _StudentWork(
         marks={one.assignment.id: one for one in own.marks},
         sittings={one.assignment_id: one for one, _ in sat},
         sent=gradebook.count_attempts_since(db, account_id, held) if held else {},
@@ -142,15 +148,15 @@ def _urgency(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool,
     return not (view.test and view.test.running), not date, date
 
 
-def _assignment(course: Course, one: StudentAssignment, known: _Known, suffix: str) -> OwnAssignment:
+def _own_assignment(course: Course, one: StudentAssignment, known: _StudentWork, suffix: str) -> OwnAssignment:
     rules, assignment = one.rules, one.assignment
     sitting = known.sittings.get(assignment.id)
-    test = tests.view(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
+    test = tests.test_status(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
     stage = stage_view(one.stage) if test is None else test.stage
     exercises = (
         None
         if one.hides_exercises and sitting is None
-        else tuple(_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
+        else tuple(_own_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
     )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
     done = sum(row.kind == "done" for row in exercises or ())
@@ -164,35 +170,35 @@ def _assignment(course: Course, one: StudentAssignment, known: _Known, suffix: s
         title=assignment.title,
         is_test=test is not None,
         stage=ALL_DONE if all_done else stage,
-        opens=when(rules.opens_at),
-        due=when(rules.due_at),
-        closes=when(rules.closes_at),
-        late=_late(rules),
+        opens=format_date(rules.opens_at),
+        due=format_date(rules.due_at),
+        closes=format_date(rules.closes_at),
+        late=_late_policy_text(rules),
         excused=rules.excused,
-        duration="" if minutes is None else words.duration(minutes),
+        duration="" if minutes is None else words.format_duration(minutes),
         why_href=href,
         exercises=exercises,
         done=done,
         differs=bool(one.exemptions),
-        test=test.as_seen(watched=known.watched) if test else None,
-        mark=_mark(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
+        test=test.for_viewer(watched=known.watched) if test else None,
+        mark=_final_mark_text(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
     )
 
 
-def _mark(found: OwnMark | None) -> str:
+def _final_mark_text(found: OwnMark | None) -> str:
     """Of an assignment that is over; empty where there is none to tell."""
     points = None if found is None or found.mark is None else found.mark.points
     return "" if points is None else format_points(points)
 
 
-def _late(rules: Rules) -> str:
+def _late_policy_text(rules: Rules) -> str:
     """What becomes of what comes late; empty where nothing can."""
     ends_first = rules.closes_at is not None and rules.due_at is not None and rules.closes_at <= rules.due_at
-    return "" if rules.due_at is None or ends_first else words.late_of(rules)
+    return "" if rules.due_at is None or ends_first else words.describe_late_rules(rules)
 
 
-def _exercise(
-    course: Course, one: StudentAssignment, row: WeightedExercise, known: _Known, *, over: bool
+def _own_exercise(
+    course: Course, one: StudentAssignment, row: WeightedExercise, known: _StudentWork, *, over: bool
 ) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
@@ -200,17 +206,19 @@ def _exercise(
     found = None if own is None else own.exercises.get(row.exercise)
     if found is None:
         if one.assignment.mode != Mode.test:
-            return OwnExercise(title, href, *HELD, "")
+            return OwnExercise(title, href, *WITHHELD_STANDING, "")
         sent = known.sent.get(row.exercise, 0) if one.assignment.id in known.sittings else 0
-        return OwnExercise(title, href, *held_standing(sent, over=over), "")
+        return OwnExercise(title, href, *withheld_standing(sent, over=over), "")
     if found.override is not None:
         reason = visible(found.override.reason)
-        return OwnExercise(title, href, *_set_by_hand(found.override), f"note de votre enseignant : {reason}")
+        return OwnExercise(title, href, *_override_standing(found.override), f"note de votre enseignant : {reason}")
     late = found.days_late
-    return OwnExercise(title, href, *standing(found, over=over), f"{plural(late, 'jour')} de retard" if late else "")
+    return OwnExercise(
+        title, href, *exercise_standing(found, over=over), f"{plural(late, 'jour')} de retard" if late else ""
+    )
 
 
-def _set_by_hand(found: ActiveOverride) -> tuple[str, str, str]:
+def _override_standing(found: ActiveOverride) -> tuple[str, str, str]:
     """The same as `standing`, of a mark that a teacher has set."""
     if found.points is None:
         return "excused", "–", "dispensé"
@@ -218,12 +226,12 @@ def _set_by_hand(found: ActiveOverride) -> tuple[str, str, str]:
     return ("done", "✓", "réussi") if full else ("begun", "½", f"{format_mark(found.points)} / 20")
 
 
-def held_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
+def withheld_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
     """The same, of an exercise of which a test holds back what was found."""
     return ("sent", "•", "envoyé") if sent else ("new", "○", "pas fait" if over else "à faire")
 
 
-def standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
+def exercise_standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     """A name for the style, a sign, words."""
     if not found.attempts:
         return "new", "○", "pas fait" if over else "à faire"
@@ -236,14 +244,14 @@ def standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     return "begun", "½", f"{format_mark(counted.points)} / 20"
 
 
-def _next(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextThing | None:
+def _next_step(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextStep | None:
     """The test that is open; the first exercise that is not solved, of the assignment that is due first."""
     for one, view in running:
         if one.rules.excused and not (view.test and view.test.running):
             continue
         if view.test is not None:
-            return NextThing(view.test.href, view.title, view.title, view.test.running, is_test=True)
+            return NextStep(view.test.href, view.title, view.title, view.test.running, is_test=True)
         for row in view.exercises or ():
             if row.kind in {"new", "begun"} and row.href:
-                return NextThing(row.href, row.title, view.title, row.kind == "begun")
+                return NextStep(row.href, row.title, view.title, row.kind == "begun")
     return None

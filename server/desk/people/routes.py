@@ -15,10 +15,10 @@ from server.classes.schemas import validate_guest_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.asking import Group, log_in_first
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
 from server.desk.own import views as own_views
-from server.desk.schemas import JoinForm, JoinPage
+from server.desk.requests import GroupQuery, redirect_to_login
+from server.desk.schemas import JoinFormValues, JoinPage
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
 from server.rights import service as rights
 from server.rights.models import Right
@@ -29,44 +29,44 @@ from server.web.views import find_module
 
 router = APIRouter(include_in_schema=False)
 
-Code = Annotated[str, Query(max_length=100)]
-EMPTY = JoinForm("", "", "")
-Number = Annotated[int, Query(alias="page", ge=1, le=10**6)]
+CodeQuery = Annotated[str, Query(max_length=100)]
+EMPTY_FORM = JoinFormValues("", "", "")
+PageNumber = Annotated[int, Query(alias="page", ge=1, le=10**6)]
 
 
 @router.get("/classes")
-def mine(request: Request, reader: CurrentReader) -> HTMLResponse:
-    return _mine(request, reader.db, reader.course, reader.account)
+def list_classes(request: Request, reader: CurrentReader) -> HTMLResponse:
+    return _render_classes(request, reader.db, reader.course, reader.account)
 
 
-def _mine(
+def _render_classes(
     request: Request, db: Db, course: CourseOf, account: OptionalAccount, name: str = "", problem: str = ""
 ) -> HTMLResponse:
-    view = views.classes_page(db, course, account)
+    view = views.build_classes_page(db, course, account)
     status = 422 if problem else 200
     return render_page(request, "classes/mine.html", account, status=status, page=view, name=name, problem=problem)
 
 
 @router.post("/classes")
-def create(
+def create_class(
     request: Request, account: SignedIn, db: Db, course: CourseOf, name: Field = "", module: Field = ""
 ) -> Response:
     rights.require_server_right(account, Right.create_class)
     try:
         made = service.create_class(db, account, name, find_module(course, module).slug)
     except Invalid as refused:
-        return _mine(request, db, course, account, name, refused.detail)
-    return redirect(views.href_of(made))
+        return _render_classes(request, db, course, account, name, refused.detail)
+    return redirect(views.class_href(made))
 
 
 @router.get("/rejoindre")
-def to_code(code: Code = "") -> Response:
+def redirect_to_code(code: CodeQuery = "") -> Response:
     """From the form where one types a code, to the class that has it."""
     return redirect(f"/rejoindre/{''.join(letter for letter in code if letter.isalnum())[:40] or '-'}")
 
 
 @router.get("/rejoindre/{code}")
-def join_form(
+def show_join_form(
     request: Request,
     code: str,
     account: OptionalAccount,
@@ -76,17 +76,19 @@ def join_form(
 ) -> HTMLResponse:
     found = classes.find_by_code(code, by=account, address=client_address(request))
     with database.read() as db:
-        view = views.join_page(db, course, found, account)
-    return _join_form(request, account, view)
+        view = views.build_join_page(db, course, found, account)
+    return _render_join_form(request, account, view)
 
 
-def _join_form(request: Request, account: OptionalAccount, view: JoinPage, filled: JoinForm = EMPTY) -> HTMLResponse:
+def _render_join_form(
+    request: Request, account: OptionalAccount, view: JoinPage, filled: JoinFormValues = EMPTY_FORM
+) -> HTMLResponse:
     status = 422 if filled.problem else 200
     return render_page(request, "classes/join.html", account, status=status, page=view, form=filled)
 
 
 @router.post("/rejoindre/{code}")
-def join(
+def join_class(
     request: Request,
     code: str,
     account: OptionalAccount,
@@ -106,58 +108,58 @@ def join(
         except Invalid as refused:
             found = classes.find_by_code(code, by=account, address=address)
             with database.read() as db:
-                view = views.join_page(db, course, found, account)
-            return _join_form(request, account, view, JoinForm(given, family, refused.detail))
+                view = views.build_join_page(db, course, found, account)
+            return _render_join_form(request, account, view, JoinFormValues(given, family, refused.detail))
     if account is None:
         classes.find_by_code(code, by=None, address=address)
     joined = classes.join_class(code, account_or_guest(request, account, accounts), address=address, named=named)
-    return redirect(views.href_of(joined.school_class))
+    return redirect(views.class_href(joined.school_class))
 
 
 @router.get("/classes/{class_id}")
-def one(
+def show_class(
     request: Request,
     class_id: str,
     reader: CurrentReader,
-    groupe: Group = "",
-    tri: Group = BY_NAME,
-    number: Number = 1,
-    erreurs: Group = "",
+    groupe: GroupQuery = "",
+    tri: GroupQuery = BY_NAME,
+    number: PageNumber = 1,
+    erreurs: GroupQuery = "",
 ) -> Response:
     """The board, for who teaches or helps; else one's own page."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_class, class_id)
-    if place.has(Right.read_work):
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_class, class_id)
+    if access.has(Right.read_work):
         asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
-        board = board_page(reader, place, asked, service_url(request))
+        board = board_page(reader, access, asked, service_url(request))
         return render_page(request, "classes/board.html", reader.account, page=board)
-    view = own_views.own_page(reader.db, reader.course, place, reader.account)
+    view = own_views.build_own_page(reader.db, reader.course, access, reader.account)
     return render_page(request, "classes/own.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/eleves")
-def people(request: Request, class_id: str, reader: CurrentReader, groupe: Group = "") -> Response:
+def show_people(request: Request, class_id: str, reader: CurrentReader, groupe: GroupQuery = "") -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    view = views.people_page(reader.db, reader.course, place, reader.account, service_url(request), groupe)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
+    view = views.build_people_page(reader.db, reader.course, access, reader.account, service_url(request), groupe)
     return render_page(request, "classes/people.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/code")
-def code_on_the_wall(request: Request, class_id: str, reader: CurrentReader) -> Response:
+def show_join_code(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.see_code, class_id)
-    code = views.code_view(place.school_class, service_url(request))
-    head = views.head(reader.course, place)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.see_code, class_id)
+    code = views.join_code_view(access.school_class, service_url(request))
+    head = views.class_head(reader.course, access)
     return render_page(request, "classes/wall.html", reader.account, head=head, code=code)
 
 
 @router.post("/classes/{class_id}/quitter")
-def leave(class_id: str, account: SignedIn, db: Db) -> Response:
-    place = rights.require_right(db, account, Right.leave_class, class_id)
-    with recording_membership_changes(db, place.school_class.id, account.id):
-        service.leave_class(db, place.school_class, account.id)
+def leave_class(class_id: str, account: SignedIn, db: Db) -> Response:
+    access = rights.require_right(db, account, Right.leave_class, class_id)
+    with recording_membership_changes(db, access.school_class.id, account.id):
+        service.leave_class(db, access.school_class, account.id)
     return redirect("/classes")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.desk.asking import log_in_first
-from server.desk.polls.views import polls_page
+from server.desk.polls.views import build_polls_page
+from server.desk.requests import redirect_to_login
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
@@ -16,9 +16,9 @@ router = APIRouter(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/previsions")
-def predictions(request: Request, class_id: str, reader: CurrentReader) -> Response:
+def show_predictions(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = polls_page(reader.db, reader.course, place)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = build_polls_page(reader.db, reader.course, access)
     return render_page(request, "classes/polls.html", reader.account, page=view)

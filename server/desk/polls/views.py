@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.course import Course
 from server.desk.polls.schemas import LessonPolls, OptionRow, PollRow, PollsPage
-from server.desk.views import head
+from server.desk.views import class_head
 from server.polls import repository, service
 from server.polls.schemas import AnswerCount, Poll
 from server.rights.service import ClassAccess
@@ -17,22 +17,24 @@ from server.rights.service import ClassAccess
 PATH = "/previsions"
 
 
-def polls_page(db: Session, course: Course, place: ClassAccess) -> PollsPage:
+def build_polls_page(db: Session, course: Course, access: ClassAccess) -> PollsPage:
     """Two queries, however many questions and students there are."""
-    module = course.modules.get(place.school_class.module)
+    module = course.modules.get(access.school_class.module)
     lessons: tuple[LessonPolls, ...] = ()
     if module is not None:
-        said = service.load_class_answer_counts(db, place.school_class.id, module)
+        said = service.load_class_answer_counts(db, access.school_class.id, module)
         titles = {f"/{module.slug}/lire/{lesson.slug}": lesson.title for lesson in module.lessons}
         asked = groupby(service.polls_of_module(module).values(), key=lambda poll: poll.href.partition("#")[0])
         lessons = tuple(
-            LessonPolls(titles[href], tuple(_row(poll, said.get(poll.name, ())) for poll in polls))
+            LessonPolls(titles[href], tuple(_poll_row(poll, said.get(poll.name, ())) for poll in polls))
             for href, polls in asked
         )
-    return PollsPage(head(course, place, PATH), repository.count_active_students(db, place.school_class.id), lessons)
+    return PollsPage(
+        class_head(course, access, PATH), repository.count_active_students(db, access.school_class.id), lessons
+    )
 
 
-def _row(poll: Poll, said: Sequence[AnswerCount]) -> PollRow:
+def _poll_row(poll: Poll, said: Sequence[AnswerCount]) -> PollRow:
     """Answers that the question no longer offers are not counted."""
     counting = [(poll.counted_options(one.first), one.students) for one in said]
     answered = sum(students for chosen, students in counting if chosen)

@@ -14,9 +14,9 @@ from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.asking import UNKNOWN_ACTION, log_in_first
-from server.desk.regrades.schemas import Chosen
-from server.desk.regrades.views import progress_text, regrade_href, regrade_page, regrades_page
+from server.desk.regrades.schemas import RegradeFormValues
+from server.desk.regrades.views import build_regrade_page, build_regrades_page, progress_text, regrade_href
+from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.regrades import applying, service
@@ -34,43 +34,43 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 NOT_OFFERED = "Ce choix n’est pas proposé."
-Text = Annotated[str, Query(max_length=200)]
+ShortQuery = Annotated[str, Query(max_length=200)]
 
 
 @router.get("/classes/{class_id}/recalculs")
-def regrades(
-    request: Request, class_id: str, reader: CurrentReader, store: RegradeServiceOf, exercice: Text = ""
+def list_regrades(
+    request: Request, class_id: str, reader: CurrentReader, store: RegradeServiceOf, exercice: ShortQuery = ""
 ) -> Response:
     """`exercice` is chosen in the form, for who comes from a page about it."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
-    view = regrades_page(reader.db, reader.course, place, store)
-    return render_page(request, "classes/regrades.html", reader.account, page=view, chosen=Chosen(exercice))
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
+    view = build_regrades_page(reader.db, reader.course, access, store)
+    return render_page(request, "classes/regrades.html", reader.account, page=view, chosen=RegradeFormValues(exercice))
 
 
 @router.post("/classes/{class_id}/recalculs")
-def prepare(
+def prepare_regrade(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, store: RegradeServiceOf,
     exercice: Field = "",
     regle: Field = "keep_best",
     devoir: Field = "",
     eleve: Field = "",
 ) -> Response:  # fmt: skip
-    place = rights.require_right(db, account, Right.regrade, class_id)
+    access = rights.require_right(db, account, Right.regrade, class_id)
     try:
         if regle not in set(RegradePolicy):
             raise NotFound(NOT_OFFERED)
-        wanted = RegradeInput(exercice, RegradePolicy(regle), _chosen(devoir), _chosen(eleve))
-        made = store.start(db, place.school_class, account.id, wanted)
+        wanted = RegradeInput(exercice, RegradePolicy(regle), _parse_optional_id(devoir), _parse_optional_id(eleve))
+        made = store.start(db, access.school_class, account.id, wanted)
     except ServiceError as refused:
-        chosen = Chosen(exercice, regle, devoir, eleve, refused.detail)
-        view, status = regrades_page(db, course, place, store), int(refused.status)
+        chosen = RegradeFormValues(exercice, regle, devoir, eleve, refused.detail)
+        view, status = build_regrades_page(db, course, access, store), int(refused.status)
         return render_page(request, "classes/regrades.html", account, status=status, page=view, chosen=chosen)
     return redirect(regrade_href(made))
 
 
-def _chosen(name: str) -> UUID | None:
+def _parse_optional_id(name: str) -> UUID | None:
     """Raises NotFound."""
     try:
         return UUID(name) if name else None
@@ -79,39 +79,41 @@ def _chosen(name: str) -> UUID | None:
 
 
 @router.get("/classes/{class_id}/recalculs/{regrade_id}")
-def one(request: Request, class_id: str, regrade_id: str, reader: CurrentReader) -> Response:
+def show_regrade(request: Request, class_id: str, regrade_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
-    regrade = service.find_regrade(reader.db, place.school_class.id, regrade_id)
-    view = regrade_page(reader.db, reader.course, place, regrade)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.regrade, class_id)
+    regrade = service.find_regrade(reader.db, access.school_class.id, regrade_id)
+    view = build_regrade_page(reader.db, reader.course, access, regrade)
     return render_page(request, "classes/regrade.html", reader.account, page=view, problem="")
 
 
 @router.post("/classes/{class_id}/recalculs/{regrade_id}")
-def settle(
+def change_regrade(
     request: Request, class_id: str, regrade_id: str, account: SignedIn, db: Db, course: CourseOf,
     action: Annotated[str, Form()] = "",
 ) -> Response:  # fmt: skip
     """Applies it, undoes it, or stops it."""
-    place = rights.require_right(db, account, Right.regrade, class_id)
-    regrade = service.find_regrade(db, place.school_class.id, regrade_id)
+    access = rights.require_right(db, account, Right.regrade, class_id)
+    regrade = service.find_regrade(db, access.school_class.id, regrade_id)
     try:
-        require_open(place.school_class)
-        _do(action, db, course, regrade, account)
+        require_open(access.school_class)
+        _perform_action(action, db, course, regrade, account)
     except ServiceError as refused:
         if isinstance(refused, NotFound):
             raise
-        view, status = regrade_page(db, course, place, regrade), int(refused.status)
-        return _refused(request, account, view, refused, status)
+        view, status = build_regrade_page(db, course, access, regrade), int(refused.status)
+        return _render_refusal(request, account, view, refused, status)
     return redirect(regrade_href(regrade))
 
 
-def _refused(request: Request, account: Account, view: object, refused: ServiceError, status: int) -> HTMLResponse:
+def _render_refusal(
+    request: Request, account: Account, view: object, refused: ServiceError, status: int
+) -> HTMLResponse:
     return render_page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
 
 
-def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:
+def _perform_action(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:
     """Raises NotFound or Conflict."""
     if action == "appliquer":
         applying.apply_regrade(db, course, regrade.id, account.id)
@@ -124,29 +126,29 @@ def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Accoun
 
 
 @router.get("/classes/{class_id}/recalculs/{regrade_id}/evenements")
-async def events(
+async def stream_progress(
     class_id: str, regrade_id: str, account: OptionalAccount, database: DatabaseOf, hub: JobEventsOf
 ) -> StreamingResponse:
     """How far it is, until it is over."""
 
     def read() -> RegradeProgress:
-        return _advance(database, account, class_id, regrade_id)
+        return _load_progress(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
     snapshots = hub.follow(str(UUID(regrade_id)), read, watches_all_jobs=True)
-    lines: AsyncIterator[str] = stream_sse(snapshots, _told, name="progress")
+    lines: AsyncIterator[str] = stream_sse(snapshots, _progress_json, name="progress")
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
-def _advance(database: Database, account: Account | None, class_id: str, regrade_id: str) -> RegradeProgress:
+def _load_progress(database: Database, account: Account | None, class_id: str, regrade_id: str) -> RegradeProgress:
     if account is None:
         raise NotFound(service.UNKNOWN)
     with database.read() as db:
-        place = rights.require_right(db, account, Right.regrade, class_id)
-        return service.load_progress(db, service.find_regrade(db, place.school_class.id, regrade_id))
+        access = rights.require_right(db, account, Right.regrade, class_id)
+        return service.load_progress(db, service.find_regrade(db, access.school_class.id, regrade_id))
 
 
-def _told(advance: RegradeProgress) -> str:
+def _progress_json(advance: RegradeProgress) -> str:
     return json.dumps(
         {
             "done": advance.done,

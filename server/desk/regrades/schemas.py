@@ -12,7 +12,7 @@ Tone = Literal["good", "bad", "plain"]
 
 
 @dataclass(frozen=True)
-class OutdatedRow:
+class OutdatedExerciseRow:
     """An exercise that has changed since attempts at it were graded."""
 
     exercise: str
@@ -39,7 +39,7 @@ class RegradesPage:
     """The class's regrades, and the form to prepare one: choices are values with their words."""
 
     head: ClassHead
-    outdated: tuple[OutdatedRow, ...]
+    outdated: tuple[OutdatedExerciseRow, ...]
     exercises: tuple[tuple[str, str], ...]
     assignments: tuple[tuple[str, str], ...]
     students: tuple[tuple[str, str], ...]
@@ -47,7 +47,7 @@ class RegradesPage:
 
 
 @dataclass(frozen=True)
-class Chosen:
+class RegradeFormValues:
     """What is filled in of the form, and why it is refused."""
 
     exercise: str = ""
@@ -58,7 +58,7 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class ChangeRow:
+class MarkChangeRow:
     """A student: points before and after (empty where nothing counts), the difference with its sign, reasons, notes.
 
     `attempt` is the address of the attempt that the reasons are about, empty without any.
@@ -74,7 +74,7 @@ class ChangeRow:
 
 
 @dataclass(frozen=True)
-class Group:
+class OutcomeGroup:
     """Students to whom the same happens. `folded`: where nothing does, they are out of the way."""
 
     id: str
@@ -82,7 +82,7 @@ class Group:
     sign: str
     tone: Tone
     folded: bool
-    rows: tuple[ChangeRow, ...]
+    rows: tuple[MarkChangeRow, ...]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class RegradePage:
     total: int
     progress: str
     failed: int
-    groups: tuple[Group, ...]
+    groups: tuple[OutcomeGroup, ...]
     texts: ExerciseTexts | None
 
     @property

@@ -13,8 +13,16 @@ from server.assignments import repository as assignments
 from server.classes import repository as classes
 from server.classes.models import ClassRole, Status
 from server.course import Course
-from server.desk.regrades.schemas import ChangeRow, Group, OutdatedRow, RegradePage, RegradeRow, RegradesPage, Tone
-from server.desk.views import head
+from server.desk.regrades.schemas import (
+    MarkChangeRow,
+    OutcomeGroup,
+    OutdatedExerciseRow,
+    RegradePage,
+    RegradeRow,
+    RegradesPage,
+    Tone,
+)
+from server.desk.views import class_head
 from server.marks import repository as marks
 from server.regrades import service
 from server.regrades.models import Regrade, RegradePolicy, RegradeScope
@@ -25,7 +33,7 @@ from server.web import regraded
 from server.web.words import format_points, iso_moment, plural, short_moment
 
 PATH = "/recalculs"
-DUST = 1e-6
+SAME_POINTS = 1e-6
 POLICIES: Mapping[RegradePolicy, str] = {
     RegradePolicy.keep_best: "garder la meilleure note",
     RegradePolicy.renew: "remplacer la note",
@@ -38,10 +46,10 @@ STATES: Mapping[RegradeState, tuple[str, Literal["", "good", "warn"]]] = {
     RegradeState.stopped: ("arrêtée", ""),
 }
 GONE_STUDENT, GONE_ASSIGNMENT = "un élève dont le compte n’existe plus", "un devoir supprimé"
-BY_HAND = "note modifiée à la main : elle reste celle qui compte, et sera à revoir"
+OVERRIDDEN_NOTE = "note modifiée à la main : elle reste celle qui compte, et sera à revoir"
 NOBODY = "Élève sorti de la classe"
 #: Of each fate, for one student and for several: what it is while it is to come, and once it is applied.
-COMING: Mapping[MarkOutcome, tuple[str, str]] = {
+PREVIEW_TITLES: Mapping[MarkOutcome, tuple[str, str]] = {
     MarkOutcome.loses: ("élève perdrait des points", "élèves perdraient des points"),
     MarkOutcome.gains: ("élève gagnerait des points", "élèves gagneraient des points"),
     MarkOutcome.kept: (
@@ -50,7 +58,7 @@ COMING: Mapping[MarkOutcome, tuple[str, str]] = {
     ),
     MarkOutcome.same: ("élève aurait la même note", "élèves auraient la même note"),
 }
-APPLIED: Mapping[MarkOutcome, tuple[str, str]] = {
+APPLIED_TITLES: Mapping[MarkOutcome, tuple[str, str]] = {
     MarkOutcome.loses: ("élève a perdu des points", "élèves ont perdu des points"),
     MarkOutcome.gains: ("élève a gagné des points", "élèves ont gagné des points"),
     MarkOutcome.kept: (
@@ -59,7 +67,7 @@ APPLIED: Mapping[MarkOutcome, tuple[str, str]] = {
     ),
     MarkOutcome.same: ("élève a la même note", "élèves ont la même note"),
 }
-SIGNS: Mapping[MarkOutcome, tuple[str, Tone]] = {
+OUTCOME_SIGNS: Mapping[MarkOutcome, tuple[str, Tone]] = {
     MarkOutcome.loses: ("▼", "bad"),
     MarkOutcome.gains: ("▲", "good"),
     MarkOutcome.kept: ("=", "plain"),
@@ -71,13 +79,13 @@ def regrade_href(regrade: Regrade) -> str:
     return f"/classes/{regrade.class_id}{PATH}/{regrade.id}"
 
 
-def regrades_page(db: Session, course: Course, place: ClassAccess, regrades: RegradeService) -> RegradesPage:
-    school_class = place.school_class
+def build_regrades_page(db: Session, course: Course, access: ClassAccess, regrades: RegradeService) -> RegradesPage:
+    school_class = access.school_class
     titles = regrades.exercises(school_class)
-    names = _Names(db, course, school_class.id)
+    names = _ClassNames(db, course, school_class.id)
     return RegradesPage(
-        head=head(course, place, PATH),
-        outdated=tuple(_outdated(one, titles[one.exercise]) for one in regrades.outdated(db, school_class)),
+        head=class_head(course, access, PATH),
+        outdated=tuple(_outdated_row(one, titles[one.exercise]) for one in regrades.outdated(db, school_class)),
         exercises=tuple(titles.items()),
         assignments=tuple((str(name), title) for name, title in names.assignments.items()),
         students=tuple((str(name), names.people[name]) for name in names.active),
@@ -85,14 +93,14 @@ def regrades_page(db: Session, course: Course, place: ClassAccess, regrades: Reg
     )
 
 
-def _outdated(one: OutdatedExercise, title: str) -> OutdatedRow:
+def _outdated_row(one: OutdatedExercise, title: str) -> OutdatedExerciseRow:
     attempts = plural(one.attempts, "copie", "copies")
     was = "a été corrigée" if one.attempts < 2 else "ont été corrigées"
     words = f"{attempts} de {plural(one.students, 'élève')} {was} par une version plus ancienne"
-    return OutdatedRow(one.exercise, title, words)
+    return OutdatedExerciseRow(one.exercise, title, words)
 
 
-class _Names:
+class _ClassNames:
     """Of whom and of what regrades of a class speak, read once for a page."""
 
     def __init__(self, db: Session, course: Course, class_id: UUID) -> None:
@@ -127,22 +135,22 @@ class _Names:
         return "toute la classe"
 
 
-def regrade_page(db: Session, course: Course, place: ClassAccess, regrade: Regrade) -> RegradePage:
+def build_regrade_page(db: Session, course: Course, access: ClassAccess, regrade: Regrade) -> RegradePage:
     found = service.preview_regrade(db, regrade)
-    names = _Names(db, course, regrade.class_id)
+    names = _ClassNames(db, course, regrade.class_id)
     set_by_hand = marks.load_overrides(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
     names.overridden = frozenset(student for student, _ in set_by_hand)
     exercise = course.exercises.get(regrade.exercise)
     advance = found.progress
     return RegradePage(
-        head=head(course, place, PATH),
+        head=class_head(course, access, PATH),
         regrade=names.row(regrade, advance),
         state=advance.state,
         graded=advance.graded,
         total=advance.total,
         progress=progress_text(advance),
         failed=sum(change.failed for change in found.changes),
-        groups=tuple(_groups(found.changes, names, advance, "code" if exercise is None else exercise.kind)),
+        groups=tuple(_outcome_groups(found.changes, names, advance, "code" if exercise is None else exercise.kind)),
         texts=None if exercise is None or exercise.answers is None else exercise,
     )
 
@@ -151,37 +159,39 @@ def progress_text(advance: RegradeProgress) -> str:
     return f"{advance.graded} sur {plural(advance.total, 'copie', 'copies')}"
 
 
-def _groups(changes: Sequence[MarkChange], names: _Names, advance: RegradeProgress, kind: Kind) -> Iterator[Group]:
-    words = APPLIED if advance.state is RegradeState.applied else COMING
-    for fate, (sign, tone) in SIGNS.items():
-        rows = tuple(_change(one, names, kind) for one in changes if one.outcome is fate)
+def _outcome_groups(
+    changes: Sequence[MarkChange], names: _ClassNames, advance: RegradeProgress, kind: Kind
+) -> Iterator[OutcomeGroup]:
+    words = APPLIED_TITLES if advance.state is RegradeState.applied else PREVIEW_TITLES
+    for fate, (sign, tone) in OUTCOME_SIGNS.items():
+        rows = tuple(_mark_change_row(one, names, kind) for one in changes if one.outcome is fate)
         if rows:
             title = plural(len(rows), *words[fate])
-            yield Group(fate.value, title, sign, tone, fate is MarkOutcome.same, rows)
+            yield OutcomeGroup(fate.value, title, sign, tone, fate is MarkOutcome.same, rows)
 
 
-def _change(one: MarkChange, names: _Names, kind: Kind) -> ChangeRow:
+def _mark_change_row(one: MarkChange, names: _ClassNames, kind: Kind) -> MarkChangeRow:
     shown = one.new_only if one.outcome is MarkOutcome.kept else one.after
     before, after = regraded.format_points_pair(one.before, shown)
-    difference = _signed((shown or 0.0) - (one.before or 0.0))
-    return ChangeRow(
+    difference = _format_difference((shown or 0.0) - (one.before or 0.0))
+    return MarkChangeRow(
         student=names.people.get(one.student, NOBODY),
         before=before,
         after=after,
         difference=difference,
         why=regraded.reason_sentences(one.differences, kind),
-        notes=(*_notes(one), *((BY_HAND,) if one.student in names.overridden else ())),
+        notes=(*_change_notes(one), *((OVERRIDDEN_NOTE,) if one.student in names.overridden else ())),
         attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
     )
 
 
-def _signed(difference: float) -> str:
-    if abs(difference) < DUST:
+def _format_difference(difference: float) -> str:
+    if abs(difference) < SAME_POINTS:
         return ""
     return f"{'+' if difference > 0 else '−'}{format_points(abs(difference))}"
 
 
-def _notes(one: MarkChange) -> Iterator[str]:
+def _change_notes(one: MarkChange) -> Iterator[str]:
     if one.waiting:
         yield f"{plural(one.waiting, 'copie attend', 'copies attendent')} encore"
     if one.failed:

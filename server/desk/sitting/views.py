@@ -11,8 +11,8 @@ from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.sittings import StudentTest
 from server.database import utc_now
-from server.desk.schemas import ReleaseView, SatExercise, SittingPage
-from server.desk.views import head
+from server.desk.schemas import ReleaseView, SittingExercise, SittingPage
+from server.desk.views import class_head
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.service import ClassAccess
@@ -20,42 +20,44 @@ from server.web.views import Reader, exercise_href
 from server.web.words import iso_moment, plural, short_moment
 
 
-def groups_of(place: ClassAccess) -> Sequence[str]:
-    return place.membership.groups if place.membership is not None else ()
+def own_labels(access: ClassAccess) -> Sequence[str]:
+    return access.membership.groups if access.membership is not None else ()
 
 
-def page_of(test: Assignment) -> str:
+def sitting_href(test: Assignment) -> str:
     return feedback.sitting_path(test.class_id, test.id)
 
 
-def sitting_page(reader: Reader, place: ClassAccess, own: StudentTest, account: Account, now: datetime) -> SittingPage:
+def build_sitting_page(
+    reader: Reader, access: ClassAccess, own: StudentTest, account: Account, now: datetime
+) -> SittingPage:
     test, rules = own.assignment, own.rules
     ends = own.ends_at if own.sitting is not None else rules.end_of_sitting(max(now, rules.opens_at))
     minutes = None if rules.duration is None else round(rules.duration.total_seconds() / 60)
     return SittingPage(
-        head=head(reader.course, place),
+        head=class_head(reader.course, access),
         title=test.title,
         stage=own.stage.value,
-        **_both("opens", rules.opens_at),
-        **_both("closes", rules.closes_at),
+        **_date_fields("opens", rules.opens_at),
+        **_date_fields("closes", rules.closes_at),
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,
         now=iso_moment(now),
-        **_both("ends", ends),
+        **_date_fields("ends", ends),
         handed_in=own.sitting is not None and own.sitting.ended_by == EndedBy.student,
-        exercises=_exercises(reader, own, account),
-        action=page_of(test).removesuffix("/composer"),
+        exercises=_sitting_exercises(reader, own, account),
+        action=sitting_href(test).removesuffix("/composer"),
     )
 
 
-def _both(name: str, when: datetime | None) -> dict[str, str]:
+def _date_fields(name: str, when: datetime | None) -> dict[str, str]:
     return {
         name: "" if when is None else iso_moment(when),
         f"{name}_text": "" if when is None else short_moment(when),
     }
 
 
-def _exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SatExercise, ...]:
+def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SittingExercise, ...]:
     """Those that this server has; what was sent counts since the sitting began."""
     assigned = repository.load_exercises(reader.db, [own.assignment.id])[own.assignment.id]
     known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
@@ -65,13 +67,13 @@ def _exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SatE
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
     failed = gradebook.count_internal_errors_since(reader.db, account.id, since)
     return tuple(
-        SatExercise(
+        SittingExercise(
             title=exercise.title,
             href=exercise_href(exercise),
             kind=exercise.kind,
             sent=sent.get(exercise.id, 0),
             failed=failed.get(exercise.id, 0),
-            **_both("saved", saved.get(exercise.id)),
+            **_date_fields("saved", saved.get(exercise.id)),
         )
         for exercise in known
     )
@@ -82,9 +84,9 @@ def release_view(db: Session, test: Assignment) -> ReleaseView:
     begun, ended = sitting_repository.count_sittings(db, test.id)
     waits = not begun and test.opens_at > utc_now()
     return ReleaseView(
-        action=f"{page_of(test).removesuffix('/composer')}/publier",
-        **_both("opens", test.opens_at if waits else None),
-        **_both("released", test.released_at),
+        action=f"{sitting_href(test).removesuffix('/composer')}/publier",
+        **_date_fields("opens", test.opens_at if waits else None),
+        **_date_fields("released", test.released_at),
         begun=begun,
         sitting=begun - ended,
     )

@@ -11,10 +11,10 @@ from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes
 from server.comments.models import CHECK_LENGTH
-from server.desk.asking import log_in_first
+from server.desk.requests import redirect_to_login
 from server.desk.talk import views
-from server.desk.talk.work_views import exercise_of
-from server.desk.views import href_of
+from server.desk.talk.work_views import find_class_exercise
+from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -25,39 +25,39 @@ from server.web.threads import Draft
 
 router = APIRouter(include_in_schema=False)
 
-Filter = Literal["ouvertes", "repondues", "reglees", "toutes"]
-Name = Annotated[str, Query(max_length=CHECK_LENGTH)]
+ThreadFilter = Literal["ouvertes", "repondues", "reglees", "toutes"]
+NameQuery = Annotated[str, Query(max_length=CHECK_LENGTH)]
 
 
 @router.get("/classes/{class_id}/questions")
-def questions(
+def list_questions(
     request: Request,
     class_id: str,
     reader: CurrentReader,
-    etat: Filter = "ouvertes",
+    etat: ThreadFilter = "ouvertes",
     number: Annotated[int, Query(alias="page", ge=1, le=10**6)] = 1,
 ) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = views.questions_page(reader, place, etat, number)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = views.build_questions_page(reader, access, etat, number)
     return render_page(request, "classes/questions.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/mots")
-def word_form(
-    request: Request, class_id: str, reader: CurrentReader, exercice: Name = "", erreur: Name = ""
+def show_notes(
+    request: Request, class_id: str, reader: CurrentReader, exercice: NameQuery = "", erreur: NameQuery = ""
 ) -> Response:
     """The words that were said; the form of another, on an exercise, to who has one mistake now or to all."""
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.comment, class_id)
-    view = views.words_page(reader, place, exercice, erreur)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.comment, class_id)
+    view = views.build_notes_page(reader, access, exercice, erreur)
     return render_page(request, "classes/words.html", reader.account, page=view)
 
 
 @router.post("/classes/{class_id}/mots")
-def say(
+def send_note(
     request: Request,
     class_id: str,
     account: SignedIn,
@@ -68,15 +68,15 @@ def say(
     texte: Field = "",
     lien: Field = "",
 ) -> Response:
-    place = rights.require_right(reader.db, account, Right.comment, class_id)
+    access = rights.require_right(reader.db, account, Right.comment, class_id)
     module, _, slug = exercice.partition("/")
-    exercise = exercise_of(reader, place, module, slug)
+    exercise = find_class_exercise(reader, access, module, slug)
     try:
-        link = views.good_link(reader.course, place, lien)
-        notes.send_note(reader.db, account, place.school_class, exercise.id, erreur or None, texte, link, settings)
+        link = views.validate_link(reader.course, access, lien)
+        notes.send_note(reader.db, account, access.school_class, exercise.id, erreur or None, texte, link, settings)
     except (Invalid, Conflict, RateLimited) as refused:
         reader.db.rollback()
         again = rights.require_right(reader.db, account, Right.comment, class_id)
-        view = views.words_page(reader, again, exercise.id, erreur, lien, Draft(texte, refused.detail))
+        view = views.build_notes_page(reader, again, exercise.id, erreur, lien, Draft(texte, refused.detail))
         return render_page(request, "classes/words.html", account, status=int(refused.status), page=view)
-    return redirect(f"{href_of(place.school_class)}/mots#dits")
+    return redirect(f"{class_href(access.school_class)}/mots#dits")

@@ -46,7 +46,7 @@ class StudentPage:
 
 
 @dataclass(frozen=True)
-class TriedRow:
+class AttemptListRow:
     """An attempt: `href` leads to it, `compared_href` to what it changed; `here`: that is what is shown."""
 
     number: int
@@ -61,7 +61,7 @@ class TriedRow:
 
 
 @dataclass(frozen=True)
-class Change:
+class CodeChange:
     """What an attempt changed since the one before."""
 
     number: int
@@ -82,11 +82,11 @@ class WorkPage:
     exercise_title: str
     exercise_href: str
     action: str
-    attempts: tuple[TriedRow, ...]
+    attempts: tuple[AttemptListRow, ...]
     total: int
     newer: str
     older: str
-    change: Change | None
+    change: CodeChange | None
     threads: tuple[ThreadView, ...]
     writer: WriterView
     draft: Draft
@@ -127,7 +127,7 @@ class QuestionsPage:
 
 
 @dataclass(frozen=True)
-class ToldRow:
+class SentNoteRow:
     """A word that was said: to how many, and how many say that they have read it."""
 
     exercise: str
@@ -143,7 +143,7 @@ class ToldRow:
 
 
 @dataclass(frozen=True)
-class WordForm:
+class NoteForm:
     """A word to say: in which exercise, for which mistake (none: for all), to whom, where it may send them.
 
     `links` are groups of addresses with their titles.
@@ -160,12 +160,12 @@ class WordForm:
 
 
 @dataclass(frozen=True)
-class WordsPage:
+class NotesPage:
     """`mistakes` are those of the chosen exercise now: address, title, how many have it, and whether it is chosen."""
 
     head: ClassHead
     exercises: tuple[tuple[str, str], ...]
     exercise: str
     mistakes: tuple[tuple[str, str, int, bool], ...]
-    form: WordForm | None
-    told: tuple[ToldRow, ...]
+    form: NoteForm | None
+    told: tuple[SentNoteRow, ...]

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes, service
-from server.desk.asking import log_in_first
+from server.desk.requests import redirect_to_login
 from server.desk.talk import work_views
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -25,38 +25,38 @@ from server.web.views import Reader
 
 router = APIRouter(include_in_schema=False)
 
-MOST = 10**6
-Number = Annotated[int, Query(ge=1, le=MOST)]
+MAX_NUMBER = 10**6
+PageNumber = Annotated[int, Query(ge=1, le=MAX_NUMBER)]
 
 
 @router.get("/classes/{class_id}/eleves/{student}")
-def student(request: Request, class_id: str, student: UUID, reader: CurrentReader) -> Response:
+def show_student(request: Request, class_id: str, student: UUID, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = work_views.student_page(reader, work_views.student_of(reader, place, student))
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = work_views.build_student_page(reader, work_views.find_student_work(reader, access, student))
     return render_page(request, "classes/student.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/eleves/{student}/{module}/{slug}")
-def attempts(
+def show_attempts(
     request: Request,
     class_id: str,
     student: UUID,
     module: str,
     slug: str,
     reader: CurrentReader,
-    essai: Annotated[int | None, Query(ge=1, le=MOST)] = None,
-    number: Annotated[int, Query(alias="page", ge=1, le=MOST)] = 1,
+    essai: Annotated[int | None, Query(ge=1, le=MAX_NUMBER)] = None,
+    number: Annotated[int, Query(alias="page", ge=1, le=MAX_NUMBER)] = 1,
 ) -> Response:
     """`essai` is the attempt of which one wants to see what it changed."""
     if reader.account is None:
-        return log_in_first(request)
+        return redirect_to_login(request)
     where = (class_id, student, module, slug)
-    return _work(request, reader, reader.account, where, Right.read_work, essai, number)
+    return _render_work(request, reader, reader.account, where, Right.read_work, essai, number)
 
 
-def _work(
+def _render_work(
     request: Request,
     reader: Reader,
     account: Account,
@@ -68,15 +68,15 @@ def _work(
     status: int = 200,
 ) -> HTMLResponse:
     class_id, student, module, slug = where
-    place = rights.require_right(reader.db, account, right, class_id)
-    exercise = work_views.exercise_of(reader, place, module, slug)
-    of_whom = work_views.student_of(reader, place, student)
-    view = work_views.work_page(reader, of_whom, exercise, account, chosen, number, draft)
+    access = rights.require_right(reader.db, account, right, class_id)
+    exercise = work_views.find_class_exercise(reader, access, module, slug)
+    of_whom = work_views.find_student_work(reader, access, student)
+    view = work_views.build_work_page(reader, of_whom, exercise, account, chosen, number, draft)
     return render_page(request, "classes/work.html", account, status=status, page=view)
 
 
 @router.post("/classes/{class_id}/eleves/{student}/{module}/{slug}")
-def comment(
+def comment_on_exercise(
     request: Request,
     class_id: str,
     student: UUID,
@@ -90,16 +90,16 @@ def comment(
     garder: Field = "",
 ) -> Response:
     """Says something of a student's work in an exercise, whatever the attempt."""
-    place = rights.require_right(reader.db, account, Right.comment, class_id)
-    exercise = work_views.exercise_of(reader, place, module, slug)
-    of_whom = work_views.student_of(reader, place, student)
+    access = rights.require_right(reader.db, account, Right.comment, class_id)
+    exercise = work_views.find_class_exercise(reader, access, module, slug)
+    of_whom = work_views.find_student_work(reader, access, student)
     try:
         text = notes.prepend_phrase(reader.db, account, notes.parse_phrase_id(phrase), texte)
         thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
     except (Invalid, Conflict, RateLimited) as refused:
         reader.db.rollback()
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
-        return _work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
+        return _render_work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
         notes.keep_phrase(reader.db, account, texte, exercise.id, None)
-    return redirect(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")
+    return redirect(f"{of_whom.exercise_href(exercise.id)}#fil-{thread.id}")

@@ -9,9 +9,9 @@ from server.comments import notes_repository, service
 from server.comments.models import ThreadState
 from server.comments.schemas import SentNote, ThreadSummary
 from server.course import Course, Exercise, Module
-from server.desk.talk.schemas import FilterView, QuestionRow, QuestionsPage, ToldRow, WordForm, WordsPage
-from server.desk.talk.work_views import exercise_of
-from server.desk.views import head, href_of
+from server.desk.talk.schemas import FilterView, NoteForm, NotesPage, QuestionRow, QuestionsPage, SentNoteRow
+from server.desk.talk.work_views import find_class_exercise
+from server.desk.views import class_head, class_href
 from server.rights.service import ClassAccess
 from server.web.news import title_of_link
 from server.web.threads import Draft, shorten, state_label, thread_subject
@@ -26,37 +26,37 @@ FILTERS: dict[str, tuple[ThreadState | None, str]] = {
     "reglees": (ThreadState.settled, "Réglés"),
     "toutes": (None, "Tous les fils"),
 }
-UNASKED = "ouvertes"
-ELSEWHERE = "Choisissez une page ou un exercice de ce module."
+DEFAULT_FILTER = "ouvertes"
+FOREIGN_LINK = "Choisissez une page ou un exercice de ce module."
 
 
-def questions_page(reader: Reader, place: ClassAccess, wanted: str, number: int) -> QuestionsPage:
+def build_questions_page(reader: Reader, access: ClassAccess, wanted: str, number: int) -> QuestionsPage:
     """`wanted` is one of FILTERS."""
-    school_class = place.school_class
+    school_class = access.school_class
     state, _ = FILTERS[wanted]
     found = service.load_thread_page(reader.db, school_class, state, number)
-    href = f"{href_of(school_class)}/questions"
+    href = f"{class_href(school_class)}/questions"
     page = f"{href}?etat={wanted}&page="
     total = sum(found.counts.values())
     return QuestionsPage(
-        head=head(reader.course, place, "/questions"),
+        head=class_head(reader.course, access, "/questions"),
         filters=tuple(
             FilterView(f"{label} ({found.counts[one] if one else total})", f"{href}?etat={name}", name == wanted)
             for name, (one, label) in FILTERS.items()
         ),
-        rows=tuple(_question(reader.course, place, one) for one in found.threads),
+        rows=tuple(_question_row(reader.course, access, one) for one in found.threads),
         newer=f"{page}{number - 1}" if number > 1 else "",
         older=f"{page}{number + 1}" if found.more else "",
     )
 
 
-def _question(course: Course, place: ClassAccess, one: ThreadSummary) -> QuestionRow:
+def _question_row(course: Course, access: ClassAccess, one: ThreadSummary) -> QuestionRow:
     thread = one.thread
     return QuestionRow(
         href=href_of_thread(thread),
         student=one.student,
-        student_href=f"{href_of(place.school_class)}/eleves/{thread.account_id}/{thread.exercise}",
-        exercise=_title(course, thread.exercise),
+        student_href=f"{class_href(access.school_class)}/eleves/{thread.account_id}/{thread.exercise}",
+        exercise=_exercise_title(course, thread.exercise),
         about=thread_subject(thread),
         state=thread.state,
         label=state_label(thread, by_staff_alone=thread.by_staff and one.messages == 1),
@@ -67,80 +67,82 @@ def _question(course: Course, place: ClassAccess, one: ThreadSummary) -> Questio
     )
 
 
-def _title(course: Course, exercise: str) -> str:
+def _exercise_title(course: Course, exercise: str) -> str:
     found = course.exercises.get(exercise)
     return found.title if found else exercise
 
 
-def words_page(
-    reader: Reader, place: ClassAccess, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
-) -> WordsPage:
+def build_notes_page(
+    reader: Reader, access: ClassAccess, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
+) -> NotesPage:
     """`exercise` and `mistake`, where they are not empty, are what the next word is about. Raises NotFound."""
-    school_class = place.school_class
+    school_class = access.school_class
     module = reader.course.modules.get(school_class.module)
-    chosen = exercise_of(reader, place, *exercise.split("/", 1)) if "/" in exercise else None
+    chosen = find_class_exercise(reader, access, *exercise.split("/", 1)) if "/" in exercise else None
     now = notes_repository.load_current_misconceptions(reader.db, school_class.id, chosen.id) if chosen else []
     titles = {name: title for name, title, _ in now}
-    href = f"{href_of(school_class)}/mots?exercice="
-    return WordsPage(
-        head=head(reader.course, place, "/questions"),
+    href = f"{class_href(school_class)}/mots?exercice="
+    return NotesPage(
+        head=class_head(reader.course, access, "/questions"),
         exercises=tuple((one.id, one.title) for one in exercises_in_reading_order(module)) if module else (),
         exercise=chosen.id if chosen else "",
         mistakes=tuple(
             (f"{href}{quote(exercise, safe='')}&erreur={quote(name, safe='')}#ecrire", title, count, name == mistake)
             for name, title, count in now
         ),
-        form=_form(reader, place, module, chosen, mistake, titles, link, draft or Draft())
+        form=_note_form(reader, access, module, chosen, mistake, titles, link, draft or Draft())
         if chosen and module
         else None,
-        told=tuple(_told(reader.course, one) for one in notes_repository.load_class_notes(reader.db, school_class.id)),
+        told=tuple(
+            _sent_note_row(reader.course, one) for one in notes_repository.load_class_notes(reader.db, school_class.id)
+        ),
     )
 
 
-def _form(
+def _note_form(
     reader: Reader,
-    place: ClassAccess,
+    access: ClassAccess,
     module: Module,
     exercise: Exercise,
     mistake: str,
     titles: dict[str, str],
     link: str,
     draft: Draft,
-) -> WordForm:
-    class_id = place.school_class.id
+) -> NoteForm:
+    class_id = access.school_class.id
     concerned = notes_repository.load_student_ids_with_misconception(reader.db, class_id, exercise.id, mistake or None)
     members = notes_repository.load_some_members(reader.db, class_id, concerned)
-    return WordForm(
+    return NoteForm(
         exercise=exercise.id,
         exercise_title=exercise.title,
         mistake=mistake,
         mistake_title=titles.get(mistake, mistake),
         students=tuple(one.name for one in members),
-        links=_links(module),
+        links=_link_groups(module),
         link=link,
         draft=draft,
     )
 
 
-def _links(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
+def _link_groups(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
     lessons = tuple((lesson_href(one), one.title) for one in lessons_in_reading_order(module))
     exercises = tuple((exercise_href(one), one.title) for one in exercises_in_reading_order(module))
     return tuple(group for group in (("Pages du cours", lessons), ("Exercices", exercises)) if group[1])
 
 
-def good_link(course: Course, place: ClassAccess, link: str) -> str:
+def validate_link(course: Course, access: ClassAccess, link: str) -> str:
     """Where a word may send students: a page or an exercise of the class's module, or nowhere. Raises Invalid."""
-    module = course.modules.get(place.school_class.module)
-    known = {address for _, group in _links(module) for address, _ in group} if module else set()
+    module = course.modules.get(access.school_class.module)
+    known = {address for _, group in _link_groups(module) for address, _ in group} if module else set()
     if link and link not in known:
-        raise Invalid(ELSEWHERE)
+        raise Invalid(FOREIGN_LINK)
     return link
 
 
-def _told(course: Course, one: SentNote) -> ToldRow:
+def _sent_note_row(course: Course, one: SentNote) -> SentNoteRow:
     note = one.note
-    return ToldRow(
-        exercise=_title(course, note.exercise),
+    return SentNoteRow(
+        exercise=_exercise_title(course, note.exercise),
         mistake=note.misconception or "",
         author=one.author or "un enseignant",
         text=note.text,

@@ -14,8 +14,8 @@ from server.classes.service import NOT_A_MEMBER
 from server.comments import service
 from server.comments.side_by_side import compare_side_by_side
 from server.course import Exercise
-from server.desk.talk.schemas import Change, StandingRow, StudentHead, StudentPage, TriedRow, WorkPage
-from server.desk.views import head, href_of
+from server.desk.talk.schemas import AttemptListRow, CodeChange, StandingRow, StudentHead, StudentPage, WorkPage
+from server.desk.views import class_head, class_href
 from server.gradebook import student_work
 from server.gradebook.student_work import AttemptSummary, ExerciseWork
 from server.identity.models import Account
@@ -33,20 +33,20 @@ NO_SUCH_ATTEMPT = "Cet essai n’existe pas."
 STATES = {"done": ("✓", "réussi"), "trying": ("✗", "pas encore réussi"), "none": ("·", "pas commencé")}
 
 
-class Student:
+class StudentWork:
     """A student of a class, and until when their work is read there (None: it still is)."""
 
-    def __init__(self, place: ClassAccess, member: Member) -> None:
-        self.place, self.member = place, member
+    def __init__(self, access: ClassAccess, member: Member) -> None:
+        self.access, self.member = access, member
         left = member.membership.left_at if member.status is Status.left else None
-        ends = [one for one in (left, place.school_class.archived_at) if one is not None]
+        ends = [one for one in (left, access.school_class.archived_at) if one is not None]
         self.until: datetime | None = min(ends, default=None)
 
     @property
     def href(self) -> str:
-        return f"{href_of(self.place.school_class)}/eleves/{self.member.id}"
+        return f"{class_href(self.access.school_class)}/eleves/{self.member.id}"
 
-    def in_exercise(self, exercise: str) -> str:
+    def exercise_href(self, exercise: str) -> str:
         return f"{self.href}/{exercise}"
 
     @property
@@ -56,26 +56,26 @@ class Student:
         return StudentHead(self.member.name, self.href, self.member.groups, gone)
 
 
-def student_of(reader: Reader, place: ClassAccess, student: UUID) -> Student:
+def find_student_work(reader: Reader, access: ClassAccess, student: UUID) -> StudentWork:
     """Who is, or was, a student of this class. Raises NotFound."""
-    membership: Membership | None = classes.find_membership(reader.db, place.school_class.id, student)
+    membership: Membership | None = classes.find_membership(reader.db, access.school_class.id, student)
     was_in = membership is not None and not (membership.status == Status.left and membership.left_at is None)
     if membership is None or membership.role != ClassRole.student or membership.status == Status.pending or not was_in:
         raise NotFound(NOT_A_MEMBER)
     account = reader.db.get(Account, student)
     assert account is not None  # a membership goes with its account
-    return Student(place, Member(membership, account))
+    return StudentWork(access, Member(membership, account))
 
 
-def student_page(reader: Reader, student: Student) -> StudentPage:
-    school_class = student.place.school_class
+def build_student_page(reader: Reader, student: StudentWork) -> StudentPage:
+    school_class = student.access.school_class
     module = reader.course.modules.get(school_class.module)
     tried = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = exercises_in_reading_order(module) if module else []
-    rows = tuple(_standing(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
+    rows = tuple(_standing_row(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
     return StudentPage(
-        head=head(reader.course, student.place, "/eleves"),
+        head=class_head(reader.course, student.access, "/eleves"),
         student=student.view,
         rows=rows,
         solved=sum(row.tone == "done" for row in rows),
@@ -83,12 +83,12 @@ def student_page(reader: Reader, student: Student) -> StudentPage:
     )
 
 
-def _standing(student: Student, exercise: Exercise, tried: ExerciseWork | None, asking: int) -> StandingRow:
+def _standing_row(student: StudentWork, exercise: Exercise, tried: ExerciseWork | None, asking: int) -> StandingRow:
     tone = "none" if tried is None else "done" if tried.best == 1 else "trying"
     sign, word = STATES[tone]
     return StandingRow(
         title=exercise.title,
-        href=student.in_exercise(exercise.id),
+        href=student.exercise_href(exercise.id),
         tone=tone,
         sign=sign,
         word=word,
@@ -101,17 +101,17 @@ def _standing(student: Student, exercise: Exercise, tried: ExerciseWork | None, 
     )
 
 
-def exercise_of(reader: Reader, place: ClassAccess, module: str, slug: str) -> Exercise:
+def find_class_exercise(reader: Reader, access: ClassAccess, module: str, slug: str) -> Exercise:
     """An exercise of the class's module. Raises NotFound."""
     exercise = reader.course.exercises.get(f"{module}/{slug}")
-    if exercise is None or module != place.school_class.module:
+    if exercise is None or module != access.school_class.module:
         raise NotFound(NO_SUCH_EXERCISE)
     return exercise
 
 
-def work_page(
+def build_work_page(
     reader: Reader,
-    student: Student,
+    student: StudentWork,
     exercise: Exercise,
     account: Account,
     chosen: int | None,
@@ -119,7 +119,7 @@ def work_page(
     draft: Draft,
 ) -> WorkPage:
     """`chosen` is the attempt whose change is shown, else the latest; `number` the page of the list, from 1."""
-    member, href = student.member, student.in_exercise(exercise.id)
+    member, href = student.member, student.exercise_href(exercise.id)
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     found = (reader.db, member.id, exercise.id, student.until)
     tried, total = student_work.list_attempts(*found, limit=ATTEMPTS_A_PAGE, offset=skipped)
@@ -130,30 +130,30 @@ def work_page(
     talks = service.load_exercise_conversations(*found)
     address = f"{href}?page="
     return WorkPage(
-        head=head(reader.course, student.place, "/eleves"),
+        head=class_head(reader.course, student.access, "/eleves"),
         student=student.view,
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
         action=href,
-        attempts=tuple(_row(exercise, one, href, shown) for one in tried),
+        attempts=tuple(_attempt_row(exercise, one, href, shown) for one in tried),
         total=total,
         newer=f"{address}{number - 1}" if number > 1 else "",
         older=f"{address}{number + 1}" if skipped + ATTEMPTS_A_PAGE < total else "",
-        change=_change(reader, student, exercise, shown) if shown else None,
+        change=_code_change(reader, student, exercise, shown) if shown else None,
         threads=thread_views(talks, account),
         writer=writer_view(reader.db, account, exercise.id, href, staff=True, diagnosis=latest),
         draft=draft,
-        word_href=_word_href(student.place, exercise, latest),
+        word_href=_note_href(student.access, exercise, latest),
     )
 
 
-def _word_href(place: ClassAccess, exercise: Exercise, mistake: str | None) -> str:
+def _note_href(access: ClassAccess, exercise: Exercise, mistake: str | None) -> str:
     about = f"&erreur={quote(mistake, safe='')}" if mistake else ""
-    return f"{href_of(place.school_class)}/mots?exercice={quote(exercise.id, safe='')}{about}#ecrire"
+    return f"{class_href(access.school_class)}/mots?exercice={quote(exercise.id, safe='')}{about}#ecrire"
 
 
-def _row(exercise: Exercise, tried: AttemptSummary, href: str, shown: int) -> TriedRow:
-    return TriedRow(
+def _attempt_row(exercise: Exercise, tried: AttemptSummary, href: str, shown: int) -> AttemptListRow:
+    return AttemptListRow(
         number=tried.number,
         href=f"/soumissions/{tried.id}",
         compared_href=f"{href}?essai={tried.number}#changement"
@@ -168,7 +168,7 @@ def _row(exercise: Exercise, tried: AttemptSummary, href: str, shown: int) -> Tr
     )
 
 
-def _change(reader: Reader, student: Student, exercise: Exercise, number: int) -> Change | None:
+def _code_change(reader: Reader, student: StudentWork, exercise: Exercise, number: int) -> CodeChange | None:
     """Raises NotFound for an attempt that is not there."""
     pair = student_work.load_with_previous(reader.db, student.member.id, exercise.id, student.until, number)
     if not pair:
@@ -177,4 +177,4 @@ def _change(reader: Reader, student: Student, exercise: Exercise, number: int) -
         return None
     before, after = pair
     hrefs = [f"/soumissions/{one.id}" for one in pair]
-    return Change(number, compare_side_by_side(before.code, after.code), *hrefs)
+    return CodeChange(number, compare_side_by_side(before.code, after.code), *hrefs)

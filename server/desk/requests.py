@@ -1,4 +1,4 @@
-"""What the pages of a class share of a request."""
+"""Request helpers shared by the pages of a class."""
 
 from typing import Annotated
 
@@ -7,9 +7,9 @@ from fastapi.responses import Response
 
 from server.web.forms import redirect
 
-Group = Annotated[str, Query(max_length=100)]
+GroupQuery = Annotated[str, Query(max_length=100)]
 UNKNOWN_ACTION = "Cette action n’existe pas."
 
 
-def log_in_first(request: Request) -> Response:
+def redirect_to_login(request: Request) -> Response:
     return redirect(f"/connexion?suite={request.url.path}")

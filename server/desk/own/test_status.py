@@ -10,36 +10,38 @@ from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Sitting
 from server.assignments.rules import Rules
 from server.assignments.stages import AssignmentStage as Open
-from server.desk.assignments.schemas import OwnTest, StageView
-from server.desk.assignments.views import stage_view, when
+from server.desk.assignments.schemas import OwnTestStatus, StageView
+from server.desk.assignments.views import format_date, stage_view
 
 CLOSED = "■"
 
 
 @dataclass(frozen=True)
-class OwnSitting:
+class TestStatus:
     """A test as it stands to one student; `link` is empty where its page has nothing for them."""
 
     stage: StageView
-    test: OwnTest
+    test: OwnTestStatus
 
-    def as_seen(self, *, watched: bool) -> OwnTest:
+    def for_viewer(self, *, watched: bool) -> OwnTestStatus:
         """Who watches goes nowhere from there: a test's page is for who sits it."""
-        return OwnTest("", self.test.link, self.test.running, self.test.ends) if watched else self.test
+        return OwnTestStatus("", self.test.link, self.test.running, self.test.ends) if watched else self.test
 
 
-def view(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> OwnSitting:
+def test_status(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> TestStatus:
     """Pure."""
     at = sitting_stage(assignment, rules, sitting, now)
     link = LINKS.get(at, "")
     if at is SittingStage.may_begin and rules.excused:
         link = ""
-    shown = _stage(at, sitting)
+    shown = _stage_of_sitting(at, sitting)
     ends = (
-        when(feedback.sitting_end(rules, sitting)) if sitting is not None and at is SittingStage.running else when(None)
+        format_date(feedback.sitting_end(rules, sitting))
+        if sitting is not None and at is SittingStage.running
+        else format_date(None)
     )
     href = feedback.sitting_path(assignment.class_id, assignment.id)
-    return OwnSitting(shown, OwnTest(href, link, at is SittingStage.running, ends))
+    return TestStatus(shown, OwnTestStatus(href, link, at is SittingStage.running, ends))
 
 
 LINKS = {
@@ -50,7 +52,7 @@ LINKS = {
 }
 
 
-def _stage(at: SittingStage, sitting: Sitting | None) -> StageView:
+def _stage_of_sitting(at: SittingStage, sitting: Sitting | None) -> StageView:
     if at is SittingStage.before:
         return stage_view(Open.upcoming)
     if at is SittingStage.may_begin:

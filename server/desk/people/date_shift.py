@@ -12,36 +12,36 @@ from server.classes.models import SchoolClass
 from server.web import school_time
 
 WEEK = 7
-MOST_WEEKS = 520
-A_YEAR = "52"  # whole weeks, so that a Monday stays one
-WEEKS = "Le décalage est un nombre entier de semaines, 520 au plus : 52 pour un an."
-NO_DAY = "« {text} » n’est pas une date, comme 2026-09-01."
+MAX_WEEKS = 520
+DEFAULT_WEEKS = "52"  # whole weeks, so that a Monday stays one
+NOT_WEEKS = "Le décalage est un nombre entier de semaines, 520 au plus : 52 pour un an."
+NOT_A_DATE = "« {text} » n’est pas une date, comme 2026-09-01."
 TOO_FAR = "Cette date est à plus de dix ans de la première ouverture."
 
 
-def days(db: Session, original: SchoolClass, weeks: str, first_day: str) -> int:
+def shift_in_days(db: Session, original: SchoolClass, weeks: str, first_day: str) -> int:
     """From a number of weeks (a year's where nothing is said); or so that the first assignment opens on that day.
 
     Raises Invalid.
     """
     if not first_day.strip():
-        return WEEK * _weeks(weeks.strip() or A_YEAR)
+        return WEEK * _parse_weeks(weeks.strip() or DEFAULT_WEEKS)
     try:
         wanted = date.fromisoformat(first_day.strip())
     except ValueError as error:
-        raise Invalid(NO_DAY.format(text=first_day.strip()[:40])) from error
+        raise Invalid(NOT_A_DATE.format(text=first_day.strip()[:40])) from error
     rows = repository.load_class_assignments(db, original.id)
     if not rows:
         return 0
     moved = (wanted - school_time.to_local(rows[0].opens_at).date()).days
-    if abs(moved) > WEEK * MOST_WEEKS:
+    if abs(moved) > WEEK * MAX_WEEKS:
         raise Invalid(TOO_FAR)
     return moved
 
 
-def _weeks(text: str) -> int:
+def _parse_weeks(text: str) -> int:
     sign = -1 if text.startswith(("-", "−")) else 1
     digits = text.lstrip("-−+")
-    if not (digits.isascii() and digits.isdigit()) or len(digits) > 4 or int(digits) > MOST_WEEKS:
-        raise Invalid(WEEKS)
+    if not (digits.isascii() and digits.isdigit()) or len(digits) > 4 or int(digits) > MAX_WEEKS:
+        raise Invalid(NOT_WEEKS)
     return sign * int(digits)

@@ -11,10 +11,10 @@ from server.course.kinds import PAPER
 from server.course.models import Lesson
 from server.desk.assignments.schemas import AssignmentValues, PaperLink
 
-LINK = re.compile(r'href="/(?P<module>\w+)/exercices/(?P<slug>\w+)"')
+EXERCISE_LINK = re.compile(r'href="/(?P<module>\w+)/exercices/(?P<slug>\w+)"')
 
 
-def links(course: Course, module: str, home: str) -> tuple[PaperLink, ...]:
+def paper_links(course: Course, module: str, home: str) -> tuple[PaperLink, ...]:
     """The papers of a module that can be given: those that last some time, and name exercises."""
     served = course.modules.get(module)
     if served is None:
@@ -23,30 +23,30 @@ def links(course: Course, module: str, home: str) -> tuple[PaperLink, ...]:
     return tuple(
         PaperLink(f"{home}/devoirs/nouveau?sujet={lesson.slug}", lesson.title)
         for lesson in papers
-        if exercises(served, lesson)
+        if paper_exercise_ids(served, lesson)
     )
 
 
-def values(course: Course, module: str, slug: str) -> AssignmentValues:
+def paper_form_values(course: Course, module: str, slug: str) -> AssignmentValues:
     """The form filled for a paper; as it is where there is no such paper."""
     served = course.modules.get(module)
     paper = next((one for one in served.lessons if one.slug == slug and one.kind is PAPER), None) if served else None
     if served is None or paper is None:
         return AssignmentValues()
-    weights = dict.fromkeys(exercises(served, paper), "1")
+    weights = dict.fromkeys(paper_exercise_ids(served, paper), "1")
     duration = str(paper.minutes) if paper.minutes else ""
     return AssignmentValues(
         title=paper.title, late=LatePolicy.accept, mode=Mode.test, duration=duration, weights=weights
     )
 
 
-def exercises(module: Module, paper: Lesson) -> list[str]:
+def paper_exercise_ids(module: Module, paper: Lesson) -> list[str]:
     """Those that its text links to, in the order of the text, by their ids."""
-    return list(dict.fromkeys(_linked(module, paper)))
+    return list(dict.fromkeys(_linked_exercise_ids(module, paper)))
 
 
-def _linked(module: Module, paper: Lesson) -> Iterator[str]:
+def _linked_exercise_ids(module: Module, paper: Lesson) -> Iterator[str]:
     known = {exercise.slug for exercise in module.exercises}
-    for found in LINK.finditer(paper.html):
+    for found in EXERCISE_LINK.finditer(paper.html):
         if found["module"] == module.slug and found["slug"] in known:
             yield f"{module.slug}/{found['slug']}"

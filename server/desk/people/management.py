@@ -19,8 +19,8 @@ from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, valida
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.asking import UNKNOWN_ACTION, log_in_first
-from server.desk.people import shift
+from server.desk.people import date_shift
+from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
@@ -33,49 +33,49 @@ from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
-Ids = Annotated[list[UUID] | None, Form()]
+AccountIds = Annotated[list[UUID] | None, Form()]
 ACTIONS = {
     "accepter": "accept", "refuser": "refuse", "retirer": "remove", "reprendre": "take_back",
     "grouper": "group", "degrouper": "ungroup",
 }  # fmt: skip
 NOBODY = "Cochez d’abord des élèves."
-NOTHING = "Collez une liste, ou choisissez un fichier."
-SEATS = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
-LASTS = tuple(zip(CODE_LIFETIMES, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
+NO_LIST = "Collez une liste, ou choisissez un fichier."
+STAFF_ROLES = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
+LIFETIME_CHOICES = tuple(zip(CODE_LIFETIMES, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
 
 
 @router.post("/classes/{class_id}/eleves")
-def settle(
+def change_students(
     class_id: str,
     account: SignedIn,
     db: Db,
     action: Field = "",
-    eleve: Ids = None,
+    eleve: AccountIds = None,
     groupe: Field = "",
 ) -> Response:
-    place = rights.require_right(db, account, Right.manage_roster, class_id)
+    access = rights.require_right(db, account, Right.manage_roster, class_id)
     if action not in ACTIONS:
         raise NotFound(UNKNOWN_ACTION)
     if not eleve:
         raise Invalid(NOBODY)
-    with recording_membership_changes(db, place.school_class.id, account.id):
-        service.change_students(db, place.school_class, eleve, ACTIONS[action], groupe)
-    return redirect(f"{views.href_of(place.school_class)}/eleves")
+    with recording_membership_changes(db, access.school_class.id, account.id):
+        service.change_students(db, access.school_class, eleve, ACTIONS[action], groupe)
+    return redirect(f"{views.class_href(access.school_class)}/eleves")
 
 
 @router.get("/classes/{class_id}/liste")
-def list_form(request: Request, class_id: str, reader: CurrentReader) -> Response:
+def show_list_form(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.manage_roster, class_id)
-    service.require_open(place.school_class)
-    return _list_form(request, reader.account, reader.course, place)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.manage_roster, class_id)
+    service.require_open(access.school_class)
+    return _render_list_form(request, reader.account, reader.course, access)
 
 
-def _list_form(
-    request: Request, account: Account, course: CourseOf, place: ClassAccess, text: str = "", problem: str = ""
+def _render_list_form(
+    request: Request, account: Account, course: CourseOf, access: ClassAccess, text: str = "", problem: str = ""
 ) -> HTMLResponse:
-    head, status = views.head(course, place, "/eleves"), 422 if problem else 200
+    head, status = views.class_head(course, access, "/eleves"), 422 if problem else 200
     return render_page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
 
 
@@ -97,118 +97,118 @@ def import_list(
     With `reprendre`, goes back to the list.
     """
     with database.read() as db:
-        place = rights.require_right(db, account, Right.manage_roster, class_id)
+        access = rights.require_right(db, account, Right.manage_roster, class_id)
     if reprendre:
-        return _list_form(request, account, course, place, texte)
+        return _render_list_form(request, account, course, access, texte)
     content = fichier.file.read() if fichier is not None and fichier.filename else texte.encode()
     try:
         if not content.strip():
-            raise Invalid(NOTHING)
+            raise Invalid(NO_LIST)
         if attendu:
-            around = partial(recording_membership_changes, class_id=place.school_class.id, by=account.id)
-            _, written = classes.import_list(place.school_class.id, account, content, attendu, around)
+            around = partial(recording_membership_changes, class_id=access.school_class.id, by=account.id)
+            _, written = classes.import_list(access.school_class.id, account, content, attendu, around)
             if written:
-                return redirect(f"{views.href_of(place.school_class)}/eleves")
-        plan, text = classes.preview_import(place.school_class, account, content)
+                return redirect(f"{views.class_href(access.school_class)}/eleves")
+        plan, text = classes.preview_import(access.school_class, account, content)
     except Invalid as refused:
-        return _list_form(request, account, course, place, texte, refused.detail)
-    view = views.import_page(course, place, plan, text)
+        return _render_list_form(request, account, course, access, texte, refused.detail)
+    view = views.build_import_page(course, access, plan, text)
     return render_page(request, "classes/preview.html", account, page=view, again=bool(attendu))
 
 
 @router.post("/classes/{class_id}/acces")
-def hand_passwords(
+def create_password_slips(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, settings: SettingsOf,
-    eleve: Ids = None,
+    eleve: AccountIds = None,
     choix: Field = "",
 ) -> HTMLResponse:  # fmt: skip
     """Slips to print: for those who were chosen, else for all whose account has no password yet."""
-    place = rights.require_right(db, account, Right.hand_out_passwords, class_id)
+    access = rights.require_right(db, account, Right.hand_out_passwords, class_id)
     if choix and not eleve:
         raise Invalid(NOBODY)
-    given, refused = service.create_password_slips(db, place.school_class, eleve or None, settings)
-    view = views.slips_page(course, place, given, refused, settings.first_password_days, service_url(request))
+    given, refused = service.create_password_slips(db, access.school_class, eleve or None, settings)
+    view = views.build_slips_page(course, access, given, refused, settings.first_password_days, service_url(request))
     return render_page(
         request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view
     )
 
 
 @router.get("/classes/{class_id}/reglages")
-def settings_form(request: Request, class_id: str, reader: CurrentReader) -> Response:
+def show_settings(request: Request, class_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
-        return log_in_first(request)
-    place = rights.require_right(reader.db, reader.account, Right.configure_class, class_id)
-    return _settings(request, reader.account, reader.db, reader.course, place)
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.configure_class, class_id)
+    return _render_settings(request, reader.account, reader.db, reader.course, access)
 
 
-def _settings(
+def _render_settings(
     request: Request,
     account: Account,
     db: Db,
     course: CourseOf,
-    place: ClassAccess,
+    access: ClassAccess,
     refused: ServiceError | None = None,
 ) -> HTMLResponse:
-    view = views.settings_page(db, course, place, account, service_url(request))
+    view = views.build_settings_page(db, course, access, account, service_url(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
     return render_page(
-        request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LASTS
+        request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LIFETIME_CHOICES
     )
 
 
 @router.post("/classes/{class_id}/reglages")
-def set_up(
+def update_settings(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
     approbation: Field = "",
 ) -> Response:  # fmt: skip
-    place = rights.require_right(db, account, Right.configure_class, class_id)
-    service.require_open(place.school_class)
+    access = rights.require_right(db, account, Right.configure_class, class_id)
+    service.require_open(access.school_class)
     try:
-        place.school_class.name = validate_class_name(name)
+        access.school_class.name = validate_class_name(name)
     except Invalid as refused:
-        return _settings(request, account, db, course, place, refused)
-    place.school_class.approval = bool(approbation)
-    return redirect(f"{views.href_of(place.school_class)}/reglages")
+        return _render_settings(request, account, db, course, access, refused)
+    access.school_class.approval = bool(approbation)
+    return redirect(f"{views.class_href(access.school_class)}/reglages")
 
 
 @router.post("/classes/{class_id}/code")
-def set_code(
+def change_join_code(
     class_id: str, account: SignedIn, db: Db, action: Field = "renouveler", duree: Field = DEFAULT_CODE_LIFETIME
 ) -> Response:
     """Renews the code, or closes it."""
-    place = rights.require_right(db, account, Right.configure_class, class_id)
+    access = rights.require_right(db, account, Right.configure_class, class_id)
     if action == "fermer":
-        service.close_code(place.school_class)
+        service.close_code(access.school_class)
     elif action == "renouveler":
-        service.renew_code(db, place.school_class, duree)
+        service.renew_code(db, access.school_class, duree)
     else:
         raise NotFound(UNKNOWN_ACTION)
-    return redirect(f"{views.href_of(place.school_class)}/reglages#code")
+    return redirect(f"{views.class_href(access.school_class)}/reglages#code")
 
 
 @router.post("/classes/{class_id}/equipe")
-def set_staff(
+def change_staff(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, login: Field = "",
     role: Field = "assistant", retirer: Annotated[UUID | None, Form()] = None,
 ) -> Response:  # fmt: skip
     """Has somebody teach or help in the class, or no more."""
-    place = rights.require_right(db, account, Right.configure_class, class_id)
-    if role not in SEATS:
+    access = rights.require_right(db, account, Right.configure_class, class_id)
+    if role not in STAFF_ROLES:
         raise NotFound(UNKNOWN_ACTION)
     try:
-        with recording_membership_changes(db, place.school_class.id, account.id):
+        with recording_membership_changes(db, access.school_class.id, account.id):
             if retirer is not None:
-                service.remove_staff(db, place.school_class, retirer)
+                service.remove_staff(db, access.school_class, retirer)
             else:
-                service.add_staff(db, place.school_class, login, SEATS[role])
+                service.add_staff(db, access.school_class, login, STAFF_ROLES[role])
     except ServiceError as refused:
-        return _settings(request, account, db, course, place, refused)
-    mine = rights.has_right(db, account, Right.configure_class, place.school_class.id)
-    return redirect(f"{views.href_of(place.school_class)}/reglages#equipe" if mine else "/classes")
+        return _render_settings(request, account, db, course, access, refused)
+    mine = rights.has_right(db, account, Right.configure_class, access.school_class.id)
+    return redirect(f"{views.class_href(access.school_class)}/reglages#equipe" if mine else "/classes")
 
 
 @router.post("/classes/{class_id}/copier")
-def copy(
+def copy_class(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
     semaines: Field = "", rentree: Field = "", edition: Field = "", eleves: Annotated[bool, Form()] = False,
 ) -> Response:  # fmt: skip
@@ -216,28 +216,28 @@ def copy(
 
     `edition`: into another edition of its module; `eleves`: with the students.
     """
-    place = rights.require_right(db, account, Right.configure_class, class_id)
+    access = rights.require_right(db, account, Right.configure_class, class_id)
     rights.require_server_right(account, Right.create_class)
     try:
-        days = shift.days(db, place.school_class, semaines, rentree)
-        module = editions.chosen_edition(course, place.school_class.module, edition)
-        made = copying.copy_class(db, place.school_class, account, name, module=module, with_students=eleves)
+        days = date_shift.shift_in_days(db, access.school_class, semaines, rentree)
+        module = editions.chosen_edition(course, access.school_class.module, edition)
+        made = copying.copy_class(db, access.school_class, account, name, module=module, with_students=eleves)
         moved, there = (
             partial(school_time.shift_days, days=days),
             partial(editions.exercise_in_edition, course, module=module),
         )
-        assignments.copy_assignments(db, place.school_class, made, account.id, moved, there)
+        assignments.copy_assignments(db, access.school_class, made, account.id, moved, there)
     except Invalid as refused:
-        return _settings(request, account, db, course, place, refused)
-    return redirect(views.href_of(made))
+        return _render_settings(request, account, db, course, access, refused)
+    return redirect(views.class_href(made))
 
 
 @router.post("/classes/{class_id}/archiver")
-def archive(class_id: str, account: SignedIn, db: Db, archiver: Annotated[bool, Form()]) -> Response:
+def archive_or_reopen(class_id: str, account: SignedIn, db: Db, archiver: Annotated[bool, Form()]) -> Response:
     """Archives the class, or opens it again."""
-    place = rights.require_right(db, account, Right.configure_class, class_id)
+    access = rights.require_right(db, account, Right.configure_class, class_id)
     if archiver:
-        service.archive(place.school_class)
+        service.archive(access.school_class)
     else:
-        service.reopen(place.school_class)
-    return redirect(views.href_of(place.school_class))
+        service.reopen(access.school_class)
+    return redirect(views.class_href(access.school_class))
