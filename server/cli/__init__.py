@@ -22,10 +22,10 @@ class CannotRun(Exception):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs a command; returns its exit status."""
+    """Run a command; return its exit status."""
     arguments = _parser().parse_args(argv, argparse.Namespace(alone=argv is None))
     try:
-        take_in(getattr(arguments, "course", None))
+        add_course_folder(getattr(arguments, "course", None))
         with loading(arguments):
             command: Command = import_module(f"server.cli.{arguments.command}").run
         return command(arguments)
@@ -39,8 +39,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def take_in(course: Path | None) -> None:
-    """Reads a course that stands in a folder with the others, here and in the processes to come. Raises CannotRun."""
+def add_course_folder(course: Path | None) -> None:
+    """Add the course of a folder, in this process and its children. Raises CannotRun."""
     if course is not None:
         from graders.courses import COURSES, ENVIRONMENT_VARIABLE, add_course
 
@@ -50,14 +50,14 @@ def take_in(course: Path | None) -> None:
         add_course(course)
         if course.resolve() not in COURSES.folders:
             raise CannotRun(
-                "ce cours n’est pas pris :" + "".join(f"\n  {one.path} : {one.message}" for one in COURSES.problems)
+                "ce cours n’est pas pris :"
+                + "".join(f"\n  {problem.path} : {problem.message}" for problem in COURSES.problems)
             )
 
 
 @contextmanager
 def loading(arguments: argparse.Namespace) -> Iterator[None]:
-    """What is imported stays: looking through it for what does not, be it once, takes a sixth of the time. `alone` of
-    the arguments: the process is for this command."""
+    """Import without garbage collection (a sixth of the time); `alone`: the process is for this command."""
     gc.disable()
     try:
         yield

@@ -15,7 +15,7 @@ class Commands(Protocol):
     def add_parser(self) -> Callable[..., argparse.ArgumentParser]: ...
 
 
-#: What there are skeletons of: each is a folder of `server/authoring/skeletons`.
+#: Kinds of skeletons: each is a folder of `server/authoring/skeletons`.
 KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
 #: What copies a module instead, beside those that classes keep.
 EDITION = "edition"

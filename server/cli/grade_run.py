@@ -1,4 +1,4 @@
-"""What `balise grade` does once its sandbox comes up: reads the exercise, grades, tells the verdict."""
+"""The run of `balise grade` once its sandbox is up: reads the exercise, grades, prints the verdict."""
 
 import json
 import secrets
@@ -25,7 +25,7 @@ def grade_answers(arguments: Namespace, source: bytes) -> int | None:
     if find(course, arguments.exercise).kind == "code":
         return None
     with local_grader(course, None) as grader:
-        return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments)))
+        return _report(arguments, grader.grade(arguments.exercise, source, _seed(arguments)))
 
 
 def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], probing: Probing | None) -> int:
@@ -36,7 +36,7 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
         require_safe_sandbox(probing)
         wall_cache.save()
     grader = SandboxGrader(course, sandbox.result())
-    return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
+    return _report(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
 
 
 def ask(arguments: Namespace) -> int:
@@ -55,7 +55,7 @@ def _seed(arguments: Namespace) -> int:
     return secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
 
 
-def _told(arguments: Namespace, judgement: Judgement) -> int:
+def _report(arguments: Namespace, judgement: Judgement) -> int:
     verdict = limit_size(judgement).verdict
     plain = json.dumps(verdict.to_json(), ensure_ascii=False, allow_nan=False) if arguments.json else ""
     print(plain or report.render(verdict))
@@ -66,9 +66,9 @@ def _own(course: Course, exercise: Exercise, folder: Path | None) -> Own:
     """The files of a folder that are named after what the exercise reuses. Raises CannotRun where there is none."""
     if folder is None:
         return NOTHING_OWN
-    places = {one.id: folder / f"{one.slug}.py" for one in course.reused(exercise.id)}
-    own = {name: read_source(str(place)) for name, place in places.items() if place.is_file()}
+    positions = {one.id: folder / f"{one.slug}.py" for one in course.reused(exercise.id)}
+    own = {name: read_source(str(place)) for name, place in positions.items() if place.is_file()}
     if not own:
-        wanted = ", ".join(place.name for place in places.values()) or "aucun : cet exercice ne réutilise rien"
+        wanted = ", ".join(place.name for place in positions.values()) or "aucun : cet exercice ne réutilise rien"
         raise CannotRun(f"« {folder} » ne contient aucun fichier à réutiliser ({wanted}).")
     return own

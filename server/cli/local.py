@@ -1,4 +1,4 @@
-"""What grading on this machine needs, without server nor database."""
+"""Grading on this machine, without server nor database."""
 
 import os
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from server.course.memory import Memory
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 
-#: What the files that decide of a verdict import, by their contents: read once.
+#: Cached imports of the files that decide a verdict, by content.
 IMPORTS = "imports.json"
 
 

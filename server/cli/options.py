@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROLES = ("student", "teacher", "administrator")
-MOST_DAYS = 36500
+MAX_DAYS = 36500
 
 Actions = Callable[[str, str], argparse.ArgumentParser]
 
@@ -120,7 +120,7 @@ def positive(text: str) -> int:
 
 
 def days(text: str) -> int:
-    return bounded(text, MOST_DAYS, "le nombre de jours")
+    return bounded(text, MAX_DAYS, "le nombre de jours")
 
 
 def bounded(text: str, most: int, what: str) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import FrameType
 
 from graders import courses
-from server.cli import CannotRun, take_in
+from server.cli import CannotRun, add_course_folder
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.course.editions import MODULE_SLUG
 
@@ -53,7 +53,7 @@ def _asked(what: str | None) -> tuple[Path, str]:
     place = Path(what)
     if not place.is_dir():
         raise CannotRun(f"« {what} » n’est ni un module, ni le dossier d’un cours.")
-    take_in(place)
+    add_course_folder(place)
     return place.resolve(), ""
 
 

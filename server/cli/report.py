@@ -93,7 +93,7 @@ def paragraph(text: str, indent: int = 6) -> Iterator[str]:
 
 
 def printable(text: str, keep: str = "") -> str:
-    """What a student's program wrote may not drive the reader's terminal: control characters are shown as ·."""
+    """Replace control characters by ·: a program's output must not control the terminal."""
     return "".join(c if c.isprintable() or c in keep + SPACES else "·" for c in text)
 
 

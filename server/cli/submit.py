@@ -67,7 +67,7 @@ class _AwayError(Exception):
 
 
 def _sent(client: httpx.Client, submission: Json) -> Json:
-    """What is stored, once: sent again under the same name where no answer came."""
+    """Store the submission once: it is sent again under the same idempotency key where no answer came."""
     headers = {**JSON, "Idempotency-Key": uuid4().hex}
     options: dict[str, Any] = {"params": {"reuse": True}, "content": json.dumps(submission), "headers": headers}
     for pause in PAUSES:

@@ -60,7 +60,7 @@ def _remote(arguments: Namespace) -> Read:
 
 
 def _local(database: Any) -> Read:
-    """Of the database alone: visitors, walls and the logs' errors are the service's, which tells them over HTTP."""
+    """Read the database alone: visitors, walls and logged errors are known to the service only."""
     from server.cli.database import in_words
     from server.health import service_status
 

@@ -71,9 +71,9 @@ class JobStatus:
 
 @dataclass(frozen=True)
 class Sender:
-    """Whom a job is done for. Lower ranks go first; fair queueing alternates between flows, then between their senders.
+    """The account or guest for which a job is done. Lower ranks go first; fair queueing alternates between flows.
 
-    `name` identifies one account; `address` is the network address it sends from.
+    `name` identifies one account; `address` is the network address it sends from; senders of one `flow` alternate too.
     """
 
     name: str = ""
@@ -195,7 +195,7 @@ class QueueNotifier(Protocol):
 
 
 class WorkSource(Protocol):
-    """What an idle worker sleeps on."""
+    """A source of wake-ups for an idle worker."""
 
     @property
     def buffers_wakeups(self) -> bool:

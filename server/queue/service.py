@@ -149,10 +149,10 @@ class TableQueue:
         return recovered
 
 
-def _require_within_limits(state: FlowState, most: BacklogLimits) -> None:
-    if state.waiting_of_sender >= most.per_sender:
+def _require_within_limits(state: FlowState, limits: BacklogLimits) -> None:
+    if state.waiting_of_sender >= limits.per_sender:
         raise QueueFullError("sender")
-    if state.waiting_from_address >= most.per_address:
+    if state.waiting_from_address >= limits.per_address:
         raise QueueFullError("address")
 
 

@@ -76,7 +76,7 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
     in_a_loop(scene())
 
 
-def test_who_wakes_a_worker_waits_neither_for_one_that_reads_nothing_nor_for_a_dead_one() -> None:
+def test_waking_a_worker_never_blocks_on_a_stuck_or_dead_one() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
         wire = WorkerSocket(ours.dup())

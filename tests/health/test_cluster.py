@@ -34,7 +34,7 @@ def told(capsys: Any) -> tuple[int, str]:
     return status, capsys.readouterr().out
 
 
-def test_what_stands_is_told_line_by_line(environment: Settings, machines: list[Machine], capsys: Any) -> None:
+def test_cluster_check_prints_one_line_a_finding(environment: Settings, machines: list[Machine], capsys: Any) -> None:
     machine = Machine(environment).start().up()
     machines.append(machine)
     hand = Hand(machine).start()
@@ -49,7 +49,9 @@ def test_what_stands_is_told_line_by_line(environment: Settings, machines: list[
     assert status == 0, "a worker may come later"
 
 
-def test_what_waits_for_another_version_is_told(environment: Settings, machines: list[Machine], capsys: Any) -> None:
+def test_cluster_check_reports_jobs_waiting_for_another_version(
+    environment: Settings, machines: list[Machine], capsys: Any
+) -> None:
     machine = Machine(environment).start().up()
     machines.append(machine)
     with machine.database.write() as db:
@@ -60,7 +62,7 @@ def test_what_waits_for_another_version_is_told(environment: Settings, machines:
     assert "! versions : 1 travail attend un correcteur de l20/poses, version abc" in text
 
 
-def test_a_database_that_is_nearly_full_is_told(
+def test_cluster_check_reports_a_nearly_full_database(
     environment: Settings, machines: list[Machine], monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
     machines.append(Machine(environment).start().up())
@@ -88,7 +90,7 @@ def test_a_database_that_is_nearly_full_is_told(
         ({"BALISE_NATS_URL": "", "BALISE_DATABASE_URL": "postgresql://x@127.0.0.1:1/x"}, "✗ base de données : injoig"),
     ],
 )
-def test_what_is_amiss_is_told_and_is_its_exit_status(
+def test_cluster_check_reports_problems_by_its_exit_status(
     environment: Settings, monkeypatch: pytest.MonkeyPatch, capsys: Any, changed: dict[str, str], line: str
 ) -> None:
     for name, value in changed.items():
@@ -97,7 +99,7 @@ def test_what_is_amiss_is_told_and_is_its_exit_status(
     assert (status, line in text, "remède" in text) == (1, True, True), text
 
 
-def test_a_stream_that_is_not_there_is_told_and_not_made(environment: Settings, capsys: Any) -> None:
+def test_cluster_check_reports_a_missing_stream_without_creating_it(environment: Settings, capsys: Any) -> None:
     for _ in range(2):
         status, text = told(capsys)
         assert (status, "✗ flux : le flux « work » n’existe pas" in text) == (1, True), text

@@ -77,7 +77,7 @@ def test_visitors_are_counted_for_a_while_and_who_watches_is_none(monkeypatch: p
     assert visits.requests_in_last_minute() == 0
 
 
-def test_the_latest_errors_of_the_logs_are_told_in_one_line(site: Site, administrator: dict[str, str]) -> None:
+def test_latest_logged_errors_are_shown_on_one_line_each(site: Site, administrator: dict[str, str]) -> None:
     record = logging.LogRecord("server.x", logging.ERROR, "", 0, "le modèle %s a cessé\nsuite", ("numpy",), None)
     RECENT_ERRORS.handle(record)
     faults = site.client.get("/statusz", headers=administrator).json()["faults"]
@@ -143,12 +143,12 @@ def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pyt
         top._patient(read)
 
 
-def test_times_are_told_as_people_do() -> None:
+def test_durations_are_formatted_for_people() -> None:
     said = {0.0: "0 ms", 0.0416: "42 ms", 3.25: "3,2 s", 59: "59 s", 61: "1 min 01", 7260: "2 h 01"}
     assert {value: top._seconds(value) for value in said} == said
 
 
-def test_who_may_not_look_is_told_why(site: Site, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+def test_refused_access_is_explained(site: Site, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     for headers, why in (({"Authorization": "Bearer balise_faux"}, "jeton"), (site.token(), "administrateur")):
         client = TestClient(site.app, headers=headers)
         monkeypatch.setattr("server.cli.remote.client_of", lambda _server, _token, client=client: client)

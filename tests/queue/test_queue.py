@@ -211,7 +211,7 @@ def test_a_worker_s_death_frees_its_own_leases_only(bakery: Bakery) -> None:
     assert bakery.finish(other)
 
 
-def test_what_ends_its_worker_again_and_again_is_given_up(bakery: Bakery) -> None:
+def test_job_that_kills_its_workers_repeatedly_is_given_up(bakery: Bakery) -> None:
     bakery.put("a", "b")
     for _ in range(MAX_TRIES):
         assert bakery.given_up == []
@@ -243,7 +243,7 @@ def test_a_submission_given_up_is_our_error_and_costs_nothing(
         assert told in caplog.text
 
 
-def test_what_is_given_back_has_not_been_tried(bakery: Bakery) -> None:
+def test_requeued_job_does_not_count_the_try(bakery: Bakery) -> None:
     bakery.put("a")
     lease = bakery.claimed()
     with bakery.database.write() as db:
@@ -264,7 +264,7 @@ def test_a_lease_of_another_machine_waits_for_its_end(bakery: Bakery) -> None:
     assert not bakery.finish(lease)
 
 
-def test_owners_are_told_dead_or_alive() -> None:
+def test_lease_owner_of_a_process_is_dead_or_alive() -> None:
     child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
     owner = process_owner(child.pid)
     assert parse_owner(str(owner)) == owner
@@ -283,5 +283,5 @@ def test_owners_are_told_dead_or_alive() -> None:
         ({}, False),
     ],
 )
-def test_only_certain_deaths_are_told(change: dict[str, str], dead: bool) -> None:
+def test_owner_is_dead_only_when_certain(change: dict[str, str], dead: bool) -> None:
     assert is_dead(str(replace(HERE, **change)), HERE) is dead  # type: ignore[arg-type]

@@ -208,7 +208,7 @@ def test_our_own_failure_is_an_internal_error(site: Site, grading: Worker, monke
     assert (verdict["outcome"], verdict["checks"]) == ("internal_error", [])
 
 
-def test_nobody_sees_someone_else_s_deal(site: Site) -> None:
+def test_variant_is_visible_to_its_account_only(site: Site) -> None:
     one, other = site.token(), site.token()
     assert detail(site, one)["given"] != detail(site, other)["given"]
     assert site.client.get(send(site, one, {"ds": 1})["url"], headers=other).status_code == 404

@@ -80,7 +80,7 @@ def test_code_is_bounded_in_bytes(desk: Desk, ada: Account) -> None:
         desk.submit(ada, "é" * (desk.settings.code_bytes // 2) + "x")
 
 
-def test_what_is_not_unicode_is_refused(desk: Desk, ada: Account) -> None:
+def test_invalid_unicode_is_refused(desk: Desk, ada: Account) -> None:
     with pytest.raises(Invalid):
         desk.submit(ada, "x = '\ud800'")
 

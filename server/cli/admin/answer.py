@@ -1,4 +1,4 @@
-"""What an action of `balise admin` answers: lines for people, the same as data for programs."""
+"""The answer of an action of `balise admin`: lines for people, the same as data for programs."""
 
 import json
 import sys

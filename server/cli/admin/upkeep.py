@@ -41,7 +41,7 @@ def _to_erase(count: int) -> str:
 
 
 def purge_guests(database: Database, settings: Settings, arguments: Namespace) -> Answer:
-    """Those without work. Without `--yes`, only tells."""
+    """Erase guests without work; without `--yes`, only count them."""
     personal = _personal(database, settings)
     before = utc_now() - timedelta(days=arguments.days)
     count = personal.erase_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)

@@ -137,7 +137,7 @@ def hasty(shared_settings: Settings, machines: list[Machine]) -> Service:
     return Service(shared_settings.model_copy(update={"lease_seconds": LEASE}), machines)
 
 
-def test_what_one_web_process_takes_a_worker_elsewhere_grades_and_the_other_tells(service: Service) -> None:
+def test_submission_to_one_web_process_is_graded_elsewhere_and_shown_by_another(service: Service) -> None:
     hand, other = service.hand(), service.machine()
     sent = sorted(service.submit() for _ in range(3))
     until(lambda: service.graded() == sent, "all are graded")
@@ -148,7 +148,7 @@ def test_what_one_web_process_takes_a_worker_elsewhere_grades_and_the_other_tell
     assert service.web.engine.status() == "ok"
 
 
-def test_what_a_dead_worker_held_is_passed_on_and_graded_once(hasty: Service, course: Course) -> None:
+def test_job_of_a_dead_worker_is_redelivered_and_graded_once(hasty: Service, course: Course) -> None:
     sent = hasty.submit()
     hasty.taken_and_dropped(course)
     assert hasty.job().tries == 1
@@ -204,7 +204,7 @@ def test_a_worker_that_works_for_long_keeps_its_ticket(hasty: Service) -> None:
     assert hasty.sweep() == 0
 
 
-def test_a_worker_that_is_told_to_stop_gives_its_job_to_another_at_once(service: Service) -> None:
+def test_stopped_worker_hands_its_job_back_at_once(service: Service) -> None:
     def stopped(_sent: GradingInput) -> Judgement:
         raise StopRequested
 
@@ -219,7 +219,7 @@ def test_a_worker_that_is_told_to_stop_gives_its_job_to_another_at_once(service:
 
 
 @pytest.mark.parametrize("emptied", ["purge_stream", "delete_stream"])
-def test_what_the_stream_has_lost_is_called_for_again(service: Service, emptied: str) -> None:
+def test_sweeper_resends_messages_that_the_stream_has_lost(service: Service, emptied: str) -> None:
     sent = sorted(service.submit() for _ in range(3))
     connection = service.web.engine.connection
 
@@ -249,7 +249,7 @@ def test_several_sweepers_call_once(service: Service) -> None:
     assert service.tickets() == 3, "each job has one, whoever called"
 
 
-def test_what_scales_the_graders_reads_a_consumer_that_there_is(settings: Settings) -> None:
+def test_autoscaler_reads_an_existing_consumer(settings: Settings) -> None:
     told = (ROOT / "server" / "deploy" / "kubernetes" / "scaling.yaml").read_text(encoding="utf-8")
     assert f"stream: {STREAM}\n" in told
     (consumer,) = re.findall(r"consumer: (\S+)", told)
@@ -332,7 +332,7 @@ def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service
     after.stop()
 
 
-def test_what_waits_for_a_version_too_long_is_anybody_s(service: Service) -> None:
+def test_job_refused_for_too_long_is_claimed_by_any_worker(service: Service) -> None:
     service.submit("v0")
     hand = service.hand(able=WorkerCapabilities([version_requirement(EXERCISE, "v1")], 0.3))
     until(lambda: bool(service.graded()), "it is graded after all")

@@ -64,7 +64,7 @@ def test_mean_wait_of_one_server_is_pollaczek_khinchine_s(spread: float) -> None
     assert mean_wait(poisson(rate), seconds, 1) == pytest.approx(expected, rel=0.12)
 
 
-def test_who_came_first_is_served_first_through_all_stations() -> None:
+def test_stations_serve_in_order_of_arrival() -> None:
     routes: list[Route] = [((WEB, 2.0), (PUT, 1.0), (WEB, 1.0)), ((WEB, 2.0),), ((PUT, 1.5),)]
     waits = simulate([0.0, 0.5, 1.0], routes, {WEB: 1, PUT: 1})
     # The second waits for the first one's page (until 2), who waits for the third one's turn (until 2.5), then for the

@@ -24,7 +24,7 @@ def stored(database: Database) -> int:
         return db.execute(select(func.count()).select_from(Submission)).scalar_one()
 
 
-def test_of_several_at_once_one_is_stored(database: Database, both: Settings, ada: Account) -> None:
+def test_one_of_several_concurrent_submissions_is_stored(database: Database, both: Settings, ada: Account) -> None:
     """The first is slow to commit: the others have looked for it before it was there."""
     store = Submissions(both.model_copy(update={"submission_burst": 2}), QUIET)
 

@@ -90,7 +90,7 @@ def who(keys: Iterable[str]) -> str:
     return "".join(key.partition("#")[0] for key in keys)
 
 
-def test_a_heap_of_three_guests_delays_nobody_by_more_than_a_turn(either: Bakery) -> None:
+def test_backlogs_of_three_guests_delay_others_by_one_turn_at_most(either: Bakery) -> None:
     """The measured case: sixty submissions of three guests of one address, as two workers have begun."""
     for name in "abc":
         either.put(guest(name), 20)
@@ -133,7 +133,7 @@ def test_places_are_the_order_in_which_jobs_begin(bakery: Bakery) -> None:
     assert sorted(place or 0 for place in places.values()) == list(range(1, 8))
 
 
-def test_what_is_given_back_keeps_its_turn(bakery: Bakery) -> None:
+def test_requeued_job_keeps_its_turn(bakery: Bakery) -> None:
     bakery.put(member("a"), 2)
     bakery.put(member("b"))
     lease = bakery.claim()
@@ -148,7 +148,9 @@ SENDERS = [member("A"), member("B"), *(guest(name, address) for name, address in
 
 @settings(max_examples=10)
 @given(st.lists(st.one_of(st.sampled_from(SENDERS), st.just(None), st.just(0)), max_size=40), st.integers(1, 2))
-def test_nobody_without_a_heap_waits_for_two_of_another(steps: list[Sender | int | None], workers: int) -> None:
+def test_sender_without_backlog_never_waits_for_two_jobs_of_another(
+    steps: list[Sender | int | None], workers: int
+) -> None:
     """Of each other line of one's rank, and of each other sender of one's line, at most one begins before one does."""
     field_of.step_through(steps, workers)
 
@@ -278,7 +280,7 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
         ("::ffff:192.0.2.1", "192.0.2.1"),
     ],
 )
-def test_who_may_choose_among_addresses_has_one(address: str, network: str) -> None:
+def test_addresses_of_one_network_count_as_one(address: str, network: str) -> None:
     assert guest_at(visitor_key(address)).flow == network
 
 

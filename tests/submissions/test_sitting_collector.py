@@ -22,7 +22,7 @@ from tests.support.classes import assign, new_class, seat
 from tests.support.service import ADDRESS, EXERCISE, new_account
 
 
-def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
+def test_submissions_racing_with_the_end_come_before_it_or_are_refused(
     database: Database, store: Submissions, course: Course, ada: Account
 ) -> None:
     made = new_class(database, new_account(database, Role.teacher))
@@ -87,7 +87,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
             db.merge(test)
 
 
-def test_of_several_processes_that_end_a_test_one_sends_what_was_saved(
+def test_one_of_several_collectors_submits_the_saved_work(
     database: Database, store: Submissions, course: Course, ada: Account
 ) -> None:
     made = new_class(database, new_account(database, Role.teacher))

@@ -146,14 +146,14 @@ def test_a_file_that_is_not_there_is_named_with_its_setting(settings: Settings, 
         connect_options(unfit)
 
 
-def test_a_file_that_is_no_certificate_is_told(settings: Settings, tmp_path: Path) -> None:
+def test_invalid_certificate_file_is_reported(settings: Settings, tmp_path: Path) -> None:
     (tmp_path / "ca.pem").write_text("bonjour")
     unfit = settings.model_copy(update={"nats_url": "nats://x", "nats_tls_ca": tmp_path / "ca.pem"})
     with pytest.raises(NatsConfigurationError, match="certificats"):
         connect_options(unfit)
 
 
-def test_what_the_database_s_address_says_of_tls_reaches_its_driver() -> None:
+def test_tls_options_of_the_database_url_reach_its_driver() -> None:
     url = Settings(database_url="postgresql://u:p@h/b?sslmode=verify-full&sslrootcert=/ca.pem").url
     _, passed = make_engine(url).dialect.create_connect_args(make_url(url))
     assert {"sslmode": "verify-full", "sslrootcert": "/ca.pem"}.items() <= passed.items()

@@ -57,7 +57,7 @@ def test_one_idle_worker_is_woken_for_each_submission() -> None:
     run(scenario)
 
 
-def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
+def test_wake_up_without_idle_worker_is_kept_for_the_next_one() -> None:
     async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         worker = Wire()
         board.wake_worker()
@@ -70,7 +70,7 @@ def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
     run(scenario)
 
 
-def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_there_are_workers() -> None:
+def test_kept_wake_ups_are_bounded_by_the_number_of_workers() -> None:
     async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
         one, two = Wire(), Wire()
         for worker in (one, two):
@@ -88,7 +88,7 @@ def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_t
     run(scenario)
 
 
-def test_who_has_woken_by_itself_takes_no_wake_up_from_who_sleeps() -> None:
+def test_worker_awake_by_itself_takes_no_wake_up_from_idle_ones() -> None:
     """It may be busy for long with what it finds; one that had been sent to it already is another's too."""
 
     async def scenario(board: WakeupDispatcher, _told: list[str]) -> None:
@@ -189,7 +189,7 @@ def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
     assert in_a_loop(main()) == [0, 1, 3]
 
 
-def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_watchers_are_refreshed_when_the_queue_moves(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 3600.0)
     state, reads = [2], list[int]()
 
@@ -230,7 +230,7 @@ def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) 
     assert in_a_loop(main()) == [(10, True), (20, True), (25, True), (25, True)]
 
 
-def test_what_changes_while_they_are_told_is_told_to_all_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_changes_during_a_refresh_start_another_refresh(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "REFRESH_BATCH", 2)
     monkeypatch.setattr(events_module, "REFRESH_SECONDS", 0.001)
 
@@ -274,7 +274,7 @@ async def watched(events: JobEvents) -> None:
         await asyncio.sleep(0.005)
 
 
-def test_who_waits_for_the_end_alone_reads_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_watcher_of_the_end_reads_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither as the job begins, nor as the queue moves."""
     monkeypatch.setattr(events_module, "SAFETY_POLL", 3600.0)
     monkeypatch.setattr(events_module, "REFRESH_SECONDS", 0.001)
@@ -314,14 +314,14 @@ def test_an_end_that_comes_before_its_waiter_is_not_missed(monkeypatch: pytest.M
     assert in_a_loop(main()) == Count(3)
 
 
-def test_who_waits_for_an_end_whose_signal_is_lost_looks_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_watcher_polls_when_the_end_notification_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 0.01)
     state = iter([0, 0, 3])
     found = in_a_loop(JobEvents().wait_until_done("a", lambda: Count(next(state)), 300))
     assert found == Count(3)
 
 
-def test_nothing_is_kept_of_watchers_who_leave() -> None:
+def test_watchers_that_leave_are_forgotten() -> None:
     async def main() -> dict[Any, Any]:
         events, name = JobEvents(), "a"
         await events.wait_until_done(name, lambda: Count(0), 0.02)

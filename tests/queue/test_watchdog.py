@@ -48,7 +48,7 @@ def watched(database: Database) -> Watched:
     return Watched(database)
 
 
-def test_what_nobody_takes_is_told_once_and_so_is_its_end(watched: Watched, caplog: pytest.LogCaptureFixture) -> None:
+def test_stalled_queue_and_its_recovery_are_logged_once(watched: Watched, caplog: pytest.LogCaptureFixture) -> None:
     assert not watched.look(1000), "nothing waits"
     watched.put("a")
     assert not watched.look()
@@ -74,7 +74,7 @@ def test_a_long_queue_is_no_reason(watched: Watched) -> None:
         assert not watched.look(), "and none is, for now"
 
 
-def test_what_others_are_to_do_is_not_missed(watched: Watched) -> None:
+def test_jobs_of_other_kinds_do_not_count_as_stalled(watched: Watched) -> None:
     watched.put("a", kind="mail")
     assert not watched.look()
     assert not watched.look(1000)
