@@ -103,7 +103,7 @@ def _validate_slug(slug: str, pattern: re.Pattern[str], words: str) -> str:
 
 
 def _placeholders(kind: str, name: SkeletonName, home: Path, course: Path) -> dict[str, str]:
-    """What the marks of a skeleton stand for."""
+    """Return the values of a skeleton's placeholders."""
     slug = re.sub(r"[^a-z0-9]+", "-", course.resolve().name.lower()).strip("-") or "cours"
     slug = slug if slug.startswith("cours") else f"cours-{slug}"
     return {

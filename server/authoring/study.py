@@ -168,12 +168,12 @@ def write_misconception(found: UnexplainedGroup, exercise: Exercise, program: st
 
 
 def describe_frequency(found: UnexplainedGroup) -> str:
-    """How often, in a line."""
+    """Return the number of attempts and students, in French."""
     return f"{found.attempts} essai{'s' * (found.attempts > 1)}, {found.students} élève{'s' * (found.students > 1)}"
 
 
 def describe_counterexample(found: UnexplainedGroup) -> Sequence[str]:
-    """The input that shows it best."""
+    """Return the lines of the counterexample."""
     if not found.example:
         return ()
     given = ", ".join(f"{name} = {render.text(value)}" for name, value in found.example["inputs"].items())

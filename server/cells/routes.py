@@ -48,6 +48,6 @@ async def run(
 
 
 async def _wait_disconnect(request: Request) -> None:
-    """Until the reader closes the page."""
+    """Wait until the client disconnects."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

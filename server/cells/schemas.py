@@ -1,4 +1,4 @@
-"""What a page sends to have a cell run, and what it gets."""
+"""Request and response bodies of running a cell."""
 
 from pydantic import BaseModel, ConfigDict
 

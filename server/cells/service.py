@@ -1,4 +1,4 @@
-"""Running a reader's cell: who may, how often, how long a text."""
+"""Running a reader's cell, within rate and size limits."""
 
 from starlette.concurrency import run_in_threadpool
 

@@ -1,4 +1,4 @@
-"""The course as it is served: modules, exercises with their versions, lessons, glossary, and what is amiss in it."""
+"""The course as it is served: modules, exercises with their versions, lessons, glossary, and problems."""
 
 from server.course.models import Course, Exercise, FunctionSpec, Module, Problem
 from server.course.service import load

@@ -88,7 +88,7 @@ def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
 
 
 def _reader_version() -> str:
-    """Whoever reads imports otherwise does not take these."""
+    """Return the version tag of the import reader."""
     return f"1 {sys.version}"
 
 

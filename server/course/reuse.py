@@ -73,7 +73,7 @@ def _without_reused(exercise: Exercise) -> Exercise:
 
 
 def _closure(exercise: Exercise, named: Mapping[str, Exercise]) -> tuple[list[str], list[str]]:
-    """What an exercise comes to reuse, nearest first, and what is wrong with it."""
+    """Return the transitive closure of an exercise's reuses, nearest first, and its faults."""
     found: list[str] = []
     waiting = list(exercise.reuses)
     while waiting:

@@ -1,4 +1,4 @@
-"""Where the values of a TOML text stand: what reads it keeps no lines, and its syntax tree does."""
+"""Line numbers of the values of a TOML text, from its syntax tree (tomllib keeps none)."""
 
 from __future__ import annotations
 

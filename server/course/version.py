@@ -66,7 +66,7 @@ def _graded_fields(card: ExerciseFile) -> bytes:
 
 
 def _affects_verdict(relative: Path) -> bool:
-    """Whether a file of a grader's folder does, that it does not import."""
+    """Whether an unimported file of a grader's folder can change a verdict."""
     if relative.parts[0] in {SPECIMENS, MISTAKES}:
         return relative.parts[0] == MISTAKES
     return relative.name == "solution.py" or (relative.suffix not in NOT_DATA and relative.name != EQUIVALENTS)

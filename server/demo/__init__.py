@@ -1,1 +1,1 @@
-"""A class of nobody, with its history and a lesson that goes on, for who visits."""
+"""A fictitious class, with its history and an ongoing lesson, for demonstrations."""

@@ -1,4 +1,4 @@
-"""What routes ask of this room."""
+"""FastAPI dependencies of figures."""
 
 from typing import Annotated
 

@@ -28,7 +28,7 @@ LIBRARIES = ("matplotlib", "numpy", "scipy")
 
 @dataclass(frozen=True)
 class FailureMessages:
-    """What is told of what cannot be drawn, now or at all."""
+    """Messages for a full queue and for a failed drawing."""
 
     crowded: str
     failed: str
@@ -88,7 +88,7 @@ def _drawing_request(
 
 @cache
 def code_version() -> str:
-    """Of what draws the verdicts' figures and replays, and of what the lessons' drawings call."""
+    """Return a digest of the code and libraries that draw figures and replays."""
     rooms = [(name, place / name) for place in COURSES.folders for name in ("graders", "reference")]
     rooms.append(("server/figures", ROOT / "server" / "figures"))
     return " ".join((digest_files(rooms), *map(version, LIBRARIES)))
@@ -96,7 +96,7 @@ def code_version() -> str:
 
 @cache
 def folder_version(module: Path) -> str:
-    """Of a module's drawings, and of what they call: its kit, its replays."""
+    """Return a digest of a module's drawings, kit and replays."""
     return digest_files([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
 
 

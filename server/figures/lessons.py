@@ -32,7 +32,7 @@ def draw(drawing: Drawing, theme: str, extension: str) -> RenderedDrawing:
 
 
 def draw_function(path: Path, function: str, size: tuple[float, float], theme: str, extension: str) -> RenderedDrawing:
-    """The same, by what of a drawing changes its picture."""
+    """Draw the function of a file, as `draw` does."""
     from graders.plotting import to_bytes
 
     with _drawn_figure(path, function, size, theme) as figure:

@@ -1,4 +1,4 @@
-"""Pictures for those who look: drawn once for all who wait, one after the other, remembered here and on disk."""
+"""Pictures, rendered once for concurrent requests (single-flight), one at a time, and cached in memory and on disk."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Drawer(Protocol):
 
 
 class InFlight:
-    """A picture on its way, and how many wait for it; from `begun` on, it is drawn whoever leaves."""
+    """A pending picture and the number of its viewers. Once `started`, it is rendered even if all viewers leave."""
 
     def __init__(self) -> None:
         self.viewers = 0
@@ -86,7 +86,7 @@ class Pictures:
             task.exception()  # where nobody waits any more, too
 
     def _remove(self, key: str, coming: InFlight) -> None:
-        """The next to look sends for it anew, if somebody has not done so already."""
+        """Drop the entry, unless a newer one has replaced it."""
         if self._in_flight.get(key) is coming:
             del self._in_flight[key]
 
@@ -113,7 +113,7 @@ class Pictures:
         return picture
 
     def warm(self) -> None:
-        """Has the process that draws made ready meanwhile, so that the first to look does not wait for its start."""
+        """Start the drawing process in the background, so that the first request does not wait for it."""
         self._warming = asyncio.create_task(self._warm())
 
     async def _warm(self) -> None:

@@ -1,4 +1,4 @@
-"""What the templates of the archive, and of the page that gives it, receive."""
+"""Contexts of the templates of the archive and of its download page."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ EXCLUDED_SUFFIXES = {".js"}
 
 
 def version(module: Module) -> str:
-    """Of all that an archive is made of: the same version, the same bytes."""
+    """Return a digest of everything that an archive is made from."""
     parts = [
         (module.slug, module.folder),
         ("templates", TEMPLATES),
@@ -156,7 +156,7 @@ class Site:
         )
 
     def _assets(self) -> Iterator[tuple[str, bytes]]:
-        """What pages show or give, and is no page."""
+        """Yield the files of the archive that are not pages."""
         slug = self._module.slug
         for (name, theme), picture in self._pictures.items():
             yield f"figures/{name}-{theme}.svg", picture

@@ -1,4 +1,4 @@
-"""What was answered to the questions of the lessons."""
+"""ORM model of answers to the questions of the lessons."""
 
 from datetime import datetime
 from uuid import UUID
@@ -13,7 +13,7 @@ ANSWER_LENGTH = 200
 
 
 class PollAnswer(Base):
-    """What an account answered to one question: `answer` at first, `last` the last time, in `tries` times.
+    """An account's answer to one question: `answer` is the first, `last` the latest, after `tries` tries.
 
     `poll` is the module and the question's own name (`l20/rejeux/icp`); an answer is the id of an option, or several
     in their order, joined by commas. No mark comes of it.

@@ -15,7 +15,7 @@ from server.polls.schemas import AnswerCount
 
 
 def save_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
-    """Keeps an answer: the first one stays what it was, and this one becomes the last."""
+    """Insert the first answer, or update the last one and the number of tries."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
     again = {"last": answer, "tries": table_of(PollAnswer).c.tries + 1, "last_at": now}
@@ -37,7 +37,7 @@ def load_answers(db: Session, account_id: UUID) -> Sequence[PollAnswer]:
 
 
 def load_first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mapping[str, str]:
-    """What was said first, of these polls."""
+    """Return the account's first answer to each of these polls."""
     query = select(PollAnswer.poll, PollAnswer.answer)
     query = query.where(PollAnswer.account_id == account_id, PollAnswer.poll.in_(polls))
     return dict(db.execute(query).all())
@@ -57,7 +57,7 @@ def _answer_counts_query(class_id: UUID, polls: Sequence[str]) -> Select[str, st
 
 
 def load_answer_counts(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[AnswerCount]:
-    """How the active students of a class answered these polls: one query for all."""
+    """Count the first and last answers of a class's active students, in one query."""
     return [AnswerCount._make(row) for row in select_core(db, *_answer_counts_query(class_id, polls))]
 
 
@@ -68,7 +68,7 @@ def _active_students_query(class_id: UUID) -> Select[int]:
 
 
 def count_active_students(db: Session, class_id: UUID) -> int:
-    """How many active students a class has."""
+    """Return the number of active students of a class."""
     found: int = select_core(db, *_active_students_query(class_id)).scalar_one()
     return found
 

@@ -1,4 +1,4 @@
-"""What a question of the lessons is, and how a class answered it."""
+"""Questions of the lessons, and counts of a class's answers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Poll:
 
     @property
     def right(self) -> str:
-        """The right answer, as answers are kept."""
+        """The right answer, in its stored form."""
         return ",".join(sorted(option.id for option in self.options if option.right))
 
     def counted_options(self, answer: str) -> frozenset[str]:

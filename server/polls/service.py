@@ -34,7 +34,7 @@ def polls_of_module(module: Module) -> Mapping[str, Poll]:
 
 @lru_cache(maxsize=1024)
 def polls_of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
-    """Those of a lesson, which know nothing of the other lessons."""
+    """Return the questions of one lesson, by name."""
     return {poll.name: poll for poll in _lesson_polls(module, lesson)}
 
 
@@ -58,7 +58,7 @@ def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | 
 
 
 def _choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
-    """Its options stand in an order that does not tell the right one."""
+    """Build the poll of a choice question, its options shuffled."""
     order = [question.option(one) for one in question.letters(SHUFFLE_SEED).by_letter.values()]
     options = tuple(PollOption(one.id, Markup(exercise.line(one.text)), one.right) for one in order)
     href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
@@ -102,7 +102,7 @@ def submit_answer(db: Session, account: Account | None, module: Module, poll: Po
 
 
 def _mark_answer(db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]) -> MarkedAnswer:
-    """As the exercise that the question is of would mark it."""
+    """Mark an answer with the grader of the question's exercise."""
     found = _find_choice_question(module, poll.name)
     if found is None:
         raise NotFound(NO_QUESTION)

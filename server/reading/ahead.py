@@ -1,4 +1,4 @@
-"""What the first who reads would wait for, prepared once the service has given its address."""
+"""Warm-up of the caches that the first reader would otherwise wait for."""
 
 from __future__ import annotations
 

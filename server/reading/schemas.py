@@ -1,4 +1,4 @@
-"""What the reading pages' templates receive: every page's context is one of these types, and nothing else."""
+"""Contexts of the reading pages' templates: one type for each page."""
 
 from __future__ import annotations
 
@@ -188,7 +188,7 @@ class SearchPage:
 
 
 class NewAnswer(BaseModel):
-    """What somebody answers to a question of a lesson, both by their ids."""
+    """An answer to a question of a lesson, both by their ids."""
 
     model_config = ConfigDict(extra="forbid")
 

@@ -1,4 +1,4 @@
-"""Which codes of an assignment look alike."""
+"""Comparison of the codes of an assignment."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _comparing = threading.Lock()
 
 @dataclass(frozen=True)
 class Copy:
-    """What a student sent."""
+    """A student's submitted code."""
 
     student: UUID
     submission: UUID

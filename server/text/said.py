@@ -1,4 +1,4 @@
-"""What one person has written to another, as HTML: paragraphs, ends of lines and code, and nothing else of Markdown.
+"""User-written text as HTML: paragraphs, line breaks and code, and nothing else of Markdown.
 
 A star stays a star: it is a product more often than it is emphasis. Neither links, images, HTML nor formulas.
 """

@@ -1,4 +1,4 @@
-"""What a piece of a page's HTML says aloud: its words, and its formulas as their MathML reads.
+"""The accessible text of a piece of HTML: its words, and its formulas as MathML text.
 
 Browsers leave formulas out when they make the name of a control from what stands in its label.
 """

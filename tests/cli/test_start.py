@@ -115,7 +115,7 @@ def test_what_an_exercise_s_files_import_is_read_once(tmp_path: Path, monkeypatc
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first = load_exercise("l20/poses").version_of("l20/poses")
     read = Mock(side_effect=AssertionError("read again"))
-    monkeypatch.setattr("server.course.closure._asked", read)
+    monkeypatch.setattr("server.course.closure._imported_modules", read)
     assert load_exercise("l20/poses").version_of("l20/poses") == first
     next(tmp_path.rglob("imports.json")).unlink()
     with pytest.raises(AssertionError, match="read again"):

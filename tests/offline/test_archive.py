@@ -192,7 +192,7 @@ class Drawn:
     def __init__(self, *, fails: bool = False) -> None:
         self.asked, self.fails = 0, fails
 
-    async def of_lesson(self, *_: Any) -> bytes:
+    async def draw_lesson_figure(self, *_: Any) -> bytes:
         self.asked += 1
         if self.fails:
             raise RuntimeError("a drawing of the author's")
@@ -203,7 +203,7 @@ class Drawn:
 
 @pytest.fixture
 def quick_site(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.offline.service.PAUSE", 0.0)
+    monkeypatch.setattr("server.offline.service.RETRY_SECONDS", 0.0)
     monkeypatch.setattr(site, "archive", lambda *_: b"PK-made")
     monkeypatch.setattr(site, "version", lambda _module: "abc123")
     monkeypatch.setattr(site, "pictured", lambda _module: [("a", "light"), ("a", "dark")])

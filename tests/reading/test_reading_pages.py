@@ -193,7 +193,7 @@ def test_an_encoding_that_is_refused_is_not_used(small_site: SmallSite, refused:
 
 def test_a_drawing_that_one_has_is_not_sent_again(small_site: SmallSite) -> None:
     class Drawn:
-        async def of_lesson(self, *_: str) -> bytes:
+        async def draw_lesson_figure(self, *_: str) -> bytes:
             return b"<svg/>"
 
     small_site.client.app.dependency_overrides[app_service(Figures)] = Drawn  # type: ignore[attr-defined]

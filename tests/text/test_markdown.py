@@ -24,9 +24,9 @@ def html(text: str) -> str:
 
 
 def test_a_long_text_is_written_as_a_short_one_and_not_kept() -> None:
-    before = typography._kept.cache_info().currsize
+    before = typography._cached_french.cache_info().currsize
     assert french("Vu " * 200 + "?") == "Vu " * 199 + "Vu\u202f?"
-    assert typography._kept.cache_info().currsize == before
+    assert typography._cached_french.cache_info().currsize == before
 
 
 def test_french_typography() -> None:

@@ -1,4 +1,4 @@
-"""What the checks of an exercise ask, and what they await: seen on the solution, for who writes them."""
+"""Traces of an exercise's checks on its solution: calls and answers, for the author."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class TracedCall:
 
 @dataclass
 class CheckTrace:
-    """What one check asks of the solution under a seed. `failed`: it does not pass, or what it raised."""
+    """Calls of one check to the solution under a seed. `failure`: why the check does not pass, or empty."""
 
     check: Check
     calls: list[TracedCall] = field(default_factory=list)
@@ -54,7 +54,7 @@ class CheckTrace:
 
 
 def trace_checks(grader: CodeGrader, seed: int) -> Iterator[CheckTrace]:
-    """Each check in turn, on the solution; a check that raises is told, and the others go on."""
+    """Run each check on the solution. An exception of a check becomes its failure."""
     for check in grader.checks:
         seen = CheckTrace(check)
         try:
@@ -79,7 +79,7 @@ def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureDat
 
 
 class TracingLauncher:
-    """Starts trusted files, and has what they are asked noted."""
+    """Opens trusted programs and records their calls."""
 
     def __init__(self, seen: CheckTrace) -> None:
         self._seen = seen
@@ -89,7 +89,7 @@ class TracingLauncher:
 
 
 class TracedProgram:
-    """A program of `_Seeing`."""
+    """A program whose calls are recorded."""
 
     def __init__(self, program: LocalProgram, seen: CheckTrace) -> None:
         self._program, self._seen = program, seen

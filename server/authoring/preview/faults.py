@@ -21,7 +21,7 @@ NICENESS = 15
 
 
 def write_faults(session: PreviewSession) -> None:
-    """Writes all that is wrong, once it is known."""
+    """Check the course and write its problems to the session's file."""
     os.nice(NICENESS)
     sys.dont_write_bytecode = True
     course = read_course(session.course_folder, render=True)
@@ -30,7 +30,7 @@ def write_faults(session: PreviewSession) -> None:
 
 
 def load_faults(session: PreviewSession, known: Iterable[Problem]) -> list[Problem]:
-    """What was found of this version; what its server knows by itself, until more is known."""
+    """Return the problems found in this version, or `known` while the check is running."""
     try:
         return [*_parse_faults(session.faults_file)]
     except FileNotFoundError:

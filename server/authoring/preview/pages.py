@@ -63,7 +63,7 @@ class ServedVersion:
 
 
 async def _version(request: Request) -> ServedVersion:
-    """No application but a preview's has one."""
+    """Return the served version. Only a preview's application has one."""
     version: ServedVersion = request.app.state.preview
     return version
 
@@ -80,7 +80,7 @@ class FaultView:
 
 @dataclass(frozen=True)
 class TrialView:
-    """What one may send at a click, and what must come of it."""
+    """A known submission to try, and its expected outcome."""
 
     number: int
     subject: str

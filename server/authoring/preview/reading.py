@@ -1,4 +1,4 @@
-"""What stands in the folder of a course at this moment."""
+"""Loading the course of a preview."""
 
 from __future__ import annotations
 

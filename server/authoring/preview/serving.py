@@ -64,7 +64,7 @@ def create_database(kept: Path) -> None:
 
 
 def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], None]) -> None:
-    """Until it is told to end."""
+    """Serve this version until the process is terminated."""
     sys.dont_write_bytecode = True  # nothing of ours among the author's files
     settings = preview_settings(session.data_dir)
     if session.generation == 1:

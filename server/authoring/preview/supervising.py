@@ -64,7 +64,7 @@ class Supervisor:
     generation: int = 0
 
     def run(self) -> None:
-        """Until it is interrupted."""
+        """Serve until interrupted."""
         with (
             tempfile.TemporaryDirectory(prefix="balise-preview-") as kept,
             _watch_changes(self.course_folder) as changes,

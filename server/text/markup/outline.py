@@ -84,14 +84,14 @@ class Outline:
     faults: list[Fault] = field(default_factory=list)
 
     def unresolved(self, names: Names, lesson: str) -> Iterator[Fault]:
-        """What the text speaks of and that does not exist."""
+        """Yield a fault for each reference to something that does not exist."""
         for reference in self.references:
             if message := missing(reference, names, lesson):
                 yield Fault(reference.line, message)
 
 
 def missing(reference: Reference, names: Names, lesson: str) -> str:
-    """What is wrong with a reference, or nothing."""
+    """Return the fault message of a reference, or an empty string."""
     target = reference.target
     known = {
         "figure": (names.pictures, "figure inconnue : « {} »"),

@@ -1,4 +1,4 @@
-"""What a text is made from, what it may speak of, and what can be wrong with it."""
+"""Sources of texts, names that they may refer to, and their faults."""
 
 from __future__ import annotations
 
