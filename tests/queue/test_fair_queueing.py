@@ -200,8 +200,8 @@ field_of = Field()
 
 
 @pytest.fixture(autouse=True)
-def _a_field(request: pytest.FixtureRequest) -> None:
-    if request.node.name.startswith("test_nobody_without_a_heap"):
+def _database_of_the_field(request: pytest.FixtureRequest) -> None:
+    if request.function is test_sender_without_backlog_never_waits_for_two_jobs_of_another:
         field_of.database = request.getfixturevalue("sqlite")
 
 
