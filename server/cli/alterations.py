@@ -40,7 +40,7 @@ SLOWDOWN_LIMIT, MIN_SECONDS = 10.0, 1.0
 TRIES = 2
 
 
-class Fate(Enum):
+class MutantStatus(Enum):
     """The result of an altered program."""
 
     CAUGHT = "tuée"
@@ -56,7 +56,7 @@ class Trial:
     """An alteration and its result; `detail` is the check that caught it, or our own error."""
 
     alteration: Alteration
-    fate: Fate
+    fate: MutantStatus
     detail: str = ""
     seconds: float = 0.0
 
@@ -69,21 +69,21 @@ class Tally:
     trials: Sequence[Trial]
     faults: Sequence[str]
 
-    def trials_with(self, *fates: Fate, own: bool = False) -> list[Trial]:
+    def trials_with(self, *fates: MutantStatus, own: bool = False) -> list[Trial]:
         return [
             trial for trial in self.trials if trial.fate in fates and (trial.alteration.is_course_mistake or not own)
         ]
 
     def caught(self, *, own: bool = False) -> tuple[int, int]:
         """Return how many were caught, of how many that are not equivalent."""
-        caught = len(self.trials_with(Fate.CAUGHT, Fate.BY_CHANCE, own=own))
-        return caught, caught + len(self.trials_with(Fate.SURVIVED, own=own))
+        caught = len(self.trials_with(MutantStatus.CAUGHT, MutantStatus.BY_CHANCE, own=own))
+        return caught, caught + len(self.trials_with(MutantStatus.SURVIVED, own=own))
 
     @property
     def passes(self) -> bool:
         """Whether the goal is reached, without any fault."""
         reached = all(_share(*self.caught(own=own)) >= goal for own, goal in ((False, GOAL), (True, GOAL_OF_OUR_OWN)))
-        return reached and not self.faults and not self.trials_with(Fate.MISMARKED, Fate.BROKEN)
+        return reached and not self.faults and not self.trials_with(MutantStatus.MISMARKED, MutantStatus.BROKEN)
 
 
 def _share(some: int, all_: int) -> float:
@@ -158,7 +158,7 @@ def work(grader: SandboxGrader, job: tuple[Subject, Alteration]) -> Trial:
     subject, alteration = job
     measured = _measured_or_reason(grader, subject)
     return (
-        Trial(alteration, Fate.BROKEN, measured)
+        Trial(alteration, MutantStatus.BROKEN, measured)
         if isinstance(measured, str)
         else try_alteration(grader, measured, alteration)
     )
@@ -176,7 +176,7 @@ def _measured_or_reason(grader: SandboxGrader, subject: Subject) -> Subject | st
 def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
     """Sum up the results of an exercise's alterations, checked against its marks."""
     reasons = {trial.detail for trial in trials}
-    if all(trial.fate is Fate.BROKEN for trial in trials) and len(reasons) == 1:
+    if all(trial.fate is MutantStatus.BROKEN for trial in trials) and len(reasons) == 1:
         return Tally(subject.exercise.id, (), tuple(reasons))
     faults = [str(fault) for fault in stale_marks(subject.marks, [trial.alteration for trial in trials])]
     return Tally(subject.exercise.id, [_apply_marks(trial, subject.marks) for trial in trials], faults)
@@ -184,9 +184,11 @@ def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
 
 def _apply_marks(trial: Trial, marks: Sequence[EquivalentMark]) -> Trial:
     """Return the trial, adjusted where a mark concerns it."""
-    if trial.fate is Fate.BROKEN or not any(mark.matches(trial.alteration) for mark in marks):
+    if trial.fate is MutantStatus.BROKEN or not any(mark.matches(trial.alteration) for mark in marks):
         return trial
-    return replace(trial, fate=Fate.EQUIVALENT if trial.fate is Fate.SURVIVED else Fate.MISMARKED)
+    return replace(
+        trial, fate=MutantStatus.EQUIVALENT if trial.fate is MutantStatus.SURVIVED else MutantStatus.MISMARKED
+    )
 
 
 def with_measured_costs(grader: SandboxGrader, subject: Subject) -> Subject:
@@ -208,21 +210,21 @@ def with_measured_costs(grader: SandboxGrader, subject: Subject) -> Subject:
 
 def try_alteration(grader: SandboxGrader, subject: Subject, alteration: Alteration) -> Trial:
     """Try one alteration, regardless of marks."""
-    started, fate, detail = time.monotonic(), Fate.SURVIVED, ""
+    started, fate, detail = time.monotonic(), MutantStatus.SURVIVED, ""
     try:
         for seed in SEEDS:
             failed = subject.first_failed(grader, alteration.altered, seed)
             if failed is not None:
-                fate, detail = (Fate.CAUGHT if seed == SEEDS[0] else Fate.BY_CHANCE), failed
+                fate, detail = (MutantStatus.CAUGHT if seed == SEEDS[0] else MutantStatus.BY_CHANCE), failed
                 break
     except Exception as error:
-        fate, detail = Fate.BROKEN, repr(error)
+        fate, detail = MutantStatus.BROKEN, repr(error)
     return Trial(alteration, fate, detail, time.monotonic() - started)
 
 
 def report_lines(tally: Tally) -> Iterator[str]:
     """Yield one line for an exercise, then the diff of each notable alteration."""
-    survived, equivalent = tally.trials_with(Fate.SURVIVED), tally.trials_with(Fate.EQUIVALENT)
+    survived, equivalent = tally.trials_with(MutantStatus.SURVIVED), tally.trials_with(MutantStatus.EQUIVALENT)
     caught, of = tally.caught()
     seconds = sum(trial.seconds for trial in tally.trials)
     shares = f"{percent(caught, of)} ; du cours : {percent(*tally.caught(own=True))}"
@@ -232,7 +234,9 @@ def report_lines(tally: Tally) -> Iterator[str]:
     )
     for fault in tally.faults:
         yield f"  ✗ {fault}"
-    for trial in tally.trials_with(Fate.SURVIVED, Fate.MISMARKED, Fate.BROKEN, Fate.BY_CHANCE):
+    for trial in tally.trials_with(
+        MutantStatus.SURVIVED, MutantStatus.MISMARKED, MutantStatus.BROKEN, MutantStatus.BY_CHANCE
+    ):
         alteration = trial.alteration
         where = f"ligne {alteration.line}" + (f", {alteration.function}" if alteration.function else "")
         detail = f" ({trial.detail})" if trial.detail else ""
@@ -251,6 +255,6 @@ def summary(tallies: Sequence[Tally]) -> str:
     """Return the line for programs: totals of all exercises; `under` counts exercises below the goal."""
     caught, of = (sum(exercise_tally.caught()[k] for exercise_tally in tallies) for k in (0, 1))
     own, of_own = (sum(exercise_tally.caught(own=True)[k] for exercise_tally in tallies) for k in (0, 1))
-    equivalent = sum(len(exercise_tally.trials_with(Fate.EQUIVALENT)) for exercise_tally in tallies)
+    equivalent = sum(len(exercise_tally.trials_with(MutantStatus.EQUIVALENT)) for exercise_tally in tallies)
     under = sum(not exercise_tally.passes for exercise_tally in tallies)
     return f"caught={caught}/{of} own={own}/{of_own} equivalent={equivalent} under={under}/{len(tallies)}"

@@ -16,7 +16,7 @@ from graders.core.compare.comparison import CloseTo
 from graders.core.contract.local import LOCAL
 from graders.l20 import world
 from server.cli import CannotRun, alterations, main
-from server.cli.alterations import Fate
+from server.cli.alterations import MutantStatus
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy, Sandbox, WallReport, WallStatus
@@ -80,7 +80,7 @@ def test_a_thorough_grader_catches_all(course: Course, tmp_path: Path) -> None:
 def test_what_a_careless_grader_lets_through_is_told_with_its_diff(course: Course, tmp_path: Path) -> None:
     found = tally(exercise(course, tmp_path, check(20, -3.0, 4.0)))
     assert not found.passes
-    survived = diffs(found.trials_with(Fate.SURVIVED))
+    survived = diffs(found.trials_with(MutantStatus.SURVIVED))
     assert "if x < 0: → if x <= 0:" in survived
     assert "if x < 0: → if x < -1:" in survived
     assert "return x + 2 → return x + 3" not in survived
@@ -96,7 +96,7 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
     marks = tmp_path / "equivalents.toml"
     marks.write_text(EQUIVALENT.format("if x <= 0:"))
     found = tally(one)
-    assert (len(found.trials_with(Fate.EQUIVALENT)), found.caught(), found.passes) == (
+    assert (len(found.trials_with(MutantStatus.EQUIVALENT)), found.caught(), found.passes) == (
         1,
         (len(found.trials) - 1,) * 2,
         True,
@@ -108,7 +108,7 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
     marks.write_text(EQUIVALENT.format("if x >= 0:"))  # which is wrong, and refused
     found = tally(one)
     assert not found.passes
-    assert diffs(found.trials_with(Fate.MISMARKED)) == ["if x < 0: → if x >= 0:"]
+    assert diffs(found.trials_with(MutantStatus.MISMARKED)) == ["if x < 0: → if x >= 0:"]
     marks.write_text("[[equivalent]]\n")
     with pytest.raises(CannotRun, match=r"equivalents\.toml:1:"):
         alterations.run(course, (one,))
@@ -119,8 +119,8 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
     ours, other = (next(one for one in made if one.is_course_mistake is own) for own in (True, False))
 
     def well(caught: int, survived: int, alteration: Any) -> bool:
-        trials = [alterations.Trial(other, Fate.CAUGHT)] * caught
-        trials += [alterations.Trial(alteration, Fate.SURVIVED)] * survived
+        trials = [alterations.Trial(other, MutantStatus.CAUGHT)] * caught
+        trials += [alterations.Trial(alteration, MutantStatus.SURVIVED)] * survived
         return alterations.Tally("l20/jouet", trials, ()).passes
 
     assert well(97, 3, other)
@@ -134,7 +134,7 @@ def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Cou
     assert "elle-même échoue" in wrong.faults[0]
     subject = alterations.load_subject(exercise(course, tmp_path, check(20, 1.0)))
     trial = alterations.try_alteration(BROKEN, subject, alterations.find_alterations(SOLUTION)[0])
-    assert (trial.fate, trial.detail) == (Fate.BROKEN, "OSError('plus de place')")
+    assert (trial.fate, trial.detail) == (MutantStatus.BROKEN, "OSError('plus de place')")
 
 
 def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path) -> None:
@@ -143,7 +143,7 @@ def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path)
 
     lottery = replace(check(20, 3.0), cases=drawn)  # 3, then 1 and 0
     found = tally(exercise(course, tmp_path, lottery, solution="def decale(x):\n    return x + (2 if x < 3 else 2)\n"))
-    assert found.trials_with(Fate.BY_CHANCE)
+    assert found.trials_with(MutantStatus.BY_CHANCE)
     assert any("tuée selon la graine" in line for line in alterations.report_lines(found))
 
 
