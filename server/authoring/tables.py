@@ -117,7 +117,7 @@ def render_table(name: str) -> str:
     return (
         _model_table(models[name])
         if name in models
-        else _class_table({one.__name__: one for one in FIELD_MEANINGS}[name])
+        else _class_table({kind.__name__: kind for kind in FIELD_MEANINGS}[name])
     )
 
 
@@ -145,9 +145,9 @@ def _french_type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
     if "$ref" in value:
         return _french_type(schema, schema["$defs"][value["$ref"].rsplit("/", 1)[1]])
     if "anyOf" in value:
-        return " ou ".join(dict.fromkeys(filter(None, (_french_type(schema, one) for one in value["anyOf"]))))
+        return " ou ".join(dict.fromkeys(filter(None, (_french_type(schema, option) for option in value["anyOf"]))))
     if "const" in value or "enum" in value:
-        return " ou ".join(f"`{one}`" for one in value.get("enum", [value.get("const")]))
+        return " ou ".join(f"`{choice}`" for choice in value.get("enum", [value.get("const")]))
     if value.get("type") == "array" and "items" in value:
         inside = _french_type(schema, value["items"])
         return f"liste de {inside}s" if " " not in inside else f"liste ({inside})"

@@ -59,8 +59,8 @@ def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | 
 
 def _choice_poll(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
     """Build the poll of a choice question, its options shuffled."""
-    order = [question.option(one) for one in question.letters(SHUFFLE_SEED).by_letter.values()]
-    options = tuple(PollOption(one.id, Markup(exercise.line(one.text)), one.right) for one in order)
+    order = [question.option(option_id) for option_id in question.letters(SHUFFLE_SEED).by_letter.values()]
+    options = tuple(PollOption(option.id, Markup(exercise.line(option.text)), option.right) for option in order)
     href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
     asked = Markup(exercise.line(question.text))
     return Poll(name, french(question.title), href, asked, options, is_prediction=False, several=question.several)
@@ -110,7 +110,7 @@ def _mark_answer(db: Session, account: Account | None, module: Module, poll: Pol
     if account is not None and feedback.load_holds(db, account.id, exercise.id).tests:
         raise Conflict("Cette question est d’un contrôle : sa réponse vous sera dite quand il sera rendu.")
     assert isinstance(exercise.answers, ChoiceGrader)
-    letters = sorted(question.letters(SHUFFLE_SEED).by_name[one] for one in ids)
+    letters = sorted(question.letters(SHUFFLE_SEED).by_name[option_id] for option_id in ids)
     written = letters if question.several else letters[0]
     findings = exercise.answers.judge({question.id: written}, SHUFFLE_SEED)
     result = next(finding.result for finding in findings if finding.result.id == question.id)

@@ -24,7 +24,7 @@ from mdit_py_plugins.footnote import footnote_plugin
 from graders.typography import french, unaccented
 from server.text.markup import blocks
 from server.text.markup.blocks import BadBlock, Block
-from server.text.markup.held import held
+from server.text.markup.nowrap import join_punctuation
 from server.text.markup.text import Fault, Source
 
 INTERRUPTS: RuleOptionsType = {"alt": ["paragraph", "reference", "blockquote", "list"]}
@@ -220,7 +220,7 @@ def _finish(state: StateCore) -> None:
             elif child.type == "image":
                 job.fault(line, "les images ne sont pas servies dans un texte : un encadré « figure » montre un dessin")
         if token.children:
-            token.children = held(token.children)
+            token.children = join_punctuation(token.children)
     _check_footnotes(job, state.env)
 
 

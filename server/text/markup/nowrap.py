@@ -18,7 +18,7 @@ BEFORE = re.compile(r"[^\w\s]+\u00a0?$")
 FORMULA = "math_inline"
 
 
-def held(parts: Sequence[Token]) -> list[Token]:
+def join_punctuation(parts: Sequence[Token]) -> list[Token]:
     """The parts of a paragraph, each formula in one element with the punctuation around it."""
     done: list[Token] = []
     for index, part in enumerate(parts):
