@@ -152,10 +152,12 @@ def write_misconception(found: UnexplainedGroup, exercise: Exercise, program: st
     words = found.description or GroupDescription(
         f"{PLACEHOLDER} : l’erreur en quelques mots", f"{PLACEHOLDER} : pourquoi", f"{PLACEHOLDER} ?"
     )
-    functions = [one.name for one in exercise.functions if one.name in found.functions]
+    functions = [function.name for function in exercise.functions if function.name in found.functions]
     folder = exercise.grader.folder
     file, catalogue = folder / "misconceptions" / f"{identity}.py", folder / MISCONCEPTIONS
-    table = catalogue_entry(exercise.id, identity, functions or [one.name for one in exercise.functions], words)
+    table = catalogue_entry(
+        exercise.id, identity, functions or [function.name for function in exercise.functions], words
+    )
     table = table.partition("\n")[2]
     try:
         file.parent.mkdir(exist_ok=True)

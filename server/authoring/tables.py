@@ -157,15 +157,15 @@ def _french_type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
 def _class_table(kind: type) -> str:
     inherited = {name for base in kind.__mro__[1:] for name in getattr(base, "__dataclass_fields__", {})}
     rows = [
-        [f"`{one.name}`" + (" *" if _is_required(one) else ""), f"`{one.type}`", FIELD_MEANINGS[kind][one.name]]
-        for one in dataclasses.fields(kind)
-        if one.name not in inherited
+        [f"`{field.name}`" + (" *" if _is_required(field) else ""), f"`{field.type}`", FIELD_MEANINGS[kind][field.name]]
+        for field in dataclasses.fields(kind)
+        if field.name not in inherited
     ]
     return _markdown_table(["paramètre", "type", "ce que c’est"], rows)
 
 
-def _is_required(one: dataclasses.Field[Any]) -> bool:
-    return one.default is dataclasses.MISSING and one.default_factory is dataclasses.MISSING
+def _is_required(field: dataclasses.Field[Any]) -> bool:
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
 def _comparator_table() -> str:
@@ -192,7 +192,9 @@ def _limit_table() -> str:
 
 
 def _outcome_table() -> str:
-    return _markdown_table(["dossier", "verdict"], [[f"`{one.value}/`", one.wording("code").title] for one in Outcome])
+    return _markdown_table(
+        ["dossier", "verdict"], [[f"`{outcome.value}/`", outcome.wording("code").title] for outcome in Outcome]
+    )
 
 
 def fill_tables(text: str) -> str:

@@ -111,7 +111,7 @@ def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Gr
 def _choice_question_ids(grader: Grader) -> tuple[str, ...]:
     from graders.core.answers.choice import ChoiceGrader
 
-    return tuple(one.id for one in grader.questions) if isinstance(grader, ChoiceGrader) else ()
+    return tuple(question.id for question in grader.questions) if isinstance(grader, ChoiceGrader) else ()
 
 
 def _load_grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:

@@ -64,8 +64,8 @@ def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem])
 
 
 def _with_reused(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
-    head = "\0".join([exercise.version, *(f"{one.slug}\0{one.solution}" for one in reused)])
-    return replace(exercise, reuses=tuple(one.slug for one in reused), version=digest_files([], head.encode()))
+    head = "\0".join([exercise.version, *(f"{source.slug}\0{source.solution}" for source in reused)])
+    return replace(exercise, reuses=tuple(source.slug for source in reused), version=digest_files([], head.encode()))
 
 
 def _without_reused(exercise: Exercise) -> Exercise:
@@ -102,7 +102,9 @@ def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[Libr
 
 
 def _library_files(reused: Iterable[Exercise], own: Own) -> Iterator[LibraryFile]:
-    for one in reused:
-        functions = tuple(function.name for function in one.functions)
-        file = own.get(one.id)
-        yield LibraryFile(one.slug, functions, one.solution.encode() if file is None else file, compiled=file is None)
+    for exercise in reused:
+        functions = tuple(function.name for function in exercise.functions)
+        file = own.get(exercise.id)
+        yield LibraryFile(
+            exercise.slug, functions, exercise.solution.encode() if file is None else file, compiled=file is None
+        )

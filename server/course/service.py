@@ -127,7 +127,9 @@ def _load_module(
     exercises = reuse.closed(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
-    library.questions.update(f"{one.slug}/{name}" for one in exercises for name in sources.found[one.id].ticked)
+    library.questions.update(
+        f"{exercise.slug}/{name}" for exercise in exercises for name in sources.found[exercise.id].ticked
+    )
     if look is not Look.no:
         exercises = [
             exercise for exercise in exercises if not _add_problems(problems, _exercise_faults(exercise, look))
@@ -154,7 +156,7 @@ def _load_module(
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
         files=MappingProxyType(library.files),
-        paths=tuple(ReadingPath(one.title, one.summary, one.page) for one in card.paths),
+        paths=tuple(ReadingPath(entry.title, entry.summary, entry.page) for entry in card.paths),
         names=library.names,
         folder=path,
     )

@@ -68,16 +68,20 @@ def build_repertoire(exercise: Exercise, random: Random) -> Repertoire:
     """The misconceptions in an order of their own: the first are those that many have."""
     known = list(exercise.grader.known_submissions())
     named: dict[str, list[KnownSubmission]] = {}
-    for one in known:
-        if one.diagnosis is not None:
-            named.setdefault(one.diagnosis, []).append(one)
+    for submission in known:
+        if submission.diagnosis is not None:
+            named.setdefault(submission.diagnosis, []).append(submission)
     order = sorted(named)
     random.shuffle(order)
-    unnamed = [one for one in known if one.diagnosis is None and one.outcome in UNNAMED and _is_honest(one)]
+    unnamed = [
+        submission
+        for submission in known
+        if submission.diagnosis is None and submission.outcome in UNNAMED and _is_honest(submission)
+    ]
     return Repertoire(
-        right=tuple(one for one in known if one.outcome is Outcome.OK),
+        right=tuple(submission for submission in known if submission.outcome is Outcome.OK),
         named=tuple(tuple(named[name]) for name in order),
-        unnamed=tuple(sorted(unnamed, key=lambda one: UNNAMED.index(one.outcome))),
+        unnamed=tuple(sorted(unnamed, key=lambda submission: UNNAMED.index(submission.outcome))),
     )
 
 

@@ -80,7 +80,7 @@ def create_assignments(db: Session, room: Classroom, now: datetime) -> Assignmen
 
 
 def _weighted(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:
-    return tuple(WeightedExercise(one.id) for one in exercises)
+    return tuple(WeightedExercise(exercise.id) for exercise in exercises)
 
 
 def _test_input(

@@ -77,7 +77,7 @@ class Index:
     def __init__(self, passages: Sequence[Passage]) -> None:
         self._passages = passages
         self._lock = Lock()
-        self._vocabulary = Vocabulary(f"{one.part} {one.text} {one.names}" for one in passages)
+        self._vocabulary = Vocabulary(f"{passage.part} {passage.text} {passage.names}" for passage in passages)
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
         options = "tokenize = 'unicode61 remove_diacritics 2'"
         self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")

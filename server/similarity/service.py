@@ -76,15 +76,15 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> 
     """In a process of its own, one at a time. Raises Crowded, or Invalid where it does not come to an end."""
     module = course.modules[exercise.module]
     known = [
-        one.source_for_seed(0).decode(errors="replace")
-        for one in exercise.grader.known_submissions()
-        if one.outcome is Outcome.OK
+        submission.source_for_seed(0).decode(errors="replace")
+        for submission in exercise.grader.known_submissions()
+        if submission.outcome is Outcome.OK
     ]
     question = {
         "course": [exercise.starter, *module.kits[exercise.kit].values()],
         "model": exercise.solution,
         "known": known,
-        "codes": [one.code for one in sent],
+        "codes": [copy.code for copy in sent],
     }
     found = _run_comparison(json.dumps(question))
     pairs = tuple(
