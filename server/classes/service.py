@@ -314,9 +314,7 @@ class ClassService:
     ) -> tuple[ImportPlan, bool]:
         """Plan and apply a list; with `expected`, only where the plan's digest is still this one.
 
-        `around` wraps the changes in the same transaction.
-
-        Raises Invalid, Conflict or Overloaded.
+        `around` wraps the changes in the same transaction. Raises Invalid, Conflict or Overloaded.
         """
         roster = read_roster(content)  # before the transaction: reading a spreadsheet is slow
         try:

@@ -28,27 +28,32 @@ def test_a_row_of_columns_is_what_a_closed_session_leaves(database: Database) ->
     assert not inspect(found).modified
 
 
-def test_a_class_is_listed_alike_for_who_changes_it_and_for_who_looks(database: Database) -> None:
+def test_a_class_is_listed_by_family_name(database: Database) -> None:
     ada, bob = new_account(database), new_account(database)
     with database.write() as db:
-        room = SchoolClass(name="M2", module="l20", created_by=ada.id)
-        db.add(room)
+        school_class = SchoolClass(name="M2", module="l20", created_by=ada.id)
+        db.add(school_class)
         db.flush()
-        for number, one in enumerate((ada, bob)):
+        for number, account in enumerate((ada, bob)):
             names = {"family_name": f"Z{1 - number}", "given_name": "É", "groups": ["A"] * number}
             db.add(
-                Membership(class_id=room.id, account_id=one.id, role=ClassRole.student, status=Status.active, **names)
+                Membership(
+                    class_id=school_class.id,
+                    account_id=account.id,
+                    role=ClassRole.student,
+                    status=Status.active,
+                    **names,
+                )
             )
     with database.read() as db:
-        told = [
-            (one.id, one.name, one.role, one.status, one.groups, one.account.login, one.membership.joined_at)
-            for one in repository.everyone(db, room.id)
+        listed = [
+            (member.id, member.name, member.role, member.status, list(member.groups), member.account.id)
+            for member in repository.load_members(db, school_class.id)
         ]
-        assert told == [
-            (one.id, one.name, one.role, one.status, one.groups, one.account.login, one.membership.joined_at)
-            for one in repository.load_members(db, room.id)
-        ]
-    assert [identity for identity, *_ in told] == [bob.id, ada.id]
+    assert listed == [
+        (bob.id, "É Z0", ClassRole.student, Status.active, ["A"], bob.id),
+        (ada.id, "É Z1", ClassRole.student, Status.active, [], ada.id),
+    ]
 
 
 def test_a_column_that_was_not_asked_for_is_an_error(database: Database) -> None:
