@@ -93,8 +93,8 @@ def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Floats:
 def to_matrix(T_a_b: ArrayLike) -> Floats:
     """The homogeneous matrices (…, 3, 3) of poses (…, 3). Raises PoseError."""
     x, y, t = _coordinates("T_a_b", T_a_b)
-    c, s, zero, one = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    return np.stack([_stack(c, -s, x), _stack(s, c, y), _stack(zero, zero, one)], axis=-2)
+    c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
+    return np.stack([_stack(c, -s, x), _stack(s, c, y), _stack(zero, zero, unit)], axis=-2)
 
 
 def from_matrix(matrices: ArrayLike) -> Pose:
@@ -139,8 +139,8 @@ def adjoint(T_a_b: ArrayLike) -> Floats:
     Ad = [[R, (y, -x)^T], [0, 1]]                                                                  (Solà et al., 159)
     """
     x, y, t = _coordinates("T_a_b", T_a_b)
-    c, s, zero, one = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    return np.stack([_stack(c, -s, y), _stack(s, c, -x), _stack(zero, zero, one)], axis=-2)
+    c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
+    return np.stack([_stack(c, -s, y), _stack(s, c, -x), _stack(zero, zero, unit)], axis=-2)
 
 
 def compose_jacobians(T_a_b: ArrayLike, T_b_c: ArrayLike) -> tuple[Floats, Floats]:
@@ -151,9 +151,9 @@ def compose_jacobians(T_a_b: ArrayLike, T_b_c: ArrayLike) -> tuple[Floats, Float
     _, _, t = _coordinates("T_a_b", T_a_b)
     x2, y2, _ = _coordinates("T_b_c", T_b_c)
     c, s = np.cos(t), np.sin(t)
-    one, zero = np.ones_like(c * x2), np.zeros_like(c * x2)
-    by_ab = [_stack(one, zero, -s * x2 - c * y2), _stack(zero, one, c * x2 - s * y2), _stack(zero, zero, one)]
-    by_bc = [_stack(c, -s, zero), _stack(s, c, zero), _stack(zero, zero, one)]
+    unit, zero = np.ones_like(c * x2), np.zeros_like(c * x2)
+    by_ab = [_stack(unit, zero, -s * x2 - c * y2), _stack(zero, unit, c * x2 - s * y2), _stack(zero, zero, unit)]
+    by_bc = [_stack(c, -s, zero), _stack(s, c, zero), _stack(zero, zero, unit)]
     return np.stack(by_ab, axis=-2), np.stack(by_bc, axis=-2)
 
 
@@ -166,8 +166,8 @@ def inverse_jacobian(T_a_b: ArrayLike) -> Floats:
     """
     _, _, t = _coordinates("T_a_b", T_a_b)
     back = inverse(T_a_b)
-    c, s, zero, one = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
-    rows = [_stack(-c, -s, back[..., 1]), _stack(s, -c, -back[..., 0]), _stack(zero, zero, -one)]
+    c, s, zero, unit = np.cos(t), np.sin(t), np.zeros_like(t), np.ones_like(t)
+    rows = [_stack(-c, -s, back[..., 1]), _stack(s, -c, -back[..., 0]), _stack(zero, zero, -unit)]
     return np.stack(rows, axis=-2)
 
 

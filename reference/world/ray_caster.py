@@ -259,9 +259,11 @@ class RayCaster:
         return np.take_along_axis(ways, where[:, None], axis=1)[:, 0]
 
 
-def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], one: int, spare: Floats, found: Integers) -> Floats:
-    """Into `found` (2, n): how high rays are above the row of their start when they leave its column, and how much they
-    rise in a column, both in units, of which `one` make a row. Returns the sector of that slope, in `spare` (2, 2, n).
+def _climbs(
+    first: Floats, speed: Floats, steep: NDArray[np.bool_], units_per_row: int, spare: Floats, found: Integers
+) -> Floats:
+    """Write to `found` (2, n) how high rays are above their start row when they leave its column, and how much they
+    rise in a column, in units of 1 / `units_per_row` row. Return the sector of that slope, in `spare` (2, 2, n).
 
     Fresh memory costs more than what is computed here: arrays that are done with take the results.
     """
@@ -270,21 +272,21 @@ def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], one: int, sp
     # and what is rounded is rounded up, elsewhere down: rounding makes corners of near misses, never near misses of
     # corners, nor does it change the neighbour that comes first.
     np.divide(speed[1], speed[0], out=slope)
-    slope *= np.where(steep, -float(one), float(one))
+    slope *= np.where(steep, -float(units_per_row), float(units_per_row))
     np.floor(slope, out=slope)
     np.multiply(slope, first[0], out=height)
     np.floor(height, out=height)
     np.abs(slope, out=slope)
     np.abs(height, out=height)
     np.subtract(1.0, first[1], out=sector)
-    sector *= one
+    sector *= units_per_row
     climbed, found[1] = found[0], slope
     climbed[:] = height
     climbed -= steep
     climbed += sector.astype(np.int64)
     # From one corner to another, rounding leaves the choice: a column is left by its first row or by the next one.
-    np.clip(climbed, 0, 2 * one - 1, out=climbed)
-    np.multiply(slope, SECTORS / one, out=sector)
+    np.clip(climbed, 0, 2 * units_per_row - 1, out=climbed)
+    np.multiply(slope, SECTORS / units_per_row, out=sector)
     return np.asarray(np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector))
 
 

@@ -54,7 +54,7 @@ def _lateness(late: Lateness) -> dict[str, Any]:
 
 
 def _weighted(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
-    return tuple(WeightedExercise(one.exercise, one.weight) for one in chosen)
+    return tuple(WeightedExercise(exercise.exercise, exercise.weight) for exercise in chosen)
 
 
 def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
@@ -62,7 +62,7 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
     columns = wanted.columns()
     columns["late"] = _late(wanted.late, columns.pop("late_per_day"))
     told = {
-        "exercises": [WeightedIn(exercise=one.exercise, weight=one.weight) for one in wanted.exercises],
+        "exercises": [WeightedIn(exercise=exercise.exercise, weight=exercise.weight) for exercise in wanted.exercises],
         "time_factor": None,
         "excused": None,
         **columns,
@@ -72,12 +72,12 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 
-def _own(one: StudentAssignment) -> AssignmentOut:
-    rules = one.rules
+def _own(assigned: StudentAssignment) -> AssignmentOut:
+    rules = assigned.rules
     told = {name: getattr(rules, name) for name in ("opens_at", "due_at", "closes_at", "time_factor", "excused")}
-    if one.hides_exercises:
+    if assigned.hides_exercises:
         told["exercises"] = None
-    return _out(one.assignment, editing.assignment_input(one.assignment, one.exercises), **told)
+    return _out(assigned.assignment, editing.assignment_input(assigned.assignment, assigned.exercises), **told)
 
 
 @router.post(ALL, status_code=201, responses=problems(400, 401, 403, 404, 409, 413, 422))
@@ -97,14 +97,16 @@ def list_assignments(class_id: str, account: ApiAccount, db: Db) -> list[Assignm
     if not place.has(Right.see_students):
         seat = _seat(place)
         return [
-            _own(one)
-            for one in student_assignments.load_assignments_for_student(
+            _own(assigned)
+            for assigned in student_assignments.load_assignments_for_student(
                 db, seat.class_id, account.id, seat.groups, utc_now()
             )
         ]
     rows = repository.load_class_assignments(db, place.school_class.id)
-    exercises = repository.load_exercises(db, [one.id for one in rows])
-    return [_out(one, editing.assignment_input(one, exercises.get(one.id, ()))) for one in rows]
+    exercises = repository.load_exercises(db, [assignment.id for assignment in rows])
+    return [
+        _out(assignment, editing.assignment_input(assignment, exercises.get(assignment.id, ()))) for assignment in rows
+    ]
 
 
 def _seat(place: ClassAccess) -> Membership:
@@ -166,19 +168,19 @@ def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: 
     return _exception(made)
 
 
-def _exception(one: Exemption) -> ExceptionOut:
+def _exception(exemption: Exemption) -> ExceptionOut:
     return ExceptionOut(
-        id=one.id,
-        student=one.account_id,
-        group=one.label,
-        opens_at=one.opens_at,
-        due_at=one.due_at,
-        closes_at=one.closes_at,
-        time_factor=one.time_factor,
-        excused=one.excused,
-        reason=one.reason,
-        created_at=one.created_at,
-        revoked_at=one.revoked_at,
+        id=exemption.id,
+        student=exemption.account_id,
+        group=exemption.label,
+        opens_at=exemption.opens_at,
+        due_at=exemption.due_at,
+        closes_at=exemption.closes_at,
+        time_factor=exemption.time_factor,
+        excused=exemption.excused,
+        reason=exemption.reason,
+        created_at=exemption.created_at,
+        revoked_at=exemption.revoked_at,
     )
 
 
@@ -187,7 +189,7 @@ def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> lis
     """All that were made, oldest first; those revoked too."""
     place = rights.require_right(db, account, Right.see_students, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
-    return [_exception(one) for one in repository.load_all_exemptions(db, assignment.id)]
+    return [_exception(exemption) for exemption in repository.load_all_exemptions(db, assignment.id)]
 
 
 @router.delete(f"{ONE}/exceptions/{{eid}}", status_code=204, responses=problems(401, 403, 404, 409))
@@ -219,12 +221,12 @@ def read_rules(
     why = {
         name: [
             SaidOut(
-                origin=one.origin,
-                value=one.value,
-                group=one.label or None,
-                reason=one.reason if staff and one.by is not None else None,
+                origin=value.origin,
+                value=value.value,
+                group=value.label or None,
+                reason=value.reason if staff and value.by is not None else None,
             )
-            for one in said
+            for value in said
         ]
         for name, said in explain_rules(rules, exemptions, seat.account_id).items()
     }
@@ -249,7 +251,7 @@ def _student(db: Db, place: ClassAccess, account: Account, name: str) -> Members
             raise Forbidden(OTHERS)
         return _seat(place)
     members = exemption_service.active_students(classes.load_members(db, place.school_class.id))
-    for one in members:
-        if str(one.id) == wanted:
-            return one.membership
+    for member in members:
+        if str(member.id) == wanted:
+            return member.membership
     raise NotFound(exemption_service.NO_STUDENT)

@@ -50,36 +50,36 @@ def _members(shown: Board, insights: Insights) -> dict[str, Any]:
         "counts": asdict(shown.counts),
         "misconceptions": [
             {
-                "exercise": one.exercise,
-                "id": one.id,
-                "title": one.title,
-                "now": one.now,
-                "ever": one.ever,
-                "overcome": one.overcome,
-                "median_attempts": one.median_attempts,
-                "students": [str(student) for student in one.students],
+                "exercise": misconception.exercise,
+                "id": misconception.id,
+                "title": misconception.title,
+                "now": misconception.now,
+                "ever": misconception.ever,
+                "overcome": misconception.overcome,
+                "median_attempts": misconception.median_attempts,
+                "students": [str(student) for student in misconception.students],
             }
-            for one in shown.misconceptions
+            for misconception in shown.misconceptions
         ],
         "cells": [cell_json(cell) for cell in shown.cells.values()],
         "unnamed": [
             {
-                "exercise": one.exercise,
-                "group": one.group,
-                "students": [str(student) for student in one.students],
-                "submission": str(one.submission),
+                "exercise": failure.exercise,
+                "group": failure.group,
+                "students": [str(student) for student in failure.students],
+                "submission": str(failure.submission),
             }
-            for one in insights.unnamed
+            for failure in insights.unnamed
         ],
         "items": [
             {
-                "exercise": one.exercise,
-                "success": one.success,
-                "median_attempts": one.median_attempts,
-                "discrimination": one.discrimination,
-                "n": one.n,
+                "exercise": item.exercise,
+                "success": item.success,
+                "median_attempts": item.median_attempts,
+                "discrimination": item.discrimination,
+                "n": item.n,
             }
-            for one in insights.items
+            for item in insights.items
         ],
     }
 

@@ -74,7 +74,7 @@ def create(body: NewClass, account: ApiAccount, course: CourseOf, db: Db) -> Cla
 @router.get("/classes", responses=problems(401))
 def list_classes(account: ApiAccount, db: Db) -> list[ClassSeen]:
     """Those where one teaches, helps, learns, or asks to; every class, for an administrator."""
-    return [_seen(rights.class_access(account, *one)) for one in repository.load_visible_classes(db, account)]
+    return [_seen(rights.class_access(account, *seat)) for seat in repository.load_visible_classes(db, account)]
 
 
 @router.post("/classes/join", responses=problems(400, 401, 404, 413, 422, 429))
@@ -130,7 +130,7 @@ def _told(plan: ImportPlan) -> RosterOut:
         updated=len(plan.updated),
         unchanged=len(plan.unchanged),
         left=len(plan.left),
-        rejected=[RejectedOut(line=one.line, reason=one.reason) for one in plan.rejected],
+        rejected=[RejectedOut(line=line.line, reason=line.reason) for line in plan.rejected],
     )
 
 
@@ -140,12 +140,12 @@ def students(class_id: str, account: ApiAccount, db: Db) -> list[StudentOut]:
     place = rights.require_right(db, account, Right.see_students, class_id)
     return [
         StudentOut(
-            id=one.id,
-            name=one.name,
-            groups=list(one.groups),
-            joined_at=one.membership.joined_at,
-            last_seen_at=one.membership.last_seen_at,
+            id=member.id,
+            name=member.name,
+            groups=list(member.groups),
+            joined_at=member.membership.joined_at,
+            last_seen_at=member.membership.last_seen_at,
         )
-        for one in repository.load_members(db, place.school_class.id)
-        if one.role is ClassRole.student and one.status is Status.active
+        for member in repository.load_members(db, place.school_class.id)
+        if member.role is ClassRole.student and member.status is Status.active
     ]

@@ -69,7 +69,7 @@ def guide(request: Request, account: OptionalAccount, course: CourseOf) -> HTMLR
 
 
 def guide_page(document: Json, course: Course, address: str) -> GuidePage:
-    shown = next((one.id for one in course.exercises.values() if one.answers is None), SHOWN_EXERCISE)
+    shown = next((exercise.id for exercise in course.exercises.values() if exercise.answers is None), SHOWN_EXERCISE)
     return GuidePage(address, shown, tuple(_routes(Guide(document, shown, address))))
 
 
@@ -89,7 +89,7 @@ class Guide:
     def given(self, schema: Json) -> Json:
         """What stands in the place of a value that may be null, where it is not."""
         schema = self.resolved(schema)
-        choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
+        choices = [option for option in schema.get("anyOf", ()) if option.get("type") != "null"]
         return self.resolved(choices[0]) if len(choices) == 1 else schema
 
 
@@ -110,7 +110,7 @@ def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
         method=method.upper(),
         path=path,
         words=ROUTES.get((method, path)) or str(operation.get("description", "")),
-        parameters=tuple(_parameter(guide, one) for one in operation.get("parameters", ())),
+        parameters=tuple(_parameter(guide, parameter) for parameter in operation.get("parameters", ())),
         body=tuple(_fields(guide, body)) if body else (),
         answers=tuple(AnswerView(status, _said(status, answers[status])) for status in sorted(answers)),
         command=_command(guide, path, method, body, file),
@@ -140,7 +140,7 @@ def kind(guide: Guide, schema: Json) -> str:
     """What a value is, in a few words."""
     schema = guide.resolved(schema)
     if "anyOf" in schema:
-        return " | ".join(dict.fromkeys(kind(guide, one) for one in schema["anyOf"]))
+        return " | ".join(dict.fromkeys(kind(guide, option) for option in schema["anyOf"]))
     values = [schema["const"]] if "const" in schema else schema.get("enum")
     if values:
         return " | ".join(json.dumps(value, ensure_ascii=False) for value in values)

@@ -124,8 +124,8 @@ def log(
     wanted = AuditFilter(student, what)
     some = audit.load_entries(db, place.school_class.id, wanted, limit=limit, offset=skip)
     total = audit.count_entries(db, place.school_class.id, wanted)
-    return LogOut(total=total, events=[_event(one) for one in some])
+    return LogOut(total=total, events=[_event(entry) for entry in some])
 
 
-def _event(one: AuditEntry) -> EventOut:
-    return EventOut.model_validate({**asdict(one), "words": one.words})
+def _event(entry: AuditEntry) -> EventOut:
+    return EventOut.model_validate({**asdict(entry), "words": entry.words})

@@ -65,7 +65,7 @@ def _told(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
     found = service.preview_regrade(db, regrade)
     exercise = course.exercises.get(regrade.exercise)
     kind = "code" if exercise is None else exercise.kind
-    fates = Counter(one.outcome for one in found.changes)
+    fates = Counter(change.outcome for change in found.changes)
     return RegradeOut(
         id=regrade.id,
         exercise=regrade.exercise,
@@ -75,15 +75,15 @@ def _told(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
         state=found.progress.state,
         progress=ProgressOut(done=found.progress.graded, total=found.progress.total),
         students={fate: fates[fate] for fate in MarkOutcome},
-        failed=sum(one.failed for one in found.changes),
+        failed=sum(change.failed for change in found.changes),
         changes=[
             ChangeOut(
-                student=one.student,
-                before=one.before,
-                after=one.after,
-                why=" ; ".join(regraded.reason_sentences(one.differences, kind)),
+                student=change.student,
+                before=change.before,
+                after=change.after,
+                why=" ; ".join(regraded.reason_sentences(change.differences, kind)),
             )
-            for one in found.changes
-            if one.before != one.after
+            for change in found.changes
+            if change.before != change.after
         ],
     )

@@ -133,8 +133,8 @@ def _render_skeleton(skeleton: Path, words: dict[str, str], course: Path) -> Ite
     for path in sorted(skeleton.rglob("*")):
         if path.is_file() and "__pycache__" not in path.parts:
             place, text = (
-                mark.sub(lambda found: words[found[0]], one)
-                for one in (path.relative_to(skeleton).as_posix(), path.read_text(encoding="utf-8"))
+                mark.sub(lambda found: words[found[0]], text)
+                for text in (path.relative_to(skeleton).as_posix(), path.read_text(encoding="utf-8"))
             )
             yield course / place, text
 

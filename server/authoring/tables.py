@@ -170,15 +170,19 @@ def _is_required(field: dataclasses.Field[Any]) -> bool:
 
 def _comparator_table() -> str:
     rows = [
-        [f"`{one.__name__}{inspect.signature(one)}`".replace(" -> None", ""), FRENCH_SUMMARIES[one.__name__]]
-        for one in COMPARATORS
+        [
+            f"`{comparator.__name__}{inspect.signature(comparator)}`".replace(" -> None", ""),
+            FRENCH_SUMMARIES[comparator.__name__],
+        ]
+        for comparator in COMPARATORS
     ]
     return _markdown_table(["comparateur", "accepte"], rows)
 
 
 def _shrinker_table() -> str:
     return _markdown_table(
-        ["simplificateur", "essaie"], [[f"`{one.__name__}`", FRENCH_SUMMARIES[one.__name__]] for one in SHRINKERS]
+        ["simplificateur", "essaie"],
+        [[f"`{shrinker.__name__}`", FRENCH_SUMMARIES[shrinker.__name__]] for shrinker in SHRINKERS],
     )
 
 

@@ -129,7 +129,7 @@ class SecurityHeaders:
             if message["type"] == "http.response.start":
                 headers = list(message["headers"])
                 given = {name for name, _ in headers}
-                message["headers"] = [*headers, *(one for one in _SECURITY if one[0] not in given)]
+                message["headers"] = [*headers, *(header for header in _SECURITY if header[0] not in given)]
             await send(message)
 
         await self._app(scope, receive, send_with_headers)

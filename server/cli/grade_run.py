@@ -66,7 +66,7 @@ def _own(course: Course, exercise: Exercise, folder: Path | None) -> Own:
     """The files of a folder that are named after what the exercise reuses. Raises CannotRun where there is none."""
     if folder is None:
         return NOTHING_OWN
-    positions = {one.id: folder / f"{one.slug}.py" for one in course.reused(exercise.id)}
+    positions = {reused.id: folder / f"{reused.slug}.py" for reused in course.reused(exercise.id)}
     own = {name: read_source(str(place)) for name, place in positions.items() if place.is_file()}
     if not own:
         wanted = ", ".join(place.name for place in positions.values()) or "aucun : cet exercice ne réutilise rien"

@@ -21,15 +21,17 @@ def run(arguments: Namespace) -> int:
     course = load_course()
     exercise = find(course, arguments.exercise)
     found = _groups(arguments, exercise)
-    chosen = [one for one in found if arguments.write in (None, one.group_id)]
+    chosen = [group for group in found if arguments.write in (None, group.group_id)]
     if arguments.write and not chosen:
-        raise CannotRun(f"aucun groupe « {arguments.write} ». Groupes : {', '.join(one.group_id for one in found)}.")
+        raise CannotRun(
+            f"aucun groupe « {arguments.write} ». Groupes : {', '.join(group.group_id for group in found)}."
+        )
     if not found:
         print(f"{exercise.id} : rien de ce qui échoue n’est sans nom.")
         return 0
     with local_grader(course, probing) as grader:
-        for one in chosen:
-            _tell(one, exercise, grader, write=bool(arguments.write))
+        for group in chosen:
+            _tell(group, exercise, grader, write=bool(arguments.write))
     return 0
 
 

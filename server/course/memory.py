@@ -84,7 +84,7 @@ def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
     roots = [("curriculum", curriculum) for curriculum in curricula]
     roots += [(name, root / name) for root in code for name in READER_FOLDERS]
     head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
-    return digest_files([one for root in roots for one in walk_files(*root)], head.encode())
+    return digest_files([file for root in roots for file in walk_files(*root)], head.encode())
 
 
 def _reader_version() -> str:

@@ -31,7 +31,7 @@ def with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
         name = waiting.pop()
         paths = [room / module / "exercices" / name / "exercise.toml" for room in curricula]
         if name not in found:
-            waiting += [one for path in paths if path.is_file() for one in _declared_reuses(path)]
+            waiting += [exercise_id for path in paths if path.is_file() for exercise_id in _declared_reuses(path)]
         found.add(name)
     return frozenset(f"{module}/{name}" for name in found)
 

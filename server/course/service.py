@@ -76,7 +76,7 @@ def load(
 
         discovery = discover(wanted)
     amiss = discovery.problems if discovery else courses.COURSES.problems
-    problems = [Problem(one.path, one.line, one.message) for one in amiss]
+    problems = [Problem(problem.path, problem.line, problem.message) for problem in amiss]
     sources = Sources(curricula, roots, discovery, Imports(*roots, memory=memory), known)
     modules = _build_all(
         problems, lambda path: _load_module(sources, path, problems, look, wanted), _module_folders(curricula, only)
@@ -192,9 +192,9 @@ def _unknown_lessons(module: Path, exercises: list[Exercise], library: Library) 
 def _module_file_problems(path: Path, card: ModuleFile, library: Library, *, formulas: bool) -> Iterator[Problem]:
     """Its paths and its references, each of which may lead somewhere."""
     source = toml_file.read_text(path)
-    for number, one in enumerate(card.paths):
-        if library.names().pages.get(one.page.partition("#")[0]) is None:
-            message = f"« page » : page inconnue « {one.page} »"
+    for number, course_path in enumerate(card.paths):
+        if library.names().pages.get(course_path.page.partition("#")[0]) is None:
+            message = f"« page » : page inconnue « {course_path.page} »"
             yield Problem(path, line_of(source, ("paths", number, "page")), message)
     for number, reference in enumerate(card.references):
         line = line_of(source, ("references", number))

@@ -100,9 +100,11 @@ def _create_assignment(db: Session, room: Classroom, wanted: AssignmentInput) ->
 
 
 def _grant_exemption(
-    db: Session, room: Classroom, one: Assignment, whom: ExemptionTarget, wanted: ExemptionInput
+    db: Session, room: Classroom, assignment: Assignment, whom: ExemptionTarget, wanted: ExemptionInput
 ) -> None:
-    exemption_service.grant_exemptions(db, room.school_class, room.teacher.id, one, _members(db, room), whom, wanted)
+    exemption_service.grant_exemptions(
+        db, room.school_class, room.teacher.id, assignment, _members(db, room), whom, wanted
+    )
 
 
 def _members(db: Session, room: Classroom) -> Sequence[Member]:

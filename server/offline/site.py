@@ -142,7 +142,7 @@ class Site:
         return jinja_environment().get_template(template).render(**around, **visitor, **context)
 
     def _exercise(self, exercise: Exercise) -> OfflineExercise:
-        lesson = next((one for one in self._module.lessons if one.slug == exercise.seance), None)
+        lesson = next((candidate for candidate in self._module.lessons if candidate.slug == exercise.seance), None)
         return OfflineExercise(
             module=module_link(self._module),
             title=exercise.title,
@@ -174,7 +174,9 @@ class Site:
         script = self._scripts.find(self._module.slug, name)
         asked = script.prediction.settings if script.prediction else {}
         settings = [{}, dict(asked)] if asked else [{}]
-        scenes = {_compact_json(sorted(one.items())): script.run(script.read(one.items())) for one in settings}
+        scenes = {
+            _compact_json(sorted(setting.items())): script.run(script.read(setting.items())) for setting in settings
+        }
         return f"globalThis.baliseScenes[{json.dumps(name)}] = {_compact_json(scenes)};\n".encode()
 
     def _manipulation_script(self, name: str) -> bytes:

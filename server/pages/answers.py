@@ -17,7 +17,7 @@ from server.base.errors import Invalid
 from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
-from server.pages import held, service
+from server.pages import service, withheld
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
 from server.submissions.models import Submission
 from server.web.rendering import jinja_environment
@@ -34,7 +34,7 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     grader = _grader(exercise)
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     paper = grader.paper(seed)
-    saved = held.saved_work(reader, exercise, latest) if taken is None else None
+    saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     put_back = taken or latest
     if saved is not None:
         answers = grader.reletter(read_answers(saved.source), seed, seed)

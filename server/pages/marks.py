@@ -35,7 +35,7 @@ def of(exercise: Exercise, submission: Submission, verdict: Verdict | None, seed
     if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
         return tuple(_empty(question) for question in questions)
     checks = {check.id: check for check in verdict.checks}
-    told = {one.question: one for one in exercise.answers.transcribe(answers, submission.seed)}
+    told = {answer.question: answer for answer in exercise.answers.transcribe(answers, submission.seed)}
     return tuple(
         _empty(question)
         if question.form == "order" or question.id not in checks

@@ -19,8 +19,9 @@ from server.course import Exercise, Module
 from server.gradebook import importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
-from server.pages import held, kits, marks, opening, talk
+from server.pages import kits, marks, opening, talk, withheld
 from server.pages.policy import policy_lines
+from server.pages.rendered_verdict import render_verdict
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
@@ -32,7 +33,6 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
-from server.pages.shown import shown
 from server.pages.waiting import waiting_text
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress
@@ -64,7 +64,7 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
-    saved = held.saved_work(reader, exercise, latest) if taken is None else None
+    saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
     kit = kits.file_of(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
@@ -77,7 +77,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         code=taken if taken is not None else written,
         taken=taken is not None,
         limits=policy_lines(exercise),
-        replay=f"{exercise_href(exercise)}/pas" if any(not one.is_class for one in exercise.functions) else "",
+        replay=f"{exercise_href(exercise)}/pas" if any(not wanted.is_class for wanted in exercise.functions) else "",
         examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
@@ -88,14 +88,14 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
     """The functions that the program may import, and whose they are."""
     earlier = reader.course.reused(exercise.id)
     own = (
-        importable_files.importable_file_times(reader.db, reader.account.id, [one.id for one in earlier])
+        importable_files.importable_file_times(reader.db, reader.account.id, [exercise.id for exercise in earlier])
         if reader.account
         else {}
     )
-    for one in earlier:
-        functions, when = tuple(function.name for function in one.functions), own.get(one.id)
+    for exercise in earlier:
+        functions, when = tuple(function.name for function in exercise.functions), own.get(exercise.id)
         moment = ("", "") if when is None else (when.isoformat(), short_moment(when))
-        yield ReusedView(one.title, exercise_href(one), functions, *moment)
+        yield ReusedView(exercise.title, exercise_href(exercise), functions, *moment)
 
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
@@ -127,7 +127,7 @@ def common_parts(
         "statement": Markup(exercise.statement_html),
         "action": f"{exercise_href(exercise)}/soumissions",
         "results": results(reader, exercise, attempts, work, deal, latest.feedback.diagnosis if latest else None),
-        "test": held.banner(reader, exercise, saved),
+        "test": withheld.test_banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
         "due": deadlines.due_for_exercise(reader.db, reader.account, exercise.id),
@@ -219,9 +219,11 @@ def results(
         attempts=_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_progress(progress),
-        hints_held=None if access.teaches else held.held_view(access.hints_held, "hints"),
-        diagnosis_held=held.held_view(diagnosis_held, "diagnosis") if verdict and verdict.tone != "good" else None,
-        solution_held=held.held_view(access.solution_held, "solution") if access.would_open(progress) else None,
+        hints_held=None if access.teaches else withheld.withheld_view(access.hints_held, "hints"),
+        diagnosis_held=withheld.withheld_view(diagnosis_held, "diagnosis")
+        if verdict and verdict.tone != "good"
+        else None,
+        solution_held=withheld.withheld_view(access.solution_held, "solution") if access.would_open(progress) else None,
     )
 
 
@@ -262,7 +264,7 @@ def _work(
     )
     if verdict is None or attempt.grading is None:
         return work
-    return replace(work, verdict=shown(exercise, verdict, attempt.grading, work))
+    return replace(work, verdict=render_verdict(exercise, verdict, attempt.grading, work))
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

@@ -304,7 +304,7 @@ class PhraseRow:
 
 
 def phrase_rows(phrases: Sequence[Phrase], course: Course) -> tuple[PhraseRow, ...]:
-    return tuple(PhraseRow(str(one.id), one.text, _where(one, course), one.uses) for one in phrases)
+    return tuple(PhraseRow(str(phrase.id), phrase.text, _where(phrase, course), phrase.uses) for phrase in phrases)
 
 
 def _where(phrase: Phrase, course: Course) -> str:

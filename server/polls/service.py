@@ -51,7 +51,9 @@ def _lesson_polls(module: Module, lesson: Lesson) -> Iterator[Poll]:
 
 
 def _prediction_poll(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
-    options = tuple(PollOption(one, escape(french(words)), one == asked.right) for one, words in asked.answers)
+    options = tuple(
+        PollOption(answer_id, escape(french(words)), answer_id == asked.right) for answer_id, words in asked.answers
+    )
     href = f"/{lesson.module}/lire/{lesson.slug}#rejeu-{name}"
     place = asked if isinstance(asked, Placed) else None
     return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, True, place=place)
@@ -71,7 +73,9 @@ def _find_choice_question(module: Module, name: str) -> tuple[Exercise, ChoiceQu
     slug, _, identity = name.partition("/")
     for exercise in module.exercises:
         if exercise.slug == slug and isinstance(exercise.answers, ChoiceGrader):
-            return next(((exercise, one) for one in exercise.answers.questions if one.id == identity), None)
+            return next(
+                ((exercise, question) for question in exercise.answers.questions if question.id == identity), None
+            )
     return None
 
 

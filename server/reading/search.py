@@ -103,7 +103,7 @@ class Index:
         """Each word as FTS5 takes it; the first is meant as a beginning, and FTS5 does not take ligatures apart."""
         kin = self._vocabulary.kin(word) if _has_forms(word) else []
         ligature = [_prefix_term(word.replace("oe", "œ"))] if "oe" in word else []
-        return [_prefix_term(word), *ligature, *(f'"{one}"' for one in kin if one != word)]
+        return [_prefix_term(word), *ligature, *(f'"{spelling}"' for spelling in kin if spelling != word)]
 
     def _family_query(self, word: str, kin: Sequence[str]) -> str:
         """Whatever begins as the words of its family do."""

@@ -70,7 +70,7 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
-    view = home_view(module, progress, due, {one.number: f"/{one.slug}" for one in reader.course.latest})
+    view = home_view(module, progress, due, {edition.number: f"/{edition.slug}" for edition in reader.course.latest})
     return replace(view, edition=editions.edition_note(reader, module))
 
 
@@ -105,8 +105,8 @@ def home_view(
         facts=tuple((name, value) for name, value in facts if value),
         around=tuple(NeighbourView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
-        references=tuple(Markup(line(one, module.names)) for one in module.references),
-        paths=tuple(PathView(one.title, one.summary, f"/{module.slug}/lire/{one.page}") for one in module.paths),
+        references=tuple(Markup(line(reference, module.names)) for reference in module.references),
+        paths=tuple(PathView(path.title, path.summary, f"/{module.slug}/lire/{path.page}") for path in module.paths),
         start=_lesson_link(way[0]) if way else None,
         resumed=next_exercise(tuple(rows.values())),
         sessions=sessions,

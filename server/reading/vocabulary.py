@@ -51,12 +51,14 @@ class Vocabulary:
     def stems(self, word: str) -> set[str]:
         """Those of the words spelt so but for accents: « fermee » has the stem of « fermée »; failing that, its own."""
         spellings = self._spellings.get(unaccented(word)) or [word]
-        return {unaccented(self._stem(one)) for one in spellings} - {""}
+        return {unaccented(self._stem(spelling)) for spelling in spellings} - {""}
 
     def kin(self, word: str) -> list[str]:
         """The words that one who looks for `word` means too, as they are spelt in the texts."""
         same = self._spellings.get(unaccented(word), [])
-        return sorted({*same, *(one for stem in self.stems(word) for one in self._of_stem.get(stem, ()))})
+        return sorted(
+            {*same, *(word_of_stem for stem in self.stems(word) for word_of_stem in self._of_stem.get(stem, ()))}
+        )
 
     def beginnings(self, word: str) -> list[str]:
         """What the words of its family begin with: « ferm » for « fermée », which finds « fermeture »."""

@@ -78,12 +78,12 @@ def find_matching_pairs(codes: Sequence[str], course: Sequence[str]) -> Iterator
     known = collect_grams(course)
     prints = [fingerprint(code, known) for code in codes]
     for first, second in combinations(range(len(codes)), 2):
-        one, other = prints[first], prints[second]
-        if min(one.token_coverage, other.token_coverage) < MIN_CODE_LENGTH:
+        left, other = prints[first], prints[second]
+        if min(left.token_coverage, other.token_coverage) < MIN_CODE_LENGTH:
             continue
-        _, shares, slices = compare_files(one, other)
+        _, shares, slices = compare_files(left, other)
         if min(shares) >= MIN_SHARE:
-            lines = (_matched_lines(one.raw_code, slices[0]), _matched_lines(other.raw_code, slices[1]))
+            lines = (_matched_lines(left.raw_code, slices[0]), _matched_lines(other.raw_code, slices[1]))
             yield MatchingPair(first, second, (float(shares[0]), float(shares[1])), lines)
 
 

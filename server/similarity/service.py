@@ -88,8 +88,8 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> 
     }
     found = _run_comparison(json.dumps(question))
     pairs = tuple(
-        Pair(sent[first], sent[second], (one, other), (tuple(lines), tuple(others)))
-        for first, second, one, other, lines, others in found["pairs"]
+        Pair(sent[first], sent[second], (share, other), (tuple(lines), tuple(others)))
+        for first, second, share, other, lines, others in found["pairs"]
     )
     return Comparison(len(sent), bool(found["too_short"]), pairs)
 

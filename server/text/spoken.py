@@ -16,13 +16,13 @@ def spoken(html: str) -> str:
     """Plain text in one line; empty where the HTML has no formula, and needs no help."""
     if "<math" not in html:
         return ""
-    reader = _Reader()
+    reader = _MathReader()
     reader.feed(html)
     reader.close()
     return " ".join("".join(reader.said).split())
 
 
-class _Reader(HTMLParser):
+class _MathReader(HTMLParser):
     def __init__(self) -> None:
         super().__init__()
         self.said: list[str] = []

@@ -49,41 +49,49 @@ def due_soon(
     if account is None:
         return ()
     now = utc_now()
-    running = [one for one in student_assignments.load_open_assignments(db, account.id, now) if _is_of(one, module)]
-    found = student_assignments.due_soon([one for one in running if one.assignment.mode != Mode.test], now, SOON)
-    views = [*_tests(db, account, running, now), *(_view(one, progress) for one in found)]
+    running = [
+        assigned
+        for assigned in student_assignments.load_open_assignments(db, account.id, now)
+        if _is_of(assigned, module)
+    ]
+    found = student_assignments.due_soon(
+        [assigned for assigned in running if assigned.assignment.mode != Mode.test], now, SOON
+    )
+    views = [*_tests(db, account, running, now), *(_view(assigned, progress) for assigned in found)]
     return tuple(view for view in views if view.left)[:MOST]
 
 
 def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime) -> Iterator[DueView]:
     """Those that one sits first. Who has handed in has nothing left to do there, nor who is excused."""
-    tests = [one for one in running if one.assignment.mode == Mode.test]
+    tests = [assigned for assigned in running if assigned.assignment.mode == Mode.test]
     sat = (
-        {one.assignment_id: one for one, _ in sitting_repository.load_account_sittings(db, account.id)} if tests else {}
+        {sitting.assignment_id: sitting for sitting, _ in sitting_repository.load_account_sittings(db, account.id)}
+        if tests
+        else {}
     )
     for wanted in (feedback.SittingStage.running, feedback.SittingStage.may_begin):
-        for one in tests:
-            sitting = sat.get(one.assignment.id)
-            stage = feedback.sitting_stage(one.assignment, one.rules, sitting, now)
-            if stage is wanted and (sitting is not None or not one.rules.excused):
-                yield _test(one, sitting)
+        for assigned in tests:
+            sitting = sat.get(assigned.assignment.id)
+            stage = feedback.sitting_stage(assigned.assignment, assigned.rules, sitting, now)
+            if stage is wanted and (sitting is not None or not assigned.rules.excused):
+                yield _test(assigned, sitting)
 
 
-def _test(one: StudentAssignment, sitting: Sitting | None) -> DueView:
-    end = one.rules.closes_at if sitting is None else feedback.sitting_end(one.rules, sitting)
+def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
+    end = assigned.rules.closes_at if sitting is None else feedback.sitting_end(assigned.rules, sitting)
     return DueView(
-        title=one.assignment.title,
-        href=feedback.sitting_path(one.assignment.class_id, one.assignment.id),
+        title=assigned.assignment.title,
+        href=feedback.sitting_path(assigned.assignment.class_id, assigned.assignment.id),
         when="" if end is None else iso_moment(end),
         when_text="" if end is None else long_moment(end),
         late=False,
-        left=len(one.exercises),
+        left=len(assigned.exercises),
         test="may_begin" if sitting is None else "running",
     )
 
 
-def _is_of(one: StudentAssignment, module: str | None) -> bool:
-    return module is None or any(row.exercise.startswith(f"{module}/") for row in one.exercises)
+def _is_of(assigned: StudentAssignment, module: str | None) -> bool:
+    return module is None or any(row.exercise.startswith(f"{module}/") for row in assigned.exercises)
 
 
 def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tuple[DueView, ...]:
@@ -94,18 +102,18 @@ def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tup
     if account is None:
         return ()
     found = student_assignments.load_open_assignments(db, account.id, utc_now(), exercise)
-    asking = [one for one in found if not one.rules.excused and one.assignment.mode != Mode.test]
-    return tuple(_view(one, {}) for one in asking)[:MOST]
+    asking = [assigned for assigned in found if not assigned.rules.excused and assigned.assignment.mode != Mode.test]
+    return tuple(_view(assigned, {}) for assigned in asking)[:MOST]
 
 
-def _view(one: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueView:
-    late = one.stage is AssignmentStage.late
-    when: datetime | None = one.rules.closes_at if late else one.rules.due_at
+def _view(assigned: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueView:
+    late = assigned.stage is AssignmentStage.late
+    when: datetime | None = assigned.rules.closes_at if late else assigned.rules.due_at
     return DueView(
-        title=one.assignment.title,
-        href=f"/classes/{one.assignment.class_id}#devoir-{one.assignment.id}",
+        title=assigned.assignment.title,
+        href=f"/classes/{assigned.assignment.class_id}#devoir-{assigned.assignment.id}",
         when="" if when is None else iso_moment(when),
         when_text="" if when is None else long_moment(when),
         late=late,
-        left=sum(not progress.get(row.exercise, NOTHING_YET).succeeded for row in one.exercises),
+        left=sum(not progress.get(row.exercise, NOTHING_YET).succeeded for row in assigned.exercises),
     )

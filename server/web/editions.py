@@ -22,7 +22,7 @@ def modules_of_classes(reader: Reader) -> frozenset[str]:
     if reader.account is None:
         return frozenset()
     joined = repository.load_joined_classes(reader.db, reader.account.id)
-    return frozenset(one.school_class.module for one in joined if one.school_class.archived_at is None)
+    return frozenset(seat.school_class.module for seat in joined if seat.school_class.archived_at is None)
 
 
 def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -> Sequence[Module]:
@@ -35,35 +35,37 @@ def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -
         return course.latest
     own = modules_of_classes(reader)
     families = {edition_of(slug).family for slug in own if slug in course.modules}
-    wanted = own | {one.slug for one in course.latest if edition_of(one.slug).family not in families}
-    begun = {exercise.partition("/")[0] for exercise, one in progress.items() if one.attempts}
+    wanted = own | {module.slug for module in course.latest if edition_of(module.slug).family not in families}
+    begun = {
+        exercise.partition("/")[0] for exercise, exercise_progress in progress.items() if exercise_progress.attempts
+    }
     return [module for slug, module in course.modules.items() if slug in wanted | begun]
 
 
 def edition_note(reader: Reader, module: Module) -> EditionNote | None:
     """What is said on the page of a module that has other editions."""
     course = reader.course
-    others = [one for one in course.editions(module.slug) if one is not module]
+    others = [edition for edition in course.editions(module.slug) if edition is not module]
     if not others:
         return None
     own = modules_of_classes(reader)
     if module.slug in own:
         return EditionNote(OURS) if course.newer(module.slug) else None
-    for one in others:
-        if one.slug in own:
-            return EditionNote(OTHER.format(label=one.label), f"/{one.slug}")
+    for edition in others:
+        if edition.slug in own:
+            return EditionNote(OTHER.format(label=edition.label), f"/{edition.slug}")
     newer = course.newer(module.slug)
     return EditionNote(NEWER.format(label=newer.label), f"/{newer.slug}") if newer else None
 
 
 def later_editions(course: Course, slug: str) -> tuple[Module, ...]:
     """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
-    return tuple(one for one in course.editions(slug) if edition_of(one.slug) >= edition_of(slug))
+    return tuple(later for later in course.editions(slug) if edition_of(later.slug) >= edition_of(slug))
 
 
 def chosen_edition(course: Course, own: str, wanted: str) -> str:
     """The module of a class's copy. Raises NotFound for one that is none of its later editions."""
-    if wanted in {"", own} or any(one.slug == wanted for one in later_editions(course, own)):
+    if wanted in {"", own} or any(edition.slug == wanted for edition in later_editions(course, own)):
         return wanted or own
     raise NotFound("Cette édition du module n’existe pas.")
 

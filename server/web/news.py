@@ -38,9 +38,12 @@ class WordView:
 def news_views(found: Sequence[UnreadThread], course: Course) -> tuple[NewsView, ...]:
     return tuple(
         NewsView(
-            _title(course, one.thread.exercise), thread_subject(one.thread), shorten(one.text), f"/fils/{one.thread.id}"
+            _title(course, thread.thread.exercise),
+            thread_subject(thread.thread),
+            shorten(thread.text),
+            f"/fils/{thread.thread.id}",
         )
-        for one in found
+        for thread in found
     )
 
 

@@ -42,9 +42,13 @@ def _points(score: float | None) -> float | None:
 
 def format_points_pair(before: float | None, after: float | None, most: float = 20.0) -> tuple[str, str]:
     """Two numbers of points as marks are read; to the hundredth, where rounding would make them one."""
-    known = [one for one in (before, after) if one is not None]
-    read = format_points if len({format_mark(one, max(one, most)) for one in known}) < len(set(known)) else _mark(most)
-    written = ["" if one is None else read(one) for one in (before, after)]
+    known = [points for points in (before, after) if points is not None]
+    read = (
+        format_points
+        if len({format_mark(points, max(points, most)) for points in known}) < len(set(known))
+        else _mark(most)
+    )
+    written = ["" if points is None else read(points) for points in (before, after)]
     return written[0], written[1]
 
 

@@ -91,7 +91,7 @@ def _here(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView 
 def _modules(request: Request, course: Course) -> list[tuple[str, str, str]]:
     """Slug, number and title of each: the edition that the address is in, else the last."""
     here = course.modules.get(request.path_params.get("module", ""))
-    latest = [here if here and course.newer(here.slug) is one else one for one in course.latest]
+    latest = [here if here and course.newer(here.slug) is module else module for module in course.latest]
     return [(module.slug, module.label, module.title) for module in latest]
 
 

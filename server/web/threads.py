@@ -161,7 +161,8 @@ def writer_view(
         return WriterView(False, (), back)
     phrases = notes.suggest_phrases(db, account, exercise, diagnosis)
     views = tuple(
-        PhraseView(str(one.id), one.text, diagnosis is not None and one.misconception == diagnosis) for one in phrases
+        PhraseView(str(phrase.id), phrase.text, diagnosis is not None and phrase.misconception == diagnosis)
+        for phrase in phrases
     )
     return WriterView(True, views, back)
 

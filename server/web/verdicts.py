@@ -99,7 +99,9 @@ def _films(checks: Sequence[CheckResult], films: Films, grading: UUID | None) ->
     folder, filmed = films
     ending = f"?correction={grading}" if grading else ""
     first_failed = sorted((check for check in checks if check.id in filmed), key=lambda check: check.passed)
-    return tuple(FilmView(one.id, one.title, one.passed, f"{folder}/{one.id}{ending}") for one in first_failed)
+    return tuple(
+        FilmView(check.id, check.title, check.passed, f"{folder}/{check.id}{ending}") for check in first_failed
+    )
 
 
 def _check(
@@ -146,7 +148,7 @@ def _counterexample(
 
 def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tuple[str, ...]:
     """The names of what is returned by the one function that takes the inputs of those names; none if in doubt."""
-    takers = [one for one in functions if given and given.keys() <= set(NAME.findall(one.signature))]
+    takers = [function for function in functions if given and given.keys() <= set(NAME.findall(function.signature))]
     return takers[0].parts if len(takers) == 1 else ()
 
 

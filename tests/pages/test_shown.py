@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from server.identity.models import Role
-from server.pages import shown
+from server.pages import rendered_verdict
 from tests.support.classes import new_class, person, seat
 from tests.support.service import EXERCISE, Site
 
@@ -22,19 +22,19 @@ def send(site: Site, headers: dict[str, str], code: str) -> str:
 
 def test_it_is_laid_out_once_and_anew_for_what_else_is_said(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     laid_out: list[object] = []
-    view = shown._view
+    view = rendered_verdict._verdict_view
 
     def counted(*arguments: object) -> object:
         laid_out.append(arguments)
         return view(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(shown, "_view", counted)
+    monkeypatch.setattr(rendered_verdict, "_view", counted)
     ada, teacher = person(site), person(site, Role.teacher)
     own = ada.browser(site)
     path = send(site, ada.headers, WRONG)
     pages = {own.get(path).text for _ in range(3)}
     assert len(laid_out) == 1
-    shown._KEPT.clear()
+    rendered_verdict._KEPT.clear()
     pages.add(own.get(path).text)
     assert len(pages) == 1, "what is kept is what would be written"
     assert len(laid_out) == 2

@@ -68,7 +68,7 @@ def trace_checks(grader: CodeGrader, seed: int) -> Iterator[CheckTrace]:
 
 def first_case_figure(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
     """The data of a check's figure on its first case, the right answer being given; None where it draws nothing."""
-    check = next((one for one in grader.checks if one.id == check_id), None)
+    check = next((candidate for candidate in grader.checks if candidate.id == check_id), None)
     if not isinstance(check, Cases):
         return None
     args = next(iter(check.cases(stream(seed, check.id))))

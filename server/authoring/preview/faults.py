@@ -26,7 +26,7 @@ def write_faults(session: PreviewSession) -> None:
     sys.dont_write_bytecode = True
     course = read_course(session.course_folder, render=True)
     found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
-    write_atomically(session.faults_file, json.dumps([[str(one.path), one.line, one.message] for one in found]))
+    write_atomically(session.faults_file, json.dumps([[str(fault.path), fault.line, fault.message] for fault in found]))
 
 
 def load_faults(session: PreviewSession, known: Iterable[Problem]) -> list[Problem]:

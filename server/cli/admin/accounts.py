@@ -73,6 +73,8 @@ def accounts(database: Database, _settings: Settings, arguments: Namespace) -> A
     with database.read() as db:
         found = repository.search_accounts(db, role=role, search=arguments.search, limit=arguments.most + 1)
     shown, more = found[: arguments.most], len(found) > arguments.most
-    lines = [f"  {who(one)} : {ROLES[one.role]}{', suspendu' if one.disabled_at else ''}" for one in shown]
+    lines = [
+        f"  {who(account)} : {ROLES[account.role]}{', suspendu' if account.disabled_at else ''}" for account in shown
+    ]
     end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."
-    return Answer([*lines, end], {"accounts": [told(one) for one in shown], "more": more})
+    return Answer([*lines, end], {"accounts": [told(account) for account in shown], "more": more})

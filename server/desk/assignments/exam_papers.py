@@ -30,7 +30,11 @@ def paper_links(course: Course, module: str, home: str) -> tuple[PaperLink, ...]
 def paper_form_values(course: Course, module: str, slug: str) -> AssignmentValues:
     """The form filled for a paper; as it is where there is no such paper."""
     served = course.modules.get(module)
-    paper = next((one for one in served.lessons if one.slug == slug and one.kind is PAPER), None) if served else None
+    paper = (
+        next((lesson for lesson in served.lessons if lesson.slug == slug and lesson.kind is PAPER), None)
+        if served
+        else None
+    )
     if served is None or paper is None:
         return AssignmentValues()
     weights = dict.fromkeys(paper_exercise_ids(served, paper), "1")

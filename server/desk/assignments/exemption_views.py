@@ -52,7 +52,7 @@ def build_exemptions_page(
     db: Session,
     course: Course,
     access: ClassAccess,
-    one: Assignment,
+    assignment: Assignment,
     order: str,
     values: ExemptionValues | None = None,
     problems: Mapping[str, str] | None = None,
@@ -62,9 +62,9 @@ def build_exemptions_page(
     order = order if order in ORDERS else ORDERS[0]
     return ExemptionsPage(
         head=views.class_head(course, access, TAB),
-        title=one.title,
-        href=assignment_href(one),
-        rows=tuple(_sorted_rows(db, one, members, order)),
+        title=assignment.title,
+        href=assignment_href(assignment),
+        rows=tuple(_sorted_rows(db, assignment, members, order)),
         order=order,
         students=tuple((str(each.id), each.name) for each in active_students(members)),
         groups=tuple(student_labels(members)),
@@ -73,13 +73,13 @@ def build_exemptions_page(
         may_keep=may_manage(access),
         zone=school_time.time_zone_name(),
         own=tuple(
-            (words.FIELD_NAMES[name], words.format_field_value(name, getattr(one, name)))
+            (words.FIELD_NAMES[name], words.format_field_value(name, getattr(assignment, name)))
             for name in ("opens_at", "due_at", "closes_at")
         ),
     )
 
 
-def _sorted_rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
+def _sorted_rows(db: Session, assignment: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
     """Those that hold first, then those revoked; by the class's list, groups before, or the newest first."""
     places = {each.id: (access, each) for access, each in enumerate(members)}
 
@@ -90,14 +90,17 @@ def _sorted_rows(db: Session, one: Assignment, members: Sequence[Member], order:
             return held, -each.created_at.timestamp()
         return held, seat is not None, seat[0] if seat else 0, (each.label or "").casefold(), each.created_at
 
-    return [_exemption_row(one, each, places) for each in sorted(repository.load_all_exemptions(db, one.id), key=key)]
+    return [
+        _exemption_row(assignment, each, places)
+        for each in sorted(repository.load_all_exemptions(db, assignment.id), key=key)
+    ]
 
 
-def _exemption_row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
+def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
     seat = places.get(each.account_id) if each.account_id else None
     member = seat[1] if seat else None
     author = places.get(each.created_by) if each.created_by else None
-    why = f"{assignment_href(one)}/pourquoi?eleve={each.account_id}" if member and not each.label else ""
+    why = f"{assignment_href(assignment)}/pourquoi?eleve={each.account_id}" if member and not each.label else ""
     return ExemptionRow(
         id=str(each.id),
         who=each.label or (member.name if member else LEFT_CLASS),
@@ -116,12 +119,12 @@ def _described_effects(each: Exemption) -> Iterator[tuple[str, str]]:
         yield words.FIELD_NAMES[name], words.format_field_value(name, said)  # type: ignore[index]
 
 
-def exemptions_csv(db: Session, access: ClassAccess, one: Assignment, order: str) -> bytes:
+def exemptions_csv(db: Session, access: ClassAccess, assignment: Assignment, order: str) -> bytes:
     """For a French spreadsheet."""
     names = list(words.FIELD_NAMES.values())
     header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
     rows = []
-    for row in _sorted_rows(db, one, classes.load_members(db, access.school_class.id), order):
+    for row in _sorted_rows(db, assignment, classes.load_members(db, access.school_class.id), order):
         told = dict(row.effects)
         who = ["", row.who] if row.is_group else [row.who, ""]
         effects_of = [told.get(name, "") for name in names]
@@ -130,20 +133,26 @@ def exemptions_csv(db: Session, access: ClassAccess, one: Assignment, order: str
 
 
 def build_rules_explanation_page(
-    db: Session, course: Course, access: ClassAccess, one: Assignment, student: Member
+    db: Session, course: Course, access: ClassAccess, assignment: Assignment, student: Member
 ) -> RulesExplanationPage:
     """For the staff with the reasons; for the student themself without."""
     staff = access.has(Right.see_students)
-    exemptions = repository.load_exemptions(db, [one.id]).get(one.id, ())
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     seat = student.membership
-    rules = rules_in_force(one, exemptions, seat.account_id, seat.groups)
+    rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
     told = explain_rules(rules, exemptions, seat.account_id)
-    asked = [name for name in words.FIELD_NAMES if name != "time_factor" or one.duration_minutes or len(told[name]) > 1]
+    asked = [
+        name
+        for name in words.FIELD_NAMES
+        if name != "time_factor" or assignment.duration_minutes or len(told[name]) > 1
+    ]
     members = classes.load_members(db, access.school_class.id) if staff else ()
     return RulesExplanationPage(
         head=views.class_head(course, access, TAB),
-        title=one.title,
-        href=assignment_href(one) if staff else f"{views.class_href(access.school_class)}#devoir-{one.id}",
+        title=assignment.title,
+        href=assignment_href(assignment)
+        if staff
+        else f"{views.class_href(access.school_class)}#devoir-{assignment.id}",
         student=str(student.id),
         name=student.name,
         fields=tuple(
@@ -158,8 +167,8 @@ def build_rules_explanation_page(
         line=draw_late_line(rules),
         people=tuple((str(each.id), each.name) for each in active_students(members)),
         for_staff=staff,
-        sitting=_sitting_sentence(sitting_repository.load_sitting(db, one.id, seat.account_id), rules)
-        if one.mode == Mode.test
+        sitting=_sitting_sentence(sitting_repository.load_sitting(db, assignment.id, seat.account_id), rules)
+        if assignment.mode == Mode.test
         else "",
     )
 

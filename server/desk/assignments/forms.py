@@ -171,7 +171,7 @@ def stored_assignment_values(wanted: AssignmentInput) -> AssignmentValues:
         solution=wanted.solution,
         mode=wanted.mode,
         duration="" if wanted.duration_minutes is None else str(wanted.duration_minutes),
-        weights={one.exercise: format_number(one.weight) for one in wanted.exercises},
+        weights={exercise.exercise: format_number(exercise.weight) for exercise in wanted.exercises},
     )
 
 

@@ -103,7 +103,7 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     found = editing.find_assignment(reader.db, access.school_class, aid)
     wanted = editing.load_assignment_input(reader.db, found)
     values = assignment_forms.stored_assignment_values(wanted)
-    view = assignment_views.build_form_page(reader.course, access, values, one=found, drawn=wanted)
+    view = assignment_views.build_form_page(reader.course, access, values, assignment=found, drawn=wanted)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
@@ -127,7 +127,7 @@ def update_assignment(
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
-    view = assignment_views.build_form_page(course, access, values, one=found, problems=problems, drawn=drawn)
+    view = assignment_views.build_form_page(course, access, values, assignment=found, problems=problems, drawn=drawn)
     return _render_form(request, account, view)
 
 

@@ -63,13 +63,19 @@ def assignment_href(assignment: Assignment) -> str:
 def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> AssignmentsPage:
     """Six queries, however many there are."""
     rows = repository.load_class_assignments(db, access.school_class.id)
-    names = [one.id for one in rows]
+    names = [assignment.id for assignment in rows]
     exercises, exempted = repository.load_exercises(db, names), repository.count_exemptions(db, names)
     finished = desk.count_finished_students(db, access.school_class.id, names)
     now = utc_now()
     shown = tuple(
-        _assignment_row(one, len(exercises.get(one.id, ())), exempted.get(one.id, 0), finished.get(one.id, 0), now)
-        for one in rows
+        _assignment_row(
+            assignment,
+            len(exercises.get(assignment.id, ())),
+            exempted.get(assignment.id, 0),
+            finished.get(assignment.id, 0),
+            now,
+        )
+        for assignment in rows
     )
     students = classes.count_students(db, [access.school_class.id])[access.school_class.id][0]
     given = exam_papers.paper_links(course, access.school_class.module, views.class_href(access.school_class))
@@ -81,36 +87,40 @@ def may_manage(access: ClassAccess) -> bool:
     return access.has(Right.manage_assignments) and access.school_class.archived_at is None
 
 
-def _assignment_row(one: Assignment, exercises: int, exemptions: int, finished: int, now: datetime) -> AssignmentRow:
+def _assignment_row(
+    assignment: Assignment, exercises: int, exemptions: int, finished: int, now: datetime
+) -> AssignmentRow:
     return AssignmentRow(
-        href=assignment_href(one),
-        title=one.title,
-        mode=words.MODE_WORDS[Mode(one.mode)],
-        is_test=one.mode == Mode.test,
-        stage=stage_view(assignment_stage(common_rules(one), now)),
-        opens=format_date(one.opens_at),
-        due=format_date(one.due_at),
-        closes=format_date(one.closes_at),
+        href=assignment_href(assignment),
+        title=assignment.title,
+        mode=words.MODE_WORDS[Mode(assignment.mode)],
+        is_test=assignment.mode == Mode.test,
+        stage=stage_view(assignment_stage(common_rules(assignment), now)),
+        opens=format_date(assignment.opens_at),
+        due=format_date(assignment.due_at),
+        closes=format_date(assignment.closes_at),
         exercises=exercises,
         exemptions=exemptions,
         finished=finished,
     )
 
 
-def build_assignment_page(db: Session, course: Course, access: ClassAccess, one: Assignment) -> AssignmentPage:
-    wanted = editing.load_assignment_input(db, one)
-    exempted = repository.count_exemptions(db, [one.id]).get(one.id, 0)
-    finished = desk.count_finished_students(db, access.school_class.id, [one.id]).get(one.id, 0)
+def build_assignment_page(db: Session, course: Course, access: ClassAccess, assignment: Assignment) -> AssignmentPage:
+    wanted = editing.load_assignment_input(db, assignment)
+    exempted = repository.count_exemptions(db, [assignment.id]).get(assignment.id, 0)
+    finished = desk.count_finished_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
     return AssignmentPage(
         head=views.class_head(course, access, TAB),
-        row=_assignment_row(one, len(wanted.exercises), exempted, finished, utc_now()),
+        row=_assignment_row(assignment, len(wanted.exercises), exempted, finished, utc_now()),
         exercises=tuple(_weighted_exercise_row(course, each.exercise, each.weight) for each in wanted.exercises),
         facts=tuple(_rule_facts(wanted)),
-        line=draw_late_line(common_rules(one)),
+        line=draw_late_line(common_rules(assignment)),
         students=classes.count_students(db, [access.school_class.id])[access.school_class.id][0],
         may_keep=may_manage(access),
         may_compare=access.has(Right.compare_codes),
-        release=release_view(db, one) if one.mode == Mode.test and access.has(Right.release_feedback) else None,
+        release=release_view(db, assignment)
+        if assignment.mode == Mode.test and access.has(Right.release_feedback)
+        else None,
     )
 
 
@@ -141,7 +151,7 @@ def build_form_page(
     access: ClassAccess,
     values: AssignmentValues,
     *,
-    one: Assignment | None = None,
+    assignment: Assignment | None = None,
     problems: Mapping[str, str] | None = None,
     drawn: AssignmentInput | None = None,
 ) -> AssignmentFormPage:
@@ -149,16 +159,16 @@ def build_form_page(
     home = f"{views.class_href(access.school_class)}/devoirs"
     return AssignmentFormPage(
         head=views.class_head(course, access, TAB),
-        action=home if one is None else f"{assignment_href(one)}/modifier",
-        back=home if one is None else assignment_href(one),
-        is_new=one is None,
+        action=home if assignment is None else f"{assignment_href(assignment)}/modifier",
+        back=home if assignment is None else assignment_href(assignment),
+        is_new=assignment is None,
         values=values,
         choices=tuple(_exercise_options(course, access, values.weights)),
         problems=problems or {},
         line=None if drawn is None else draw_late_line(common_rules(drawn)),
         zone=school_time.time_zone_name(),
-        counts=tuple((one.value, told) for one, told in words.SELECTION_WORDS.items()),
-        shown=tuple((one.value, told) for one, told in words.VISIBILITY_WORDS.items()),
+        counts=tuple((selection.value, told) for selection, told in words.SELECTION_WORDS.items()),
+        shown=tuple((visibility.value, told) for visibility, told in words.VISIBILITY_WORDS.items()),
     )
 
 

@@ -47,7 +47,7 @@ def misconception_page(
     return MisconceptionPage(
         head=class_head(course, access, ""),
         row=misconception_row(links, stats),
-        paragraphs=tuple(exercise.prose(one) if exercise.answers else one for one in paragraphs),
+        paragraphs=tuple(exercise.prose(paragraph) if exercise.answers else paragraph for paragraph in paragraphs),
         prose=exercise.answers is not None,
         extracts=_extracts(db, progress, exercise, known, misconception),
         still=links.people(stats.students, exercise_id),

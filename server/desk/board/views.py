@@ -234,7 +234,7 @@ def cell_key(student: UUID, exercise: str) -> str:
 
 def _misconception_rows(links: BoardLinks, board: Board, *, everything: bool) -> tuple[MisconceptionRow, ...]:
     stats = board.misconceptions if everything else board.misconceptions[:FIRST_MISCONCEPTIONS]
-    return tuple(misconception_row(links, one) for one in stats)
+    return tuple(misconception_row(links, stat) for stat in stats)
 
 
 def misconception_row(links: BoardLinks, stats: MisconceptionStats) -> MisconceptionRow:

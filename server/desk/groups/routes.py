@@ -81,7 +81,7 @@ def _render_group(
     found = service.load_class_group(reader.db, access.school_class, which.exercise, which.group)
     earlier = service.list_other_names(reader.db, access.school_class, which.exercise, which.group)
     view = group_views.build_group_page(reader.db, reader.course, access, reader.account, found, earlier, wanted)
-    taken = next((one for one in earlier if one.group_id == depuis), None)
+    taken = next((other for other in earlier if other.group_id == depuis), None)
     form, status = filled or group_views.group_name_form(taken or found.name), 422 if filled else 200
     return render_page(request, "classes/group.html", reader.account, status=status, page=view, form=form)
 

@@ -47,7 +47,7 @@ def build_group_page(
     school_class, group = access.school_class, found.group
     exercise = course.exercises.get(group.exercise)
     read = behaviour.load_program(db, school_class, group.id, wanted)
-    names = {one.id: one.name for one in classes.load_members(db, school_class.id)}
+    names = {member.id: member.name for member in classes.load_members(db, school_class.id)}
     href = group_href(school_class.id, group.exercise, group.id)
     may_name = access.has(Right.name_behaviours) and school_class.archived_at is None
     return GroupPage(
@@ -66,7 +66,9 @@ def build_group_page(
         code_href=f"/soumissions/{read.id}",
         named=found.name is not None,
         may_name=may_name,
-        earlier=tuple(NameSuggestion(f"{href}?depuis={one.group_id}#nommer", one.title) for one in earlier if may_name),
+        earlier=tuple(
+            NameSuggestion(f"{href}?depuis={other.group_id}#nommer", other.title) for other in earlier if may_name
+        ),
         questions=_failed_check_hints(db, account, read) if may_name else (),
         titles=_misconception_titles(exercise) if may_name else (),
         rows=tuple(_program_row(line, names, href, read) for line in found.lines),
@@ -79,7 +81,11 @@ def group_name_form(name: BehaviourName | None) -> GroupNameForm:
 
 def _example_view(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleView:
     expected, got, inputs = example["expected"], example["got"], example["inputs"]
-    parts = next((one.parts for one in exercise.functions if one.name == example["function"]), ()) if exercise else ()
+    parts = (
+        next((function.parts for function in exercise.functions if function.name == example["function"]), ())
+        if exercise
+        else ()
+    )
     return ExampleView(
         function=example["function"],
         inputs=tuple((name, values.value_view(value)) for name, value in inputs.items()),
@@ -98,7 +104,7 @@ def _failed_check_hints(db: Session, account: Account, read: Submission) -> tupl
 def _misconception_titles(exercise: Exercise | None) -> tuple[str, ...]:
     if exercise is None or not isinstance(exercise.grader, CodeGrader):
         return ()
-    return tuple(dict.fromkeys(one.title for one in exercise.grader.misconceptions))
+    return tuple(dict.fromkeys(misconception.title for misconception in exercise.grader.misconceptions))
 
 
 def _program_row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:

@@ -52,7 +52,9 @@ def show_likeness(
         if assignment is None:
             raise NotFound(NO_ASSIGNMENT)
         assigned = assignments.load_exercises(db, [assignment.id])[assignment.id]
-        exercises = [course.exercises[one.exercise] for one in assigned if one.exercise in course.exercises]
+        exercises = [
+            course.exercises[weighted.exercise] for weighted in assigned if weighted.exercise in course.exercises
+        ]
         chosen = _chosen_exercise(exercises, exercice)
         sent = service.load_copies(db, assignment, chosen) if chosen else []
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
@@ -64,7 +66,7 @@ def show_likeness(
 def _chosen_exercise(exercises: list[Exercise], name: str) -> Exercise | None:
     if not name:
         return None
-    chosen = next((one for one in exercises if one.id == name), None)
+    chosen = next((exercise for exercise in exercises if exercise.id == name), None)
     if chosen is None:
         raise NotFound(NO_SUCH_EXERCISE)
     return chosen
@@ -84,7 +86,11 @@ def _likeness_page(
         head=head,
         title=assignment.title,
         href=f"{head.href}/devoirs/{assignment.id}/ressemblances",
-        choices=tuple(ExerciseChoice(one.id, one.title, one is chosen) for one in exercises if one.answers is None),
+        choices=tuple(
+            ExerciseChoice(exercise.id, exercise.title, exercise is chosen)
+            for exercise in exercises
+            if exercise.answers is None
+        ),
         chosen=chosen.title if chosen else "",
         compared=found.compared,
         too_short=found.too_short,

@@ -238,7 +238,13 @@ class _BodyBuilder:
         for row in rows:
             mark, href = row.marks[index], self._mark_href(row, assignment)
             cells.append(
-                (row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), assignment_cell(mark, href)))
+                (
+                    row,
+                    (
+                        *(_exercise_cell(exercise_mark, mark, href) for exercise_mark in mark.exercises),
+                        assignment_cell(mark, href),
+                    ),
+                )
             )
         return self._table(f"Notes du devoir « {self._titles[self._query.assignment]} »", columns, cells)
 

@@ -94,7 +94,9 @@ def _build_page(
         else None
     )
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
-    shown = [] if known is None else [(one, _own_assignment(course, one, known, suffix)) for one in found]
+    shown = (
+        [] if known is None else [(assigned, _own_assignment(course, assigned, known, suffix)) for assigned in found]
+    )
     own = OwnMembership(views.ROLES[ClassRole(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
     running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN_STAGES), key=_urgency)
     return OwnClassPage(
@@ -128,12 +130,12 @@ def _load_student_work(
     held = gradebook.load_withholding_times(db, account_id)
     sat = (
         sitting_repository.load_account_sittings(db, account_id)
-        if any(one.assignment.mode == Mode.test for one in found)
+        if any(assigned.assignment.mode == Mode.test for assigned in found)
         else ()
     )
     return _StudentWork(
-        marks={one.assignment.id: one for one in own.marks},
-        sittings={one.assignment_id: one for one, _ in sat},
+        marks={mark.assignment.id: mark for mark in own.marks},
+        sittings={sitting.assignment_id: sitting for sitting, _ in sat},
         sent=gradebook.count_attempts_since(db, account_id, held) if held else {},
         average=own.average,
         now=now,
@@ -148,21 +150,23 @@ def _urgency(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool,
     return not (view.test and view.test.running), not date, date
 
 
-def _own_assignment(course: Course, one: StudentAssignment, known: _StudentWork, suffix: str) -> OwnAssignment:
-    rules, assignment = one.rules, one.assignment
+def _own_assignment(course: Course, assigned: StudentAssignment, known: _StudentWork, suffix: str) -> OwnAssignment:
+    rules, assignment = assigned.rules, assigned.assignment
     sitting = known.sittings.get(assignment.id)
     test = tests.test_status(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
-    stage = stage_view(one.stage) if test is None else test.stage
+    stage = stage_view(assigned.stage) if test is None else test.stage
     exercises = (
         None
-        if one.hides_exercises and sitting is None
-        else tuple(_own_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
+        if assigned.hides_exercises and sitting is None
+        else tuple(
+            _own_exercise(course, assigned, row, known, over=stage.kind == "closed") for row in assigned.exercises
+        )
     )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
     done = sum(row.kind == "done" for row in exercises or ())
     left = any(row.kind not in {"done", "excused"} for row in exercises or ())
     all_done = (
-        test is None and one.stage in {AssignmentStage.open, AssignmentStage.late} and bool(exercises) and not left
+        test is None and assigned.stage in {AssignmentStage.open, AssignmentStage.late} and bool(exercises) and not left
     )
     href = f"/classes/{assignment.class_id}/devoirs/{assignment.id}/pourquoi{suffix}"
     return OwnAssignment(
@@ -179,7 +183,7 @@ def _own_assignment(course: Course, one: StudentAssignment, known: _StudentWork,
         why_href=href,
         exercises=exercises,
         done=done,
-        differs=bool(one.exemptions),
+        differs=bool(assigned.exemptions),
         test=test.for_viewer(watched=known.watched) if test else None,
         mark=_final_mark_text(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
     )
@@ -198,16 +202,16 @@ def _late_policy_text(rules: Rules) -> str:
 
 
 def _own_exercise(
-    course: Course, one: StudentAssignment, row: WeightedExercise, known: _StudentWork, *, over: bool
+    course: Course, assigned: StudentAssignment, row: WeightedExercise, known: _StudentWork, *, over: bool
 ) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
-    own = known.marks.get(one.assignment.id)
+    own = known.marks.get(assigned.assignment.id)
     found = None if own is None else own.exercises.get(row.exercise)
     if found is None:
-        if one.assignment.mode != Mode.test:
+        if assigned.assignment.mode != Mode.test:
             return OwnExercise(title, href, *WITHHELD_STANDING, "")
-        sent = known.sent.get(row.exercise, 0) if one.assignment.id in known.sittings else 0
+        sent = known.sent.get(row.exercise, 0) if assigned.assignment.id in known.sittings else 0
         return OwnExercise(title, href, *withheld_standing(sent, over=over), "")
     if found.override is not None:
         reason = visible(found.override.reason)
@@ -246,8 +250,8 @@ def exercise_standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str
 
 def _next_step(running: Sequence[tuple[StudentAssignment, OwnAssignment]]) -> NextStep | None:
     """The test that is open; the first exercise that is not solved, of the assignment that is due first."""
-    for one, view in running:
-        if one.rules.excused and not (view.test and view.test.running):
+    for assigned, view in running:
+        if assigned.rules.excused and not (view.test and view.test.running):
             continue
         if view.test is not None:
             return NextStep(view.test.href, view.title, view.title, view.test.running, is_test=True)

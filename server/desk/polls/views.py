@@ -36,7 +36,7 @@ def build_polls_page(db: Session, course: Course, access: ClassAccess) -> PollsP
 
 def _poll_row(poll: Poll, said: Sequence[AnswerCount]) -> PollRow:
     """Answers that the question no longer offers are not counted."""
-    counting = [(poll.counted_options(one.first), one.students) for one in said]
+    counting = [(poll.counted_options(answer.first), answer.students) for answer in said]
     answered = sum(students for chosen, students in counting if chosen)
     counts = {
         option.id: sum(students for chosen, students in counting if option.id in chosen) for option in poll.options

@@ -85,19 +85,21 @@ def build_regrades_page(db: Session, course: Course, access: ClassAccess, regrad
     names = _ClassNames(db, course, school_class.id)
     return RegradesPage(
         head=class_head(course, access, PATH),
-        outdated=tuple(_outdated_row(one, titles[one.exercise]) for one in regrades.outdated(db, school_class)),
+        outdated=tuple(
+            _outdated_row(outdated, titles[outdated.exercise]) for outdated in regrades.outdated(db, school_class)
+        ),
         exercises=tuple(titles.items()),
         assignments=tuple((str(name), title) for name, title in names.assignments.items()),
         students=tuple((str(name), names.people[name]) for name in names.active),
-        rows=tuple(names.row(one, state) for one, state in service.load_history(db, school_class.id)),
+        rows=tuple(names.row(regrade, state) for regrade, state in service.load_history(db, school_class.id)),
     )
 
 
-def _outdated_row(one: OutdatedExercise, title: str) -> OutdatedExerciseRow:
-    attempts = plural(one.attempts, "copie", "copies")
-    was = "a été corrigée" if one.attempts < 2 else "ont été corrigées"
-    words = f"{attempts} de {plural(one.students, 'élève')} {was} par une version plus ancienne"
-    return OutdatedExerciseRow(one.exercise, title, words)
+def _outdated_row(outdated: OutdatedExercise, title: str) -> OutdatedExerciseRow:
+    attempts = plural(outdated.attempts, "copie", "copies")
+    was = "a été corrigée" if outdated.attempts < 2 else "ont été corrigées"
+    words = f"{attempts} de {plural(outdated.students, 'élève')} {was} par une version plus ancienne"
+    return OutdatedExerciseRow(outdated.exercise, title, words)
 
 
 class _ClassNames:
@@ -107,10 +109,12 @@ class _ClassNames:
         self._course = course
         self.overridden: frozenset[UUID] = frozenset()
         everyone = classes.load_members(db, class_id)
-        students = [one for one in everyone if one.role is ClassRole.student]
-        self.people = {one.id: one.name for one in everyone}
-        self.active = [one.id for one in students if one.status is Status.active]
-        self.assignments = {one.id: one.title for one in assignments.load_class_assignments(db, class_id)}
+        students = [member for member in everyone if member.role is ClassRole.student]
+        self.people = {member.id: member.name for member in everyone}
+        self.active = [student.id for student in students if student.status is Status.active]
+        self.assignments = {
+            assignment.id: assignment.title for assignment in assignments.load_class_assignments(db, class_id)
+        }
 
     def row(self, regrade: Regrade, advance: RegradeProgress) -> RegradeRow:
         exercise = self._course.exercises.get(regrade.exercise)
@@ -138,7 +142,9 @@ class _ClassNames:
 def build_regrade_page(db: Session, course: Course, access: ClassAccess, regrade: Regrade) -> RegradePage:
     found = service.preview_regrade(db, regrade)
     names = _ClassNames(db, course, regrade.class_id)
-    set_by_hand = marks.load_overrides(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
+    set_by_hand = marks.load_overrides(
+        db, regrade.class_id, [mark_change.student for mark_change in found.changes], [regrade.exercise]
+    )
     names.overridden = frozenset(student for student, _ in set_by_hand)
     exercise = course.exercises.get(regrade.exercise)
     advance = found.progress
@@ -164,24 +170,24 @@ def _outcome_groups(
 ) -> Iterator[OutcomeGroup]:
     words = APPLIED_TITLES if advance.state is RegradeState.applied else PREVIEW_TITLES
     for fate, (sign, tone) in OUTCOME_SIGNS.items():
-        rows = tuple(_mark_change_row(one, names, kind) for one in changes if one.outcome is fate)
+        rows = tuple(_mark_change_row(change, names, kind) for change in changes if change.outcome is fate)
         if rows:
             title = plural(len(rows), *words[fate])
             yield OutcomeGroup(fate.value, title, sign, tone, fate is MarkOutcome.same, rows)
 
 
-def _mark_change_row(one: MarkChange, names: _ClassNames, kind: Kind) -> MarkChangeRow:
-    shown = one.new_only if one.outcome is MarkOutcome.kept else one.after
-    before, after = regraded.format_points_pair(one.before, shown)
-    difference = _format_difference((shown or 0.0) - (one.before or 0.0))
+def _mark_change_row(change: MarkChange, names: _ClassNames, kind: Kind) -> MarkChangeRow:
+    shown = change.new_only if change.outcome is MarkOutcome.kept else change.after
+    before, after = regraded.format_points_pair(change.before, shown)
+    difference = _format_difference((shown or 0.0) - (change.before or 0.0))
     return MarkChangeRow(
-        student=names.people.get(one.student, NOBODY),
+        student=names.people.get(change.student, NOBODY),
         before=before,
         after=after,
         difference=difference,
-        why=regraded.reason_sentences(one.differences, kind),
-        notes=(*_change_notes(one), *((OVERRIDDEN_NOTE,) if one.student in names.overridden else ())),
-        attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
+        why=regraded.reason_sentences(change.differences, kind),
+        notes=(*_change_notes(change), *((OVERRIDDEN_NOTE,) if change.student in names.overridden else ())),
+        attempt="" if change.submission_id is None else f"/soumissions/{change.submission_id}",
     )
 
 
@@ -191,12 +197,12 @@ def _format_difference(difference: float) -> str:
     return f"{'+' if difference > 0 else '−'}{format_points(abs(difference))}"
 
 
-def _change_notes(one: MarkChange) -> Iterator[str]:
-    if one.waiting:
-        yield f"{plural(one.waiting, 'copie attend', 'copies attendent')} encore"
-    if one.failed:
-        failed = plural(one.failed, "copie n’a pas pu être recorrigée", "copies n’ont pas pu être recorrigées")
+def _change_notes(change: MarkChange) -> Iterator[str]:
+    if change.waiting:
+        yield f"{plural(change.waiting, 'copie attend', 'copies attendent')} encore"
+    if change.failed:
+        failed = plural(change.failed, "copie n’a pas pu être recorrigée", "copies n’ont pas pu être recorrigées")
         yield f"{failed} (incident de notre côté) : l’ancienne correction reste"
-    if one.sent_since:
-        sent = plural(one.sent_since, "essai envoyé", "essais envoyés")
+    if change.sent_since:
+        sent = plural(change.sent_since, "essai envoyé", "essais envoyés")
         yield f"{sent} depuis : la version actuelle s’y applique déjà"

@@ -60,7 +60,11 @@ def _date_fields(name: str, when: datetime | None) -> dict[str, str]:
 def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SittingExercise, ...]:
     """Those that this server has; what was sent counts since the sitting began."""
     assigned = repository.load_exercises(reader.db, [own.assignment.id])[own.assignment.id]
-    known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
+    known = [
+        reader.course.exercises[weighted.exercise]
+        for weighted in assigned
+        if weighted.exercise in reader.course.exercises
+    ]
     saved = sitting_repository.load_save_times(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
     since = {exercise.id: began for exercise in known}

@@ -41,27 +41,31 @@ def build_questions_page(reader: Reader, access: ClassAccess, wanted: str, numbe
     return QuestionsPage(
         head=class_head(reader.course, access, "/questions"),
         filters=tuple(
-            FilterView(f"{label} ({found.counts[one] if one else total})", f"{href}?etat={name}", name == wanted)
-            for name, (one, label) in FILTERS.items()
+            FilterView(
+                f"{label} ({found.counts[filter_state] if filter_state else total})",
+                f"{href}?etat={name}",
+                name == wanted,
+            )
+            for name, (filter_state, label) in FILTERS.items()
         ),
-        rows=tuple(_question_row(reader.course, access, one) for one in found.threads),
+        rows=tuple(_question_row(reader.course, access, thread) for thread in found.threads),
         newer=f"{page}{number - 1}" if number > 1 else "",
         older=f"{page}{number + 1}" if found.more else "",
     )
 
 
-def _question_row(course: Course, access: ClassAccess, one: ThreadSummary) -> QuestionRow:
-    thread = one.thread
+def _question_row(course: Course, access: ClassAccess, summary: ThreadSummary) -> QuestionRow:
+    thread = summary.thread
     return QuestionRow(
         href=href_of_thread(thread),
-        student=one.student,
+        student=summary.student,
         student_href=f"{class_href(access.school_class)}/eleves/{thread.account_id}/{thread.exercise}",
         exercise=_exercise_title(course, thread.exercise),
         about=thread_subject(thread),
         state=thread.state,
-        label=state_label(thread, by_staff_alone=thread.by_staff and one.messages == 1),
-        text=shorten(one.text),
-        messages=one.messages,
+        label=state_label(thread, by_staff_alone=thread.by_staff and summary.messages == 1),
+        text=shorten(summary.text),
+        messages=summary.messages,
         when=iso_moment(thread.changed_at),
         when_text=short_moment(thread.changed_at),
     )
@@ -84,7 +88,7 @@ def build_notes_page(
     href = f"{class_href(school_class)}/mots?exercice="
     return NotesPage(
         head=class_head(reader.course, access, "/questions"),
-        exercises=tuple((one.id, one.title) for one in exercises_in_reading_order(module)) if module else (),
+        exercises=tuple((listed.id, listed.title) for listed in exercises_in_reading_order(module)) if module else (),
         exercise=chosen.id if chosen else "",
         mistakes=tuple(
             (f"{href}{quote(exercise, safe='')}&erreur={quote(name, safe='')}#ecrire", title, count, name == mistake)
@@ -94,7 +98,8 @@ def build_notes_page(
         if chosen and module
         else None,
         told=tuple(
-            _sent_note_row(reader.course, one) for one in notes_repository.load_class_notes(reader.db, school_class.id)
+            _sent_note_row(reader.course, note)
+            for note in notes_repository.load_class_notes(reader.db, school_class.id)
         ),
     )
 
@@ -117,7 +122,7 @@ def _note_form(
         exercise_title=exercise.title,
         mistake=mistake,
         mistake_title=titles.get(mistake, mistake),
-        students=tuple(one.name for one in members),
+        students=tuple(member.name for member in members),
         links=_link_groups(module),
         link=link,
         draft=draft,
@@ -125,8 +130,8 @@ def _note_form(
 
 
 def _link_groups(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
-    lessons = tuple((lesson_href(one), one.title) for one in lessons_in_reading_order(module))
-    exercises = tuple((exercise_href(one), one.title) for one in exercises_in_reading_order(module))
+    lessons = tuple((lesson_href(lesson), lesson.title) for lesson in lessons_in_reading_order(module))
+    exercises = tuple((exercise_href(exercise), exercise.title) for exercise in exercises_in_reading_order(module))
     return tuple(group for group in (("Pages du cours", lessons), ("Exercices", exercises)) if group[1])
 
 
@@ -139,17 +144,17 @@ def validate_link(course: Course, access: ClassAccess, link: str) -> str:
     return link
 
 
-def _sent_note_row(course: Course, one: SentNote) -> SentNoteRow:
-    note = one.note
+def _sent_note_row(course: Course, sent_note: SentNote) -> SentNoteRow:
+    note = sent_note.note
     return SentNoteRow(
         exercise=_exercise_title(course, note.exercise),
         mistake=note.misconception or "",
-        author=one.author or "un enseignant",
+        author=sent_note.author or "un enseignant",
         text=note.text,
         link=note.link,
         link_title=title_of_link(course, note.link),
-        readers=one.readers,
-        seen=one.seen,
+        readers=sent_note.readers,
+        seen=sent_note.seen,
         when=iso_moment(note.created_at),
         when_text=short_moment(note.created_at),
     )

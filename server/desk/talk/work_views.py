@@ -39,7 +39,7 @@ class StudentWork:
     def __init__(self, access: ClassAccess, member: Member) -> None:
         self.access, self.member = access, member
         left = member.membership.left_at if member.status is Status.left else None
-        ends = [one for one in (left, access.school_class.archived_at) if one is not None]
+        ends = [moment for moment in (left, access.school_class.archived_at) if moment is not None]
         self.until: datetime | None = min(ends, default=None)
 
     @property
@@ -73,7 +73,9 @@ def build_student_page(reader: Reader, student: StudentWork) -> StudentPage:
     tried = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = exercises_in_reading_order(module) if module else []
-    rows = tuple(_standing_row(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
+    rows = tuple(
+        _standing_row(student, exercise, tried.get(exercise.id), asking.get(exercise.id, 0)) for exercise in exercises
+    )
     return StudentPage(
         head=class_head(reader.course, student.access, "/eleves"),
         student=student.view,
@@ -135,7 +137,7 @@ def build_work_page(
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
         action=href,
-        attempts=tuple(_attempt_row(exercise, one, href, shown) for one in tried),
+        attempts=tuple(_attempt_row(exercise, attempt, href, shown) for attempt in tried),
         total=total,
         newer=f"{address}{number - 1}" if number > 1 else "",
         older=f"{address}{number + 1}" if skipped + ATTEMPTS_A_PAGE < total else "",
@@ -176,5 +178,5 @@ def _code_change(reader: Reader, student: StudentWork, exercise: Exercise, numbe
     if len(pair) == 1 or exercise.answers is not None:
         return None
     before, after = pair
-    hrefs = [f"/soumissions/{one.id}" for one in pair]
+    hrefs = [f"/soumissions/{attempt.id}" for attempt in pair]
     return CodeChange(number, compare_side_by_side(before.code, after.code), *hrefs)

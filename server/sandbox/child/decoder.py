@@ -24,7 +24,7 @@ from .wire_values import (
 )
 
 
-class _Reader:
+class _ByteReader:
     def __init__(self, data: bytes, limits: ValueLimits) -> None:
         self.data = data
         self.at = 0
@@ -69,14 +69,14 @@ def decode_counted(data: bytes, limits: ValueLimits) -> tuple[Value, int]:
     """As `decode`, with the number of items that the value is made of: an array is one, the key of a dict is one."""
     if len(data) > limits.size:
         raise MalformedValue("too long")
-    reader = _Reader(data, limits)
+    reader = _ByteReader(data, limits)
     value = _decode(reader, 1)
     if reader.at != len(data):
         raise MalformedValue("bytes left over")
     return value, reader.items
 
 
-def _decode(reader: _Reader, depth: int) -> Value:
+def _decode(reader: _ByteReader, depth: int) -> Value:
     reader.item()
     if depth > reader.limits.depth:
         raise MalformedValue("too deep")
@@ -86,33 +86,33 @@ def _decode(reader: _Reader, depth: int) -> Value:
     return decoder(reader, depth)
 
 
-def _decode_int(reader: _Reader, depth: int) -> int:
+def _decode_int(reader: _ByteReader, depth: int) -> int:
     return int(INT.unpack(reader.take(8))[0])
 
 
-def _decode_big_int(reader: _Reader, depth: int) -> int:
+def _decode_big_int(reader: _ByteReader, depth: int) -> int:
     length = reader.length()
     if length > MAX_INT_BYTES:
         raise MalformedValue("integer too long")
     return int.from_bytes(reader.take(length), "little", signed=True)
 
 
-def _decode_float(reader: _Reader, depth: int) -> float:
+def _decode_float(reader: _ByteReader, depth: int) -> float:
     return float(FLOAT.unpack(reader.take(8))[0])
 
 
-def _decode_complex(reader: _Reader, depth: int) -> complex:
+def _decode_complex(reader: _ByteReader, depth: int) -> complex:
     return complex(*COMPLEX.unpack(reader.take(16)))
 
 
-def _decode_str(reader: _Reader, depth: int) -> str:
+def _decode_str(reader: _ByteReader, depth: int) -> str:
     try:
         return reader.take(reader.length()).decode("utf-8")
     except UnicodeDecodeError as error:
         raise MalformedValue("text is not UTF-8") from error
 
 
-def _decode_array(reader: _Reader, depth: int) -> Array:
+def _decode_array(reader: _ByteReader, depth: int) -> Array:
     code, dimensions = reader.take(2)
     if code >= len(DTYPES) or dimensions > MAX_DIMENSIONS:
         raise MalformedValue("unknown array")
@@ -129,15 +129,15 @@ def _decode_array(reader: _Reader, depth: int) -> Array:
     return flat.reshape(shape).astype(NATIVE[code])
 
 
-def _decode_tuple(reader: _Reader, depth: int) -> tuple[Value, ...]:
+def _decode_tuple(reader: _ByteReader, depth: int) -> tuple[Value, ...]:
     return tuple([_decode(reader, depth + 1) for _ in range(reader.count())])
 
 
-def _decode_list(reader: _Reader, depth: int) -> list[Value]:
+def _decode_list(reader: _ByteReader, depth: int) -> list[Value]:
     return [_decode(reader, depth + 1) for _ in range(reader.count())]
 
 
-def _decode_dict(reader: _Reader, depth: int) -> dict[str, Value]:
+def _decode_dict(reader: _ByteReader, depth: int) -> dict[str, Value]:
     result: dict[str, Value] = {}
     for _ in range(reader.count()):
         if reader.take(1) != b"s":
@@ -150,7 +150,7 @@ def _decode_dict(reader: _Reader, depth: int) -> dict[str, Value]:
     return result
 
 
-_DECODERS: dict[bytes, Callable[[_Reader, int], Value]] = {
+_DECODERS: dict[bytes, Callable[[_ByteReader, int], Value]] = {
     b"N": lambda reader, depth: None,
     b"T": lambda reader, depth: True,
     b"F": lambda reader, depth: False,

@@ -158,10 +158,10 @@ def _x32_is_an_attack() -> list[Instruction]:
     return [_op(_JUMP_BITS, X32_BIT, 0, 1), _return(KILL)]
 
 
-class _Program(ctypes.Structure):
+class _FilterProgram(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
 def prepare_install(program: bytes) -> libc.PreparedCall:
     """Install the filter on the calling thread, for ever. Needs no_new_privs."""
-    return libc.prepare_prctl(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))
+    return libc.prepare_prctl(libc.PR_SET_SECCOMP, 2, _FilterProgram(len(program) // 8, program))

@@ -216,13 +216,13 @@ def is_same(before: Any, now: Any) -> bool:
     return before is now or bool(before == now) or bool(before != before and now != now)  # noqa: PLR0124
 
 
-def _alike(one: Any, other: Any) -> bool:
+def _alike(before: Any, other: Any) -> bool:
     """Equal, and of the same types all the way: 1 is not 1.0."""
-    if type(one) is not type(other):
+    if type(before) is not type(other):
         return False
-    if type(one) is tuple:
-        return len(one) == len(other) and all(map(_alike, one, other))
-    return one is other or bool(one == other)
+    if type(before) is tuple:
+        return len(before) == len(other) and all(map(_alike, before, other))
+    return before is other or bool(before == other)
 
 
 def array_fingerprint(array: Any) -> int:

@@ -34,7 +34,7 @@ SHOWN_STAGES: dict[SittingStage, Literal["may_begin", "running", "over"]] = {
 }
 
 
-def held_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
+def withheld_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
     """None where nothing is held back, or where nothing is to be said of it."""
     if closed is None:
         return None
@@ -47,40 +47,40 @@ def held_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
     return HeldView(f"{text} jusqu’au", iso_moment(closed.until), short_moment(closed.until))
 
 
-def feedback_of(reader: Reader, exercise: Exercise) -> FeedbackHolds:
+def load_holds_of_exercise(reader: Reader, exercise: Exercise) -> FeedbackHolds:
     return NO_HOLDS if reader.account is None else feedback.load_holds(reader.db, reader.account.id, exercise.id)
 
 
-def saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) -> SavedWork | None:
+def load_saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) -> SavedWork | None:
     """What is saved in the test that one sits, where nothing was sent since."""
-    if reader.account is None or not feedback_of(reader, exercise).running_tests:
+    if reader.account is None or not load_holds_of_exercise(reader, exercise).running_tests:
         return None
     saved = sittings.load_last_saved_work(reader.db, reader.account.id, exercise.id)
     newer = saved is not None and (latest is None or saved.saved_at > latest.submission.created_at)
     return saved if newer else None
 
 
-def banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
+def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
     """Of the test that is running, else of the first that holds the exercise."""
-    tests = feedback_of(reader, exercise).tests
+    tests = load_holds_of_exercise(reader, exercise).tests
     if not tests:
         return None
     test = min(
-        tests, key=lambda one: list(SHOWN_STAGES).index(one.stage) if one.stage is not SittingStage.running else -1
+        tests, key=lambda test: list(SHOWN_STAGES).index(test.stage) if test.stage is not SittingStage.running else -1
     )
     return TestBanner(
         title=test.title,
         href=test.path,
         stage=SHOWN_STAGES[test.stage],
         now=iso_moment(utc_now()),
-        ends=_or_empty(test.ends_at, text=False),
-        ends_text=_or_empty(test.ends_at, text=True),
+        ends=_format_or_empty(test.ends_at, text=False),
+        ends_text=_format_or_empty(test.ends_at, text=True),
         save=f"{exercise_href(exercise)}/brouillon" if test.stage is SittingStage.running else "",
-        saved=_or_empty(saved.saved_at if saved else None, text=False),
-        saved_text=_or_empty(saved.saved_at if saved else None, text=True),
+        saved=_format_or_empty(saved.saved_at if saved else None, text=False),
+        saved_text=_format_or_empty(saved.saved_at if saved else None, text=True),
         restored=saved is not None,
     )
 
 
-def _or_empty(when: datetime | None, *, text: bool) -> str:
+def _format_or_empty(when: datetime | None, *, text: bool) -> str:
     return "" if when is None else short_moment(when) if text else iso_moment(when)

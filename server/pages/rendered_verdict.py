@@ -22,7 +22,7 @@ KEPT_CHARACTERS = 8_000_000  # of HTML: a few hundred verdicts, 40,000 each at m
 _KEPT: LRUCache[Hashable, RenderedVerdict] = LRUCache(KEPT_CHARACTERS, weigh=lambda shown: len(shown.html))
 
 
-def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView) -> RenderedVerdict:
+def render_verdict(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView) -> RenderedVerdict:
     """`verdict` is that of the grading, without what is held back of it and with what a teacher says of it; `work` is
     what is known of the attempt otherwise."""
     filmed = tuple(grading.filmed or ())
@@ -32,13 +32,13 @@ def shown(exercise: Exercise, verdict: Verdict, grading: Grading, work: WorkView
     kept = _KEPT.get(key)
     if kept is not None:
         return kept
-    view = _view(exercise, verdict, grading, work.page)
+    view = _verdict_view(exercise, verdict, grading, work.page)
     macros = jinja_environment().get_template("verdict.html").module
     html = Markup(macros.show_verdict(view, work.number, work))  # type: ignore[attr-defined]
     return _KEPT.put(key, RenderedVerdict(view.tone, view.announcement, html))
 
 
-def _view(exercise: Exercise, verdict: Verdict, grading: Grading, href: str) -> VerdictView:
+def _verdict_view(exercise: Exercise, verdict: Verdict, grading: Grading, href: str) -> VerdictView:
     texts = None if exercise.answers is None else exercise
     films = (f"{href}/rejeux", grading.filmed or ())
     replayed = (f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)])
