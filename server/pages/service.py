@@ -92,10 +92,10 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
         if reader.account
         else {}
     )
-    for exercise in earlier:
-        functions, when = tuple(function.name for function in exercise.functions), own.get(exercise.id)
+    for reused in earlier:
+        functions, when = tuple(function.name for function in reused.functions), own.get(reused.id)
         moment = ("", "") if when is None else (when.isoformat(), short_moment(when))
-        yield ReusedView(exercise.title, exercise_href(exercise), functions, *moment)
+        yield ReusedView(reused.title, exercise_href(reused), functions, *moment)
 
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
