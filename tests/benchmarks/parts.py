@@ -68,9 +68,9 @@ class Sent:
 
 
 SENT = (
-    Sent("l20/poses, right", "l20/poses", "", Goal(12), Goal(25)),
+    Sent("l20/poses, right", "l20/poses", "", Goal(15), Goal(35)),
     Sent("l20/poses, wrong and named", "l20/poses", "ordre_echange"),
-    Sent("l20/slam_graphe, right", "l20/slam_graphe", "", Goal(45), Goal(70), apart=True),
+    Sent("l20/slam_graphe, right", "l20/slam_graphe", "", apart=True),
 )
 TWICE = Goal(2)  # a wrong answer with its name, by a right one
 PAUSE = 0.03  # seconds between a verdict and the next submission
@@ -104,7 +104,7 @@ def http(wanted: Wanted) -> list[Row]:
     return [*made, Row("submit to verdict over HTTP, l20/poses: wrong ÷ right", "×", ratio, goal=TWICE)]
 
 
-A_SECOND = Goal(150, at_least=True)
+A_SECOND = Goal(80, at_least=True)
 
 
 def many(wanted: Wanted) -> list[Row]:
