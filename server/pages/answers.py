@@ -134,7 +134,7 @@ def _placed(fields: FormData, question: Question) -> Any:
 
 
 def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
-    """What was answered in an attempt, to be read again; the questions left blank too, where one was answered."""
+    """Return the answers of an attempt for reading; blank questions too, where at least one was answered."""
     grader = _grader(exercise)
     try:
         answers = read_answers(submission.source)

@@ -50,7 +50,7 @@ def comment(
     phrase: Field = "",
     garder: Field = "",
 ) -> Response:
-    """What is refused stands in its form again, with its reason."""
+    """Render the form again with the refused text and the reason."""
     attempt = gradebook.find_attempt(reader.db, account, submission_id)
     lines: LineRange | None = None
     try:
@@ -173,7 +173,7 @@ def _back(thread_id: str, wanted: str) -> Response:
 
 @router.post("/mots/{note_id}/lu")
 def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
-    """That a student has read a word for them."""
+    """Record that a student has read a note."""
     notes.mark_note_read(db, account, note_id)
     return redirect(local_path(retour))
 

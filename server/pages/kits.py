@@ -16,7 +16,7 @@ class Taken:
 
 
 def file_of(module: Module, kit: str) -> str:
-    """What a kit is called where it is taken away."""
+    """Return the file name of a downloaded kit."""
     return f"{kit}.py" if len(module.kits[kit]) == 1 else f"{kit}.zip"
 
 

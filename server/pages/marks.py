@@ -1,4 +1,4 @@
-"""What the verdict of an attempt says of each question, to stand beside that question."""
+"""Builds the marks of an attempt's answers, shown beside each question."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a program may use, in words: the policy is data, and a student has a right to know it."""
+"""Describes a resource policy in French."""
 
 from __future__ import annotations
 

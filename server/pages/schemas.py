@@ -1,4 +1,4 @@
-"""What the pages' templates receive: every page's context is one of these types, and nothing else."""
+"""Contexts of the pages' templates: every page receives one of these types, and nothing else."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from server.web.schemas import ModuleLink, OwnProgress, RenderedVerdict, Solutio
 
 @dataclass(frozen=True)
 class NextStep:
-    """What to do next in a module: `verb` says how it is called, on a button."""
+    """The next thing to do in a module; `verb` is the label of its button."""
 
     href: str
     verb: str
@@ -47,7 +47,7 @@ MarkTone = Literal["good", "partial", "bad", "blank", "none"]
 
 @dataclass(frozen=True)
 class MarkView:
-    """What a verdict says of one question. `answered` is text; `message`, `expected` and `hint` are HTML."""
+    """The mark of one question. `answered` is text; `message`, `expected` and `hint` are HTML."""
 
     question: str
     tone: MarkTone
@@ -103,7 +103,7 @@ class HeldView:
 
 @dataclass(frozen=True)
 class TestBanner:
-    """What the page of an exercise says of a test that it is in: `now` is the server's time, `ends` may be empty.
+    """The banner of the test that an exercise belongs to: `now` is the server's time, `ends` may be empty.
 
     `save` is where what is written is kept, while one sits it; `saved` when it was last, `restored` whether the fields
     hold it.
@@ -174,7 +174,10 @@ class ReusedView:
 
 @dataclass(frozen=True)
 class Results:
-    """What changes when a verdict arrives; `solution` is None where it stays out of sight, and the `…_held` say why."""
+    """The parts of a page that change when a verdict arrives.
+
+    `solution` is None while it is hidden; the `…_held` fields say why.
+    """
 
     work: WorkView | None
     hints: tuple[HintView, ...]
@@ -189,7 +192,7 @@ class Results:
 
 @dataclass(frozen=True)
 class ExerciseFrame:
-    """What the page of an exercise holds, of whatever kind; `action` is where its form is sent."""
+    """The context of an exercise page of any kind; `action` is the address of its form."""
 
     id: str
     title: str

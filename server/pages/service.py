@@ -107,7 +107,7 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
 def common_parts(
     reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None, deal: int | None = None
 ) -> dict[str, Any]:
-    """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt.
+    """Build the page of an exercise of any kind, with the verdict of the latest attempt.
 
     `saved` is what the fields hold of what was saved in a test; `deal`, in an exercise answered without code, is the
     seed of what was dealt to this account.
@@ -171,7 +171,7 @@ def attempt_page(
 
 
 def _beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
-    """What is listed beside an attempt: its author's latest ones; it alone, for a teacher who looks."""
+    """List the attempts beside an attempt: its author's latest ones; for a teacher, only itself."""
     submission, grading = attempt.submission, attempt.grading
     if reader.account is not None and submission.account_id == reader.account.id:
         return gradebook.list_attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
@@ -205,7 +205,7 @@ def results(
     seed: int | None,
     diagnosis_held: FeedbackHold | None = None,
 ) -> Results:
-    """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first).
+    """Build the parts that a verdict changes: the verdict, the hints, the solution, the attempts (newest first).
 
     `seed` is that of the deal whose correction is shown, in an exercise answered without code.
     """

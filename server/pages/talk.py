@@ -1,4 +1,4 @@
-"""What stands beside an attempt or an exercise of what is said of it, and what one needs to say more."""
+"""Builds the conversations beside an attempt or an exercise, and the forms to write more."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Chosen:
 
 @dataclass(frozen=True)
 class StudentLink:
-    """Whose work it is, for who teaches them."""
+    """The author of the work, for their teacher."""
 
     name: str
     href: str
@@ -89,7 +89,7 @@ class TalkPart:
 
 @dataclass(frozen=True)
 class Aim:
-    """What the address asks to write of."""
+    """Parse the subject of a new message from the address."""
 
     lines: LineRange | None = None
     check: str = ""
@@ -165,7 +165,7 @@ def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:
 
 
 def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
-    """Those that failed first."""
+    """Sort failed checks first."""
     checks = attempt.verdict.checks if attempt.verdict else ()
     return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
 

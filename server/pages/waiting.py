@@ -1,4 +1,4 @@
-"""What the page of a waiting submission is told, each time that something may have changed."""
+"""Events for the page of a waiting submission, whenever its state may have changed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.web.words import plural
 
 
 def waiting_text(place: GradingProgress) -> str:
-    """What to say while there is no verdict."""
+    """Describe the state of a submission without a verdict."""
     if place.state is SubmissionState.running:
         return "Correction en cours…"
     if place.position is None:
@@ -31,7 +31,7 @@ def waiting_text(place: GradingProgress) -> str:
 
 @dataclass(frozen=True)
 class Waiting:
-    """What the page of a waiting submission is told."""
+    """The state that the page of a waiting submission receives."""
 
     status: str
     text: str

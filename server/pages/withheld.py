@@ -1,4 +1,4 @@
-"""What the pages say of what is held back, and of the test that an exercise is in."""
+"""Views of withheld results, and of the test that an exercise belongs to."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def load_saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) 
 
 
 def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
-    """Of the test that is running, else of the first that holds the exercise."""
+    """Build the banner of the running test, else of the first test that withholds the exercise."""
     tests = load_holds_of_exercise(reader, exercise).tests
     if not tests:
         return None

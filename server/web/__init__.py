@@ -1,1 +1,1 @@
-"""What all pages share: rendering, assets, errors, and how values and verdicts are shown."""
+"""Shared by all pages: rendering, assets, errors, values and verdicts."""

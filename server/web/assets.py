@@ -47,7 +47,7 @@ class _Packed(StaticFiles):
 
 
 def precompressed_encodings(header: str) -> Iterator[str]:
-    """Of our encodings those that the browser takes, in our order."""
+    """Return our encodings that the browser accepts, in our order."""
     taken = accepted_encodings(header)
     return (encoding for encoding in PACKED if encoding in taken)
 
@@ -63,7 +63,7 @@ def is_built() -> bool:
 
 @lru_cache(maxsize=1)
 def build_stamp() -> str:
-    """What the addresses of static files change with."""
+    """Return the version tag in the addresses of static files."""
     return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_built() else "source"
 
 
@@ -73,7 +73,7 @@ def static_url(name: str) -> str:
 
 
 def static_root() -> str:
-    """What the addresses of static files begin with."""
+    """Return the prefix of the addresses of static files."""
     return f"{PREFIX}/{build_stamp()}"
 
 

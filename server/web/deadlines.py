@@ -1,4 +1,4 @@
-"""What is due soon for who looks, as the first page, a module's and an exercise's tell it."""
+"""Deadlines of the reader, for the home page, a module's page and an exercise's page."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def due_soon(
 
 
 def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], now: datetime) -> Iterator[DueView]:
-    """Those that one sits first. Who has handed in has nothing left to do there, nor who is excused."""
+    """Return the tests that the student still has to sit, running ones first."""
     tests = [assigned for assigned in running if assigned.assignment.mode == Mode.test]
     sat = (
         {sitting.assignment_id: sitting for sitting, _ in sitting_repository.load_account_sittings(db, account.id)}

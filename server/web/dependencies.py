@@ -1,4 +1,4 @@
-"""What every room with pages asks of a request: the module in its address, and who looks."""
+"""Request dependencies of every room with pages: the module of the address, and the reader."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def visible_editions(reader: Reader, progress: Mapping[str, ExerciseProgress]) -
 
 
 def edition_note(reader: Reader, module: Module) -> EditionNote | None:
-    """What is said on the page of a module that has other editions."""
+    """Build the notice of a module that has other editions."""
     course = reader.course
     others = [edition for edition in course.editions(module.slug) if edition is not module]
     if not others:

@@ -1,4 +1,4 @@
-"""What the pages with forms share: what was refused stands beside its field, and one goes on where one was."""
+"""Shared by pages with forms: problems beside their fields, and redirects back."""
 
 from typing import Annotated, Any
 from urllib.parse import urlsplit

@@ -1,4 +1,4 @@
-"""What somebody was told and may not have read: answers to their questions, words to several students."""
+"""Unread messages of an account: answers to its questions, notes to several students."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def word_view(word: ReceivedNote, course: Course) -> WordView:
 
 
 def title_of_link(course: Course, link: str) -> str:
-    """What is at a path of the course: empty where there is nothing any more."""
+    """Return the title at a path of the course; empty where nothing is there any more."""
     module, _, rest = link.strip("/").partition("/")
     kind, _, slug = rest.partition("/")
     found = course.modules.get(module)

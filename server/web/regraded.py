@@ -1,4 +1,4 @@
-"""What differs between two gradings of the same attempt, in words."""
+"""Describes the differences between two gradings of an attempt, in French."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class RegradedView:
 
 
 def load_regraded_view(db: Session, grading: UUID, kind: Answered) -> RegradedView | None:
-    """What the author of an attempt reads beside this grading, where a regrade has it count."""
+    """Build the notice beside a grading that counts since a regrade."""
     told = service.find_applied_regrade(db, grading)
     if told is None:
         return None

@@ -70,7 +70,7 @@ def python(code: str) -> Markup:
 
 
 def written(message: str) -> Markup:
-    """What one person has written to another."""
+    """Render a message that one person wrote to another."""
     return Markup(said(message))
 
 

@@ -1,4 +1,4 @@
-"""What the templates of several rooms receive: each is one of these types, and nothing else."""
+"""Contexts shared by the templates of several rooms."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Tone = Literal["good", "partial", "bad", "ours"]
 
 @dataclass(frozen=True)
 class AccountView:
-    """Who is looking. `key` is stable for one account and safe to show; "visiteur" for nobody yet."""
+    """The reader. `key` is stable for one account and safe to show; "visiteur" for nobody yet."""
 
     role: Literal["visitor", "guest", "student", "teacher", "administrator"]
     name: str
@@ -27,7 +27,7 @@ class AccountView:
 
 @dataclass(frozen=True)
 class EditionNote:
-    """What is said of a module's editions on its page; `href` is the other one's."""
+    """The notice of a module's other edition; `href` is its address."""
 
     words: str
     href: str = ""
@@ -122,7 +122,7 @@ class CheckView:
 
 @dataclass(frozen=True)
 class FilmView:
-    """What the program did in a check: the address of its replay."""
+    """The address of the replay of a check."""
 
     id: str
     title: str
@@ -141,7 +141,7 @@ class DiagnosisView:
 
 
 class ExerciseTexts(Protocol):
-    """What renders the texts of an exercise (`server.course.Exercise`)."""
+    """Renders the texts of an exercise (`server.course.Exercise`)."""
 
     def prose(self, text: str) -> str: ...
     def line(self, text: str) -> str: ...

@@ -75,7 +75,7 @@ class PhraseView:
 
 @dataclass(frozen=True)
 class Draft:
-    """What somebody was writing, and why it was refused: nothing of it is lost."""
+    """A refused text with its reason, so that nothing is lost."""
 
     text: str = ""
     problem: str = ""
@@ -86,7 +86,7 @@ NO_DRAFT = Draft()
 
 @dataclass(frozen=True)
 class WriterView:
-    """What writing takes: `staff` says on which side of the work one is; `phrases` are theirs alone."""
+    """The form of a message: `staff` is the reader's side; `phrases` are the reader's own."""
 
     staff: bool
     phrases: tuple[PhraseView, ...]

@@ -90,7 +90,7 @@ def _tone(verdict: Verdict) -> Tone:
 
 
 def common_message(checks: Sequence[CheckResult]) -> str:
-    """What every check says, when they all say the same: the file did not load, and once is enough."""
+    """Return the message that all checks share when the file did not load; shown once."""
     messages = {check.message for check in checks}
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
 

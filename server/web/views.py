@@ -1,4 +1,4 @@
-"""What several rooms show of the course and of where one stands in it: modules, exercises, addresses."""
+"""Views of the course and of the reader's progress that several rooms share: modules, exercises, addresses."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from server.web.words import format_mark
 
 @dataclass(frozen=True)
 class Reader:
-    """Who looks, at which course and which submissions, through which transaction.
+    """The reader of a page, with the course, the submissions and the transaction.
 
     The database is asked who it is (`who`) when this is first wanted: in the thread of the request's function.
     """
