@@ -76,8 +76,7 @@ def writing_engine(engine: Engine) -> Engine:
 
 def _begin_sqlite(connection: Connection) -> None:
     """Begin the transaction explicitly: the driver's implicit BEGIN comes after the first read."""
-    driver: Any = connection.connection.driver_connection
-    driver.execute(connection.get_execution_options().get(BEGIN_STATEMENT, "BEGIN"))
+    connection.exec_driver_sql(connection.get_execution_options().get(BEGIN_STATEMENT, "BEGIN"))
 
 
 def _configure_sqlite(connection: Any, _record: object) -> None:

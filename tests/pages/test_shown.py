@@ -28,7 +28,7 @@ def test_it_is_laid_out_once_and_anew_for_what_else_is_said(site: Site, monkeypa
         laid_out.append(arguments)
         return view(*arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(rendered_verdict, "_view", counted)
+    monkeypatch.setattr(rendered_verdict, "_verdict_view", counted)
     ada, teacher = person(site), person(site, Role.teacher)
     own = ada.browser(site)
     path = send(site, ada.headers, WRONG)

@@ -96,12 +96,15 @@ def marched(start: Any, end: Any) -> set[tuple[int, int]]:
 
 
 point = st.tuples(st.floats(-6, 6), st.floats(-6, 6))
+#: The march rounds its points: within this distance of an edge, it may be on either side.
+EDGE = 1e-9
 
 
 @settings(deadline=None, max_examples=40)
 @given(point, point)
 @example((1.0, 7.5e-164), (0.0, -1.0))
 @example((0.0, -5e-136), (1.0, 0.0))
+@example((6.0, 0.0), (5.999999999999999, 2.0))
 def test_crossed_cells_are_those_under_the_segment(start: Any, end: Any) -> None:
     cells = crossed_cells([start], [end])
     found = list(zip(cells.x.tolist(), cells.y.tolist(), strict=True))
@@ -112,13 +115,13 @@ def test_crossed_cells_are_those_under_the_segment(start: Any, end: Any) -> None
 
 
 def grazes(cell: Any, start: Any, end: Any) -> bool:
-    """Is the segment inside the cell over a length below a few steps of the march only?"""
+    """Whether the segment is inside the cell, a rounding away from its edges, over a few steps of the march at most."""
     low, high = 0.0, 1.0
     for axis in range(2):
         d = end[axis] - start[axis]
         if d == 0.0:
             continue
-        near, far = sorted(((cell[axis] - start[axis]) / d, (cell[axis] + 1 - start[axis]) / d))
+        near, far = sorted(((cell[axis] + EDGE - start[axis]) / d, (cell[axis] + 1 - EDGE - start[axis]) / d))
         low, high = max(low, near), min(high, far)
     return bool((high - low) * np.hypot(*(end - start)) < 5e-3)
 
