@@ -22,8 +22,8 @@ from pathlib import Path
 from graders.courses import COURSES, REPOSITORY
 from server.base.files import default_cache_dir, digest_files, write_atomically
 from server.course.closure import Imports
-from server.course.memory import Memory, source_of
 from server.course.models import Exercise, Module
+from server.course.start_cache import StartCache, digest_sources
 from server.sandbox.policy import Policy
 
 log = logging.getLogger(__name__)
@@ -54,7 +54,7 @@ class CheckCache:
     def __init__(self, path: Path | None) -> None:
         self._path = path
         self._entries = _read(path)
-        self.imports = Memory(path.with_name(IMPORTS) if path else None)
+        self.imports = StartCache(path.with_name(IMPORTS) if path else None)
 
     def __bool__(self) -> bool:
         return bool(self._entries)
@@ -74,7 +74,7 @@ class CheckCache:
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             write_atomically(self._path, json.dumps(dict([*self._entries.items()][-MAX_ENTRIES:]), indent=0))
-            self.imports.keep("", {})
+            self.imports.save("", {})
         except OSError:
             log.warning("what was found in order is not remembered in %s", self._path, exc_info=True)
 
@@ -110,7 +110,7 @@ def texts_digest(course_folders: Sequence[Path]) -> str:
     return digest_files(
         [],
         environment_digest()
-        + source_of([course_folder / "curriculum" for course_folder in course_folders], COURSES.folders).encode(),
+        + digest_sources([course_folder / "curriculum" for course_folder in course_folders], COURSES.folders).encode(),
     )
 
 

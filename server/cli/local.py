@@ -9,7 +9,7 @@ from server.base.files import default_cache_dir
 from server.cli import CannotRun
 from server.cli.sandboxes import Probing, require_safe_sandbox
 from server.course import Course, Exercise, load
-from server.course.memory import Memory
+from server.course.start_cache import StartCache
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 
@@ -23,9 +23,9 @@ def load_course() -> Course:
 
 def load_exercise(exercise_id: str) -> Course:
     """The course with this exercise alone and those that it reuses; all of it where there is no such exercise."""
-    memory = Memory(_remembered())
+    memory = StartCache(_remembered())
     course = load(render=False, only=exercise_id, memory=memory)
-    memory.keep("", {})
+    memory.save("", {})
     return course if exercise_id in course.exercises else load_course()
 
 

@@ -26,7 +26,7 @@ from server.cli.configuration import read_settings, start_traces
 from server.cli.data_lock import exclusive_data_folder
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
-from server.course.memory import MEMORY, Memory
+from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import STARTUP_TIMEOUT, Database, is_unavailable
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
@@ -69,7 +69,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
         probing = start_probing()
         with _without_collections():
             _migrate(settings)
-            course = load(render=False, check=True, memory=Memory(settings.data_dir / MEMORY))
+            course = load(render=False, check=True, memory=StartCache(settings.data_dir / CACHE_FILE))
         if probing.done():
             require_safe_sandbox(probing)
         if prepare is not None:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
-from server.course.memory import Memory
+from server.course.start_cache import StartCache
 
 OWN_PACKAGES = ("graders", "reference")
 #: What draws, and what says where courses stand.
@@ -22,8 +22,8 @@ EXCLUDED_PREFIXES = ("graders.plotting.", "graders.courses.")
 class Imports:
     """The modules under `roots`, each read once; `memory` keeps what was read of the same content earlier."""
 
-    def __init__(self, *roots: Path, memory: Memory | None = None) -> None:
-        self._roots, self._memory = roots, memory or Memory()
+    def __init__(self, *roots: Path, memory: StartCache | None = None) -> None:
+        self._roots, self._memory = roots, memory or StartCache()
         self._module = cache(self._read)
 
     def closure(self, module: str) -> dict[str, Path]:
@@ -43,7 +43,7 @@ class Imports:
             for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
                 if path.is_file():
                     content = path.read_bytes()
-                    found = self._memory.imports(content, package, partial(_imported_modules, content, package))
+                    found = self._memory.imports_of(content, package, partial(_imported_modules, content, package))
                     return path, frozenset(name for asked in (package, *found) for name in _with_parent_packages(asked))
         return None, frozenset()
 

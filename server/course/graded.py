@@ -17,9 +17,9 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from server.course import toml_file
 from server.course.closure import Imports
-from server.course.memory import Found
 from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
+from server.course.start_cache import ExerciseFacts
 from server.course.version import graders_of, version
 from server.text.markup import Names
 from server.text.markup.text import no_names
@@ -50,9 +50,9 @@ class Sources:
     code: tuple[Path, ...]
     discovery: Discovery | None
     imports: Imports
-    known: Mapping[str, Found] = field(default_factory=dict)
+    known: Mapping[str, ExerciseFacts] = field(default_factory=dict)
     names: Callable[[], Names] = no_names
-    found: dict[str, Found] = field(default_factory=dict)
+    found: dict[str, ExerciseFacts] = field(default_factory=dict)
 
     def definition(self, path: Path) -> Definition | None:
         """What the grader's folder of an exercise defines, where it has one."""
@@ -76,7 +76,7 @@ class Graded(NamedTuple):
     starter: str
     solution: str
     make: Callable[[], Grader]
-    found: Found
+    found: ExerciseFacts
 
 
 def read_graded(sources: Sources, path: Path, card: ExerciseFile) -> Graded:
@@ -102,10 +102,10 @@ def _read_starter_and_solution(sources: Sources, path: Path, card: ExerciseFile)
     return toml_file.read_text(path / STARTER), toml_file.read_text(sources.graders(path) / SOLUTION)
 
 
-def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> Found:
+def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
     kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
     ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
-    return Found(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
+    return ExerciseFacts(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
 
 
 def _choice_question_ids(grader: Grader) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ class Library:
             questions=self.questions,
             manipulations=self.manipulations,
             files=self.files,
-            elsewhere=title_elsewhere,
+            elsewhere=find_lesson_title,
         )
 
     @cached_property
@@ -159,7 +159,7 @@ def _picture(drawing: Drawing) -> Picture:
     return Picture(drawing.alt, round(width * PIXELS), round(height * PIXELS))
 
 
-def title_elsewhere(module: str, slug: str) -> str:
+def find_lesson_title(module: str, slug: str) -> str:
     """The title of a page of another module, wherever its course stands; empty where there is none."""
     if not (MODULE_SLUG.fullmatch(module) and re.fullmatch(SLUG, slug)):
         return ""

@@ -17,9 +17,9 @@ from server.course.closure import Imports
 from server.course.editions import MODULE_SLUG, number_of
 from server.course.graded import Sources, name_of, python_of, read_graded
 from server.course.library import Library, problems_of
-from server.course.memory import NOTHING_FOUND, Memory, source_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
+from server.course.start_cache import NO_FACTS, StartCache, digest_sources
 from server.course.toml_places import line_of
 from server.course.version import graders_of
 from server.text.markup import Names, Source, Text
@@ -50,7 +50,7 @@ def load(
     discovery: Discovery | None = None,
     render: bool = True,
     check: bool = False,
-    memory: Memory | None = None,
+    memory: StartCache | None = None,
     only: str = "",
 ) -> Course:
     """Read the whole course. Never raises for a malformed module or exercise: see `Course.problems`.
@@ -61,14 +61,14 @@ def load(
     formulas: once, where `memory` says that these very files were sound. Their graders are then loaded when they are
     asked for, whoever reads them. With `only`, an exercise ("l20/poses") is read alone, with those that it reuses.
     """
-    memory = memory or Memory()
+    memory = memory or StartCache()
     look = Look.drawn if render else Look.read if check else Look.no
     curricula = (curriculum,) if curriculum else tuple(courses.room_folders(courses.CURRICULUM))
     roots = (code,) if code else tuple(courses.COURSES.folders)
     checked = look is Look.read
-    source = source_of(curricula, roots) if checked or memory.knows else ""
-    known = memory.found(source) if source else NOTHING_FOUND
-    if source and memory.is_sound(source):
+    source = digest_sources(curricula, roots) if checked or memory.has_sound_course else ""
+    known = memory.exercise_facts(source) if source else NO_FACTS
+    if source and memory.is_known_sound(source):
         look = Look.no
     wanted = reuse.with_reused(curricula, only) if only else None
     if discovery is None and not known:
@@ -85,7 +85,7 @@ def load(
     problems.extend(_graders_without_exercise(sources))
     problems.extend(_duplicate_kits(modules))
     if checked:
-        memory.keep("" if problems else source, {} if problems else sources.found)
+        memory.save("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 
 

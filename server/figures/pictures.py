@@ -71,7 +71,7 @@ class Pictures:
         finally:
             coming.viewers -= 1
             if not coming.viewers and not coming.started:
-                self._remove(order.key, coming)
+                self._remove_in_flight(order.key, coming)
                 coming.task.cancel()
 
     def _start(self, order: DrawingRequest, address: str) -> InFlight:
@@ -81,11 +81,11 @@ class Pictures:
         return coming
 
     def _finish(self, key: str, coming: InFlight, task: asyncio.Task[bytes]) -> None:
-        self._remove(key, coming)
+        self._remove_in_flight(key, coming)
         if not task.cancelled():
             task.exception()  # where nobody waits any more, too
 
-    def _remove(self, key: str, coming: InFlight) -> None:
+    def _remove_in_flight(self, key: str, coming: InFlight) -> None:
         """Drop the entry, unless a newer one has replaced it."""
         if self._in_flight.get(key) is coming:
             del self._in_flight[key]

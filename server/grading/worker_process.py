@@ -14,7 +14,7 @@ from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
 from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask
 from server.course import Course, load
-from server.course.memory import MEMORY, Memory
+from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.idle_monitor import IdleMonitor
@@ -96,7 +96,7 @@ def _run_worker(
     work_loop: Callable[[Worker], None],
 ) -> None:
     sys.setswitchinterval(SWITCH_SECONDS)
-    course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
+    course = load(render=False, memory=StartCache(settings.data_dir / CACHE_FILE))
     gc.freeze()
     gc.enable()
     database = Database(settings.url)

@@ -161,7 +161,7 @@ class Site:
         for (name, theme), picture in self._pictures.items():
             yield f"figures/{name}-{theme}.svg", picture
         for name in self._replays():
-            yield f"rejeux/{name}.js", self._replay_script(name)
+            yield f"rejeux/{name}.js", self._offline_replay_script(name)
         for name in self._manipulations():
             yield f"manipulations/{name}.js", self._manipulation_script(name)
         for name in self._module.files:
@@ -169,7 +169,7 @@ class Site:
         if slug in self._module.kits:
             yield f"{slug}.py", "".join(self._module.kits[slug].values()).encode()
 
-    def _replay_script(self, name: str) -> bytes:
+    def _offline_replay_script(self, name: str) -> bytes:
         """A replay as a script, as a folder's page may not fetch: as it begins, and as its prediction plays it."""
         script = self._scripts.find(self._module.slug, name)
         asked = script.prediction.settings if script.prediction else {}

@@ -14,7 +14,7 @@ import pytest
 from server.base.files import ROOT
 from server.base.settings import Settings
 from server.cli.local import load_exercise
-from server.course.memory import MEMORY, Found, Memory, source_of
+from server.course.start_cache import CACHE_FILE, ExerciseFacts, StartCache, digest_sources
 from tests.support.quick import migrated, the_course
 
 START = """
@@ -59,8 +59,8 @@ def start(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("data")
     migrated(Settings(data_dir=folder)).close()
     exercises = the_course().exercises.values()
-    Memory(folder / MEMORY).keep(
-        source_of([ROOT / "curriculum"], [ROOT]), {e.id: Found("v", e.kit, ()) for e in exercises}
+    StartCache(folder / CACHE_FILE).save(
+        digest_sources([ROOT / "curriculum"], [ROOT]), {e.id: ExerciseFacts("v", e.kit, ()) for e in exercises}
     )
     done = subprocess.run(
         [sys.executable, "-c", START, str(folder)], check=False, capture_output=True, text=True, cwd=ROOT

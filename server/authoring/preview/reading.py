@@ -9,10 +9,10 @@ from types import MappingProxyType
 from graders.courses import CURRICULUM, GRADERS
 from graders.discovery import discover
 from server.course import Course, Problem, load
-from server.course.memory import Memory
+from server.course.start_cache import StartCache
 
 
-def read_course(place: Path, memory: Memory | None = None, *, render: bool = False) -> Course:
+def read_course(place: Path, memory: StartCache | None = None, *, render: bool = False) -> Course:
     """Imports it, and looks at its texts; code that stops Python while it is imported is a fault like another."""
     try:
         found = discover(rooms=[place / GRADERS])

@@ -21,7 +21,7 @@ from server.base import http
 from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
-from server.course.memory import MEMORY, Memory
+from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
 from server.database.migrate import upgrade
 from server.grading.grading_task import GradingInput, GradingTask
@@ -69,7 +69,7 @@ def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], 
     settings = preview_settings(session.data_dir)
     if session.generation == 1:
         create_database(session.data_dir)
-    course = read_course(session.course_folder, Memory(session.data_dir / MEMORY))
+    course = read_course(session.course_folder, StartCache(session.data_dir / CACHE_FILE))
     app = create_app(settings, course=course)
     version = ServedVersion(session, course.problems, Sandbox(course.kits))
     app.state.preview = version

@@ -1,4 +1,4 @@
-"""What a start remembers of the course: never what has changed since, and never what was not sound."""
+"""The start cache of the course: nothing that has changed since, and nothing that was not sound, is taken from it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from graders.discovery import Discovery
 from server.course import Course
 from server.course.closure import Imports
 from server.course.library import Library
-from server.course.memory import Memory
 from server.course.service import load
+from server.course.start_cache import StartCache
 from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 
@@ -40,7 +40,7 @@ def test_texts_that_were_sound_are_looked_at_again_once_anything_has_changed(
     def start() -> int:
         """How many modules were looked at."""
         before = len(looks)
-        loaded = load_small(course_folder, Memory(kept))
+        loaded = load_small(course_folder, StartCache(kept))
         assert (len(loaded.exercises), len(loaded.problems)) in {(2, 0), (1, 1)}, "what does not hold is not served"
         return len(looks) - before
 
@@ -48,7 +48,7 @@ def test_texts_that_were_sound_are_looked_at_again_once_anything_has_changed(
     statement = course_folder.exercise("a") / "enonce.md"
     statement.write_text("## Énoncé\n\nVoyez [une page](page:nulle-part).\n", encoding="utf-8")
     assert [start(), start()] == [1, 1], "what is not sound is told at each start"
-    assert load_small(course_folder, Memory(kept)).problems
+    assert load_small(course_folder, StartCache(kept)).problems
     statement.write_text("## Énoncé\n\nTriplez $x$.\n", encoding="utf-8")
     assert [start(), start()] == [1, 0]
     course_folder.write("graders/core/reader.py", "x = 1\n")
@@ -60,7 +60,7 @@ def test_texts_that_were_sound_are_looked_at_again_once_anything_has_changed(
 def test_what_was_sound_is_graded_by_graders_that_are_loaded_when_they_are_needed(
     course_folder: CourseFolder, tmp_path: Path
 ) -> None:
-    first, second = (load_small(course_folder, Memory(tmp_path / "course.json")) for _ in range(2))
+    first, second = (load_small(course_folder, StartCache(tmp_path / "course.json")) for _ in range(2))
     for name, known in first.exercises.items():
         again = second.exercises[name]
         assert (again.version, again.kit, again.kind) == (known.version, known.kit, known.kind)
@@ -75,12 +75,12 @@ def test_a_worker_takes_what_the_service_has_found_and_keeps_nothing(
 ) -> None:
     """It does not look at the texts, nor for graders as it starts; of other files, nothing is known."""
     kept = tmp_path / "course.json"
-    served = load_small(course_folder, Memory(kept))
+    served = load_small(course_folder, StartCache(kept))
     remembered = kept.read_text()
     nowhere = Discovery({}, ())
 
     def taken() -> Course:
-        return course_folder.load(nowhere, render=False, memory=Memory(kept))
+        return course_folder.load(nowhere, render=False, memory=StartCache(kept))
 
     assert taken().problems == ()
     assert {name: one.version for name, one in taken().exercises.items()} == {
@@ -95,11 +95,11 @@ def test_what_an_older_version_has_remembered_is_no_damage(
     course_folder: CourseFolder, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     kept = tmp_path / "course.json"
-    known = load_small(course_folder, Memory(kept))
+    known = load_small(course_folder, StartCache(kept))
     remembered = json.loads(kept.read_text())
     del remembered["found"]
     kept.write_text(json.dumps(remembered))
-    assert load_small(course_folder, Memory(kept)).exercises.keys() == known.exercises.keys()
+    assert load_small(course_folder, StartCache(kept)).exercises.keys() == known.exercises.keys()
     assert "found" in json.loads(kept.read_text())
     assert not caplog.records
 
@@ -121,7 +121,7 @@ def test_what_is_no_exercise_is_read_as_nothing() -> None:
     assert not any(load(render=False, only=name).exercises for name in ("l20/inconnu", "l99/poses", "l20", "../../etc"))
 
 
-def load_small(folder: CourseFolder, memory: Memory) -> Any:
+def load_small(folder: CourseFolder, memory: StartCache) -> Any:
     return load(
         folder.curriculum, code=folder.root, discovery=folder.graders("a", "b"), render=False, check=True, memory=memory
     )
@@ -134,9 +134,9 @@ def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
     kept = tmp_path / "course.json"
 
     def closure() -> set[str]:
-        memory = Memory(kept)
+        memory = StartCache(kept)
         found = set(Imports(tmp_path, memory=memory).closure("graders.near"))
-        memory.keep("", {})
+        memory.save("", {})
         return found
 
     assert closure() == closure() == {"graders.near", "graders.far"}

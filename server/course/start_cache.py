@@ -1,7 +1,7 @@
-"""What an earlier start has found of the course, remembered by the digest of all that it was found from.
+"""Cache of an earlier start's checks of the course, keyed by a digest of all sources.
 
-Whatever has changed, a text, a grader, what reads them, Python or a library, is looked at again; only what was found
-sound is remembered as such. What is lost or damaged here costs a start its time, and nothing else.
+A change of a text, a grader, their readers, Python or a library invalidates it; only a sound course is cached as such.
+A lost or damaged cache costs a start its time, and nothing else.
 """
 
 from __future__ import annotations
@@ -21,66 +21,65 @@ from server.base.files import digest_files, walk_files, write_atomically
 log = logging.getLogger(__name__)
 
 READER_FOLDERS = ("graders", "reference", "server/text", "server/course")
-#: Its file, in the folder of the data.
-MEMORY = "course.json"
+#: Name of the cache file in the data folder.
+CACHE_FILE = "course.json"
 LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments", "numpy", "scipy")
 
 
-class Found(NamedTuple):
-    """What was found of an exercise: the version of its own files, the name of its programs' kit, and its questions of
-    which one ticks the options."""
+class ExerciseFacts(NamedTuple):
+    """Facts of an exercise: the version of its own files, the name of its kit, and its multiple-choice questions."""
 
     version: str
     kit: str
     ticked: tuple[str, ...]
 
 
-NOTHING_FOUND: Mapping[str, Found] = MappingProxyType({})
+NO_FACTS: Mapping[str, ExerciseFacts] = MappingProxyType({})
 
 
-class Memory:
-    """For one process at a time; without a file, it remembers while it lives."""
+class StartCache:
+    """For one process at a time; in memory only without a path."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
-        known = _read(path)
-        self._sound: str = known["sound"]
-        self._found: Mapping[str, Found] = known["found"]
-        self._imports: dict[str, list[str]] = known["imports"]
+        stored = _read(path)
+        self._sound_digest: str = stored["sound"]
+        self._facts: Mapping[str, ExerciseFacts] = stored["found"]
+        self._imports: dict[str, list[str]] = stored["imports"]
         self._used: dict[str, list[str]] = {}
 
-    def imports(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
-        """What `read` finds in a file of this content, which stands in this package."""
+    def imports_of(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
+        """Return the imports of a file by its content and package; call `read` on a miss."""
         key = hashlib.sha256(f"{_reader_version()}\0{package}\0".encode() + content).hexdigest()
         found = self._imports.get(key)
         self._used[key] = list(read()) if found is None else found
         return self._used[key]
 
     @property
-    def knows(self) -> bool:
-        """Whether some course was sound."""
-        return bool(self._sound)
+    def has_sound_course(self) -> bool:
+        """Whether a sound course is cached."""
+        return bool(self._sound_digest)
 
-    def is_sound(self, found_from: str) -> bool:
-        return self._sound == found_from
+    def is_known_sound(self, source_digest: str) -> bool:
+        return self._sound_digest == source_digest
 
-    def found(self, found_from: str) -> Mapping[str, Found]:
-        """What is known of each exercise, where all of these files were sound."""
-        return self._found if self.is_sound(found_from) else NOTHING_FOUND
+    def exercise_facts(self, source_digest: str) -> Mapping[str, ExerciseFacts]:
+        """Return the cached facts of each exercise if the sources are unchanged and sound."""
+        return self._facts if self.is_known_sound(source_digest) else NO_FACTS
 
-    def keep(self, sound: str, found: Mapping[str, Found]) -> None:
-        """Writes what has served, of which files the course is sound (empty: of none), and what was found of it."""
-        if self._path is None or (sound == self._sound and found == self._found and self._used == self._imports):
+    def save(self, sound: str, found: Mapping[str, ExerciseFacts]) -> None:
+        """Write the used entries, the digest of the sound sources (empty: none), and the facts of the exercises."""
+        if self._path is None or (sound == self._sound_digest and found == self._facts and self._used == self._imports):
             return
         kept = {"sound": sound, "found": found, "imports": self._used}
         try:
             write_atomically(self._path, json.dumps(kept))
         except OSError:
-            log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
+            log.warning("the start cache cannot be written to %s", self._path, exc_info=True)
 
 
-def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
-    """The digest of all that a look at the texts depends on."""
+def digest_sources(curricula: Iterable[Path], code: Iterable[Path]) -> str:
+    """Return the digest of all that checking the texts depends on."""
     roots = [("curriculum", curriculum) for curriculum in curricula]
     roots += [(name, root / name) for root in code for name in READER_FOLDERS]
     head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
@@ -100,10 +99,10 @@ def _read(path: Path | None) -> dict[str, Any]:
         known = json.loads(path.read_text(encoding="utf-8"))
         imports = {str(key): [str(name) for name in names] for key, names in known["imports"].items()}
         found = {
-            str(name): Found(str(version), str(kit), tuple(map(str, ticked)))
+            str(name): ExerciseFacts(str(version), str(kit), tuple(map(str, ticked)))
             for name, (version, kit, ticked) in known.get("found", {}).items()
         }
         return {"sound": str(known["sound"]), "found": found, "imports": imports}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        log.warning("%s is damaged: the course is looked at again", path)
+        log.warning("%s is damaged: the course is checked again", path)
         return nothing
