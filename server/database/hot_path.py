@@ -1,4 +1,4 @@
-"""Fast statements for the hot path, from a submission to its verdict; other rooms should use the ORM or a plain `select`.
+"""Fast statements for the hot path, from a submission to its verdict; other code should use the ORM or `select`.
 
 Three shortcuts: statements are built once and take bind parameters, rows are read as columns on the session's
 connection, and ORM objects are built from columns, detached. What they save together has not been measured since they
