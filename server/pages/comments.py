@@ -50,7 +50,7 @@ def comment(
     phrase: Field = "",
     garder: Field = "",
 ) -> Response:
-    """Render the form again with the refused text and the reason."""
+    """Begin a thread and go to it; a refused text comes back in its form, with the reason."""
     attempt = gradebook.find_attempt(reader.db, account, submission_id)
     lines: LineRange | None = None
     try:

@@ -107,7 +107,7 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
 def common_parts(
     reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None, deal: int | None = None
 ) -> dict[str, Any]:
-    """Build the page of an exercise of any kind, with the verdict of the latest attempt.
+    """Return the fields that the pages of exercises of every kind share, with the verdict of the latest attempt.
 
     `saved` is what the fields hold of what was saved in a test; `deal`, in an exercise answered without code, is the
     seed of what was dealt to this account.

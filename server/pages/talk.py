@@ -63,7 +63,7 @@ class Chosen:
 
 @dataclass(frozen=True)
 class StudentLink:
-    """The author of the work, for their teacher."""
+    """A link to the author's work, for their teacher."""
 
     name: str
     href: str
@@ -89,7 +89,7 @@ class TalkPart:
 
 @dataclass(frozen=True)
 class Aim:
-    """Parse the subject of a new message from the address."""
+    """The subject of a new message, lines or a check (neither: the whole work), with its draft."""
 
     lines: LineRange | None = None
     check: str = ""
@@ -165,7 +165,7 @@ def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:
 
 
 def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
-    """Sort failed checks first."""
+    """Return id and title of the attempt's checks, failed ones first."""
     checks = attempt.verdict.checks if attempt.verdict else ()
     return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
 

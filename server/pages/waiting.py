@@ -1,4 +1,4 @@
-"""Events for the page of a waiting submission, whenever its state may have changed."""
+"""The state of a waiting submission, as its page receives it whenever it may have changed."""
 
 from __future__ import annotations
 

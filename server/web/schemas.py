@@ -27,7 +27,7 @@ class AccountView:
 
 @dataclass(frozen=True)
 class EditionNote:
-    """The notice of a module's other edition; `href` is its address."""
+    """The notice on a module's page about its editions; `href` is the other one's address, if any."""
 
     words: str
     href: str = ""
@@ -122,7 +122,7 @@ class CheckView:
 
 @dataclass(frozen=True)
 class FilmView:
-    """The address of the replay of a check."""
+    """The replay of a check; `source` is the address of its data."""
 
     id: str
     title: str

@@ -75,7 +75,7 @@ class PhraseView:
 
 @dataclass(frozen=True)
 class Draft:
-    """A refused text with its reason, so that nothing is lost."""
+    """A text that was not sent, and why it was refused; both empty for a new one."""
 
     text: str = ""
     problem: str = ""
