@@ -9,7 +9,6 @@ from sqlalchemy import Select, and_, case, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
-from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import ReceivedNote, SentNote
 from server.database import detached_instances, prepared_statement, select_core, table_of
@@ -107,13 +106,6 @@ def load_current_misconceptions(db: Session, class_id: UUID, exercise: str) -> S
         .order_by(count.desc(), Standing.last_diagnosis)
     )
     return [(name, title or name, count) for name, title, count in db.execute(query) if name is not None]
-
-
-def load_some_members(db: Session, class_id: UUID, accounts: Collection[UUID]) -> Sequence[Member]:
-    """Load some members of a class, sorted by name."""
-    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    query = query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
-    return sorted((Member(*row) for row in db.execute(query)), key=lambda member: (*member.sort_key, str(member.id)))
 
 
 def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:

@@ -114,7 +114,7 @@ def render_page(
     headers: Mapping[str, str] | None = None,
     **context: Any,
 ) -> HTMLResponse:
-    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course.""" ""
+    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
     course = get_service(request.app, Course)
     surroundings = {
         "modules": _modules(request, course),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from urllib.parse import quote
 
 from server.base.errors import Invalid
+from server.classes.repository import load_members
 from server.comments import notes_repository, service
 from server.comments.models import ThreadState
 from server.comments.schemas import SentNote, ThreadSummary
@@ -26,7 +27,6 @@ FILTERS: dict[str, tuple[ThreadState | None, str]] = {
     "reglees": (ThreadState.settled, "Réglés"),
     "toutes": (None, "Tous les fils"),
 }
-DEFAULT_FILTER = "ouvertes"
 FOREIGN_LINK = "Choisissez une page ou un exercice de ce module."
 
 
@@ -116,7 +116,7 @@ def _note_form(
 ) -> NoteForm:
     class_id = access.school_class.id
     concerned = notes_repository.load_student_ids_with_misconception(reader.db, class_id, exercise.id, mistake or None)
-    members = notes_repository.load_some_members(reader.db, class_id, concerned)
+    members = load_members(reader.db, class_id, concerned)
     return NoteForm(
         exercise=exercise.id,
         exercise_title=exercise.title,
