@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from reference.errors import InvalidArgumentError
+from reference.errors import InvalidArgumentError, check_word
 from reference.registration import kabsch
 from reference.se2 import to_matrix
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Alignment = Literal["none", "first", "rigid", "similarity"]
+Unit = Literal["poses", "metres"]
 
 
 class MetricError(InvalidArgumentError):
@@ -95,8 +96,9 @@ def absolute_trajectory_error(truth: ArrayLike, estimate: ArrayLike, align: Alig
     """The ATE: distances between true positions and those of the estimate, once it is laid over the truth.
 
     `align` is by which transformation: "rigid" or "similarity" (with a scale), those of least squares over all poses;
-    "first", which makes the first poses coincide; "none". Raises MetricError.
+    "first", which makes the first poses coincide; "none". Raises MetricError, also for any other word.
     """
+    check_word("align", align, Alignment, MetricError)
     true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
     _check_pair(true, estimated)
     R, t, scale = _alignment(true, estimated, align)
@@ -108,7 +110,7 @@ def relative_pose_error(
     truth: ArrayLike,
     estimate: ArrayLike,
     delta: float = 1,
-    unit: Literal["poses", "metres"] = "poses",
+    unit: Unit = "poses",
     overlapping: bool = False,
 ) -> RelativeError:
     """The RPE: how the motions of the estimate differ from the true ones, over `delta` poses or metres.
@@ -118,8 +120,9 @@ def relative_pose_error(
         E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j),  errors |trans E| and |angle E|                    (Sturm et al., eq. 1)
 
     Pairs follow one another, each beginning where the last one ends, counted along the estimate; with `overlapping`, of
-    poses only, one begins at every pose. Raises MetricError, also when there is no pair.
+    poses only, one begins at every pose. Raises MetricError, also when there is no pair, or for any other unit.
     """
+    check_word("unit", unit, Unit, MetricError)
     true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
     _check_pair(true, estimated)
     pairs = _pairs(estimated, delta, unit, overlapping)
@@ -181,8 +184,10 @@ def _alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Float
     return found.R_q_p, q.mean(axis=0) - scale * found.R_q_p @ p.mean(axis=0), scale
 
 
-def _pairs(poses: Floats, delta: float, unit: str, overlapping: bool) -> Integers:
+def _pairs(poses: Floats, delta: float, unit: Unit, overlapping: bool) -> Integers:
     n = len(poses)
+    if not np.isfinite(delta):
+        raise MetricError("delta", f"{delta} is neither a length nor a number of poses")
     if unit == "metres":
         if overlapping or not delta > 0.0:
             raise MetricError("delta", f"of {delta} metres must be positive, and pairs over metres do not overlap")

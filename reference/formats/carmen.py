@@ -17,11 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
+from reference.text import split_lines
 from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 
-AFTER_RANGES = 7
+# Numbers behind the ranges, and words behind these: the name of the host and the time of the logger.
+AFTER_RANGES, AFTER_NUMBERS = 7, 2
 
 
 class LogError(InvalidArgumentError):
@@ -41,13 +43,13 @@ class LaserLog:
         return len(self.scans)
 
 
-def parse_flaser(text: str, max_range: float) -> LaserLog:
+def parse_flaser(text: str | bytes, max_range: float) -> LaserLog:
     """The FLASER lines of a log; other lines are passed over. Ranges of `max_range` or more saw nothing.
 
     Raises LogError for a line that is cut short or holds what is no number.
     """
-    lines = [(number, line.split()) for number, line in enumerate(text.splitlines(), 1) if line.startswith("FLASER ")]
-    readings = [_reading(number, words[1:], max_range) for number, words in lines]
+    lines = ((number, line.split()) for number, line in enumerate(split_lines(text, error=LogError), 1))
+    readings = [_reading(number, words[1:], max_range) for number, words in lines if words[:1] == ["FLASER"]]
     rows = np.array([row for _, row in readings]).reshape(-1, AFTER_RANGES)
     return LaserLog(tuple(scan for scan, _ in readings), rows[:, 0:3], rows[:, 3:6], rows[:, 6])
 
@@ -63,7 +65,8 @@ def _reading(number: int, words: list[str], max_range: float) -> tuple[Scan, lis
         values = [float(word) for word in words[1 : 1 + n + AFTER_RANGES]]
     except (ValueError, IndexError) as error:
         raise LogError("text", f"line {number} holds what is no number: {error}") from error
-    if n < 1 or len(values) != n + AFTER_RANGES or not np.all(np.isfinite(values[n:])):
+    announced = 1 + n + AFTER_RANGES
+    if n < 1 or not announced <= len(words) <= announced + AFTER_NUMBERS or not np.all(np.isfinite(values[n:])):
         raise LogError(
             "text", f"line {number} does not hold the {n} ranges that it announces, and {AFTER_RANGES} numbers"
         )

@@ -20,8 +20,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import InvalidArgumentError
+from reference.errors import InvalidArgumentError, check_word
 from reference.formats.pgm import GreyImage, read_pgm, write_pgm
+from reference.text import split_lines
 from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]
@@ -97,8 +98,7 @@ class MapDescription:
             raise MapFileError("resolution", f"{self.resolution} is not a positive length")
         if len(self.origin) != 3 or not np.all(np.isfinite(self.origin)):
             raise MapFileError("origin", f"{self.origin} is not (x, y, yaw)")
-        if self.mode not in MODES:
-            raise MapFileError("mode", f"{self.mode!r} is not trinary, scale or raw")
+        check_word("mode", self.mode, Mode, MapFileError)
         if not 0.0 <= self.free_thresh < self.occupied_thresh <= 1.0:
             raise MapFileError("free_thresh", f"{self.free_thresh} is not below occupied_thresh, in [0, 1]")
 
@@ -111,7 +111,7 @@ class MapFiles:
     pgm: bytes
 
 
-def read_description(yaml: str) -> MapDescription:
+def read_description(yaml: str | bytes) -> MapDescription:
     """The description in a YAML file. Raises MapFileError, which names the entry at fault.
 
     Only the small part of YAML is read that these files use: one `key: value` a line, lists in brackets or as `- item`
@@ -149,7 +149,7 @@ def write_description(description: MapDescription) -> str:
     return "".join(f"{name}: {value}\n" for name, value in entries.items())
 
 
-def read_map(yaml: str, pgm: bytes) -> OccupancyGrid:
+def read_map(yaml: str | bytes, pgm: bytes) -> OccupancyGrid:
     """The occupancy grid of a description and its image, by (1), (2) or (3). Raises MapFileError, and PgmError."""
     description, image = read_description(yaml), read_pgm(pgm)
     values = _interpret(description, image)[::-1]
@@ -194,12 +194,13 @@ def _shades(values: NDArray[np.int8], mode: Mode) -> NDArray[np.int64]:
     return np.select([wide == FREE, wide == OCCUPIED], [WHITE, BLACK], GREY)
 
 
-def _entries(yaml: str) -> dict[str, str]:
+def _entries(yaml: str | bytes) -> dict[str, str]:
     """The values as they are written, quotes apart; a list of `- item` lines as one in brackets."""
     found: dict[str, str] = {}
     listed: dict[str, list[str]] = {}
     key = ""
-    for number, line in enumerate(yaml.expandtabs().splitlines(), start=1):
+    for number, written_line in enumerate(split_lines(yaml, "yaml", MapFileError), start=1):
+        line = written_line.expandtabs()
         if not line.strip() or line.lstrip().startswith("#") or line.rstrip() == "---":
             continue
         item = _ITEM.fullmatch(line)

@@ -3,6 +3,9 @@
 Source: the Netpbm project, pgm(5): a header of magic number, width, height and largest value, separated by white space,
 with comments from # to the end of the line; then, after a single white space for P5, the rows from the top down. Values
 above 255 take two bytes each, the most significant one first.
+
+A file holds one image, and nothing behind it: what does not add up is refused. Where git or a transfer as text has
+turned line ends into CR LF, the header's last one counts as the single white space.
 """
 
 from __future__ import annotations
@@ -14,7 +17,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import InvalidArgumentError
+from reference.errors import InvalidArgumentError, check_word
+from reference.text import decode_text
+
+Kind = Literal["P2", "P5"]
 
 MAX_PIXELS = 2**28
 LINE_OF_TEXT = 70
@@ -55,7 +61,8 @@ class GreyImage:
 
 
 def read_pgm(data: bytes) -> GreyImage:
-    """The image of a PGM file. What follows a P5 image is left alone. Raises PgmError."""
+    """The image of a PGM file, and the whole of it. Raises PgmError, also for bytes behind the image."""
+    data = _without_mark(bytes(data))
     header = _HEADER.match(data)
     if header is None:
         raise PgmError("data", "does not start with P2 or P5, width, height and largest value")
@@ -64,41 +71,73 @@ def read_pgm(data: bytes) -> GreyImage:
         raise PgmError("data", f"announces {width} x {height} pixels: none, or too many")
     if not 1 <= max_value <= 65535:
         raise PgmError("data", f"announces a largest value of {max_value}, not from 1 to 65535")
-    decode = _plain_pixels if header.group(1) == b"2" else _raw_pixels
-    pixels = decode(data[header.end() :], width * height, max_value)
+    body = data[header.end() :]
+    if header.group(1) == b"2":
+        pixels = _plain_pixels(body, width * height)
+    else:
+        pixels = _raw_pixels(
+            _without_line_feed(header.group(), body, width * height, max_value), width * height, max_value
+        )
     if pixels.max() > max_value:
         raise PgmError("data", f"holds a pixel above its largest value, {max_value}")
     return GreyImage(pixels.reshape(height, width), max_value)
 
 
-def write_pgm(image: GreyImage, kind: Literal["P2", "P5"] = "P5", comment: str = "") -> bytes:
+def write_pgm(image: GreyImage, kind: Kind = "P5", comment: str = "") -> bytes:
     """The PGM file of an image, with one line of comment or none. Raises PgmError."""
+    check_word("kind", kind, Kind, PgmError)
     if "\n" in comment or "\r" in comment:
         raise PgmError("comment", "has several lines")
     height, width = image.pixels.shape
     note = f"# {comment}\n" if comment else ""
     head = f"{kind}\n{note}{width} {height}\n{image.max_value}\n".encode()
     if kind == "P5":
-        return head + image.pixels.astype(">u1" if image.max_value < 256 else ">u2").tobytes()
-    if kind == "P2":
-        return head + _text(image)
-    raise PgmError("kind", f"{kind!r} is not P2 or P5")
+        return head + image.pixels.astype(_type_of(image.max_value)).tobytes()
+    return head + _text(image)
 
 
-def _plain_pixels(body: bytes, count: int, max_value: int) -> NDArray[np.int64]:
+def _without_mark(data: bytes) -> bytes:
+    """Return the ASCII of a P2 image that was saved as Unicode, and other bytes as they are."""
+    if data.startswith((b"P2", b"P5")):
+        return data
+    text = decode_text(data, "data", PgmError)
+    return text.encode() if text.startswith("P2") else data
+
+
+def _without_line_feed(header: bytes, body: bytes, count: int, max_value: int) -> bytes:
+    """Return the bytes of the pixels: without a line feed that ends the header's last line together with its CR.
+
+    It is one where other lines of the header end with CR LF; in a header of one line, where there is one byte too many.
+    """
+    if not (header.endswith(b"\r") and body.startswith(b"\n")):
+        return body
+    too_long = len(body) == count * _type_of(max_value).itemsize + 1
+    one_line = b"\n" not in header and b"\r" not in header[:-1]
+    return body[1:] if b"\r\n" in header or (one_line and too_long) else body
+
+
+def _type_of(max_value: int) -> np.dtype[Any]:
+    return np.dtype(">u1" if max_value < 256 else ">u2")
+
+
+def _plain_pixels(body: bytes, count: int) -> NDArray[np.int64]:
     words = _COMMENT.sub(b"", body).split()
     if len(words) < count:
         raise PgmError("data", f"ends after {len(words)} of its {count} pixels")
-    if not all(word.isdigit() and len(word) <= 9 for word in words[:count]):
+    if len(words) > count:
+        raise PgmError("data", f"goes on after its {count} pixels")
+    if not all(word.isdigit() and len(word) <= 9 for word in words):
         raise PgmError("data", "holds a pixel that is not a whole number")
-    return np.array([int(word) for word in words[:count]], dtype=np.int64)
+    return np.array([int(word) for word in words], dtype=np.int64)
 
 
 def _raw_pixels(body: bytes, count: int, max_value: int) -> NDArray[np.int64]:
-    kind = np.dtype(">u1" if max_value < 256 else ">u2")
+    kind = _type_of(max_value)
     if len(body) < count * kind.itemsize:
         raise PgmError("data", f"ends after {len(body) // kind.itemsize} of its {count} pixels")
-    return np.frombuffer(body, dtype=kind, count=count).astype(np.int64)
+    if len(body) > count * kind.itemsize:
+        raise PgmError("data", f"goes on after its {count} pixels, by {len(body) - count * kind.itemsize} bytes")
+    return np.frombuffer(body, dtype=kind).astype(np.int64)
 
 
 def _text(image: GreyImage) -> bytes:

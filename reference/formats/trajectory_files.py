@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from reference.errors import InvalidArgumentError
+from reference.text import split_lines
 
 Floats = NDArray[np.float64]
 
@@ -77,10 +78,10 @@ class Trajectory:
         return found
 
 
-def read_tum(text: str) -> Trajectory:
+def read_tum(text: str | bytes) -> Trajectory:
     """The trajectory of a TUM file; `#` starts a comment. Raises TrajectoryFileError, which names the line."""
-    rows = _numbers(text, 8, "a TUM line: time x y z qx qy qz qw")
-    _check_norms(rows)
+    rows, lines = _numbers(text, 8, "a TUM line: time x y z qx qy qz qw")
+    _check_norms(rows, lines)
     return Trajectory(rows[:, 0], rows[:, 1:4], rows[:, 4:])
 
 
@@ -90,15 +91,16 @@ def write_tum(trajectory: Trajectory) -> str:
     return "".join(" ".join(map(repr, row)) + "\n" for row in rows.tolist())
 
 
-def read_kitti(text: str) -> Floats:
+def read_kitti(text: str | bytes) -> Floats:
     """The homogeneous matrices (n, 4, 4) of a KITTI file. Raises TrajectoryFileError for a matrix that is not rigid."""
-    rows = _numbers(text, 12, "a KITTI line: the 12 numbers of [R | t]")
+    rows, lines = _numbers(text, 12, "a KITTI line: the 12 numbers of [R | t]")
     matrices = np.tile(np.eye(4), (len(rows), 1, 1))
     matrices[:, :3] = rows.reshape(-1, 3, 4)
     R = matrices[:, :3, :3]
     gaps = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
-    if np.any(gaps > TOLERANCE) or np.any(np.linalg.det(R) < 0.0):
-        raise TrajectoryFileError("text", "holds a matrix that is no rotation")
+    wrong = np.flatnonzero((gaps > TOLERANCE) | (np.linalg.det(R) < 0.0))
+    if wrong.size:
+        raise TrajectoryFileError("text", f"line {lines[wrong[0]]} holds a matrix that is no rotation")
     return matrices
 
 
@@ -110,9 +112,11 @@ def write_kitti(matrices: ArrayLike) -> str:
     return "".join(" ".join(map(repr, row)) + "\n" for row in values[:, :3].reshape(-1, 12).tolist())
 
 
-def _numbers(text: str, columns: int, expected: str) -> Floats:
+def _numbers(text: str | bytes, columns: int, expected: str) -> tuple[Floats, list[int]]:
+    """Return the numbers of the lines that hold some, (n, columns), and which lines these are."""
     rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    lines: list[int] = []
+    for number, line in enumerate(split_lines(text, error=TrajectoryFileError), start=1):
         words = line.split("#", 1)[0].split()
         if not words:
             continue
@@ -123,10 +127,13 @@ def _numbers(text: str, columns: int, expected: str) -> Floats:
         if len(row) != columns or not np.all(np.isfinite(row)):
             raise TrajectoryFileError("text", f"line {number} is not {expected}")
         rows.append(row)
-    return np.array(rows, dtype=np.float64).reshape(-1, columns)
+        lines.append(number)
+    return np.array(rows, dtype=np.float64).reshape(-1, columns), lines
 
 
-def _check_norms(rows: Floats) -> None:
+def _check_norms(rows: Floats, lines: list[int]) -> None:
     wrong = np.flatnonzero(np.abs(np.linalg.norm(rows[:, 4:], axis=1) - 1.0) > TOLERANCE)
     if wrong.size:
-        raise TrajectoryFileError("text", f"pose {wrong[0] + 1} has a quaternion that is not of norm 1")
+        raise TrajectoryFileError(
+            "text", f"line {lines[wrong[0]]}: pose {wrong[0] + 1} has a quaternion that is not of norm 1"
+        )

@@ -29,6 +29,7 @@ from reference.pose_graph.graph import (
     Sightings,
     information_fault,
 )
+from reference.text import split_lines
 
 POSE, LANDMARK, EDGE, SIGHTING, FIX = "VERTEX_SE2", "VERTEX_XY", "EDGE_SE2", "EDGE_SE2_XY", "FIX"
 IDS = {POSE: 1, LANDMARK: 1, EDGE: 2, SIGHTING: 2}
@@ -60,18 +61,19 @@ class _Rows:
     numbers: list[list[float]] = field(default_factory=list)
 
 
-def loads_g2o(text: str, *, convention: Convention = "g2o") -> G2oGraph:
+def loads_g2o(text: str | bytes, *, convention: Convention = "g2o") -> G2oGraph:
     """The graph of a text; without FIX the first pose is fixed. Raises G2oFormatError with the number of the line.
 
     `convention`: the residual that the information weighs; the format means "g2o". A graph in pieces is a
     DisconnectedGraphError, which names nodes by the file's numbers. A text without any VERTEX starts from
     `chordal_start`, its fixed pose at the origin, and raises what that raises.
     """
-    rows, fixes = _parsed(text)
+    content = split_lines(text)
+    rows, fixes = _parsed(content)
     listed = bool(rows[POSE].lines or rows[LANDMARK].lines)
     pose_at, landmark_at = _listed(rows) if listed else _named(rows)
     if not pose_at:
-        raise G2oFormatError(max(1, text.count("\n")), f"the text ends without a {POSE}, or an {EDGE}")
+        raise G2oFormatError(max(1, len(content)), f"the text ends without a {POSE}, or an {EDGE}")
     graph = _graph(rows, fixes, pose_at, landmark_at, convention)
     if listed:
         poses, landmarks = (
@@ -126,11 +128,11 @@ def _start(graph: PoseGraph, names: list[int]) -> tuple[Floats, Floats]:
         raise DisconnectedGraphError("text", reason, error.nodes) from None
 
 
-def _parsed(text: str) -> tuple[dict[str, _Rows], list[tuple[int, int]]]:
+def _parsed(lines: list[str]) -> tuple[dict[str, _Rows], list[tuple[int, int]]]:
     """The lines of each tag, and the (line, id) of what is fixed."""
     rows = {tag: _Rows() for tag in IDS}
     fixes: list[tuple[int, int]] = []
-    for line, content in enumerate(text.splitlines(), start=1):
+    for line, content in enumerate(lines, start=1):
         tag, *words = content.split() or ["#"]
         if tag.startswith("#"):
             continue

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
+from reference.errors import check_word
 from reference.pose_graph.errors import (
     DisconnectedGraphError,
     EdgeIndexError,
@@ -136,8 +137,7 @@ def _check_settings(graph: PoseGraph) -> None:
         raise ShapeError("n_poses", "a graph has at least one pose")
     if graph.n_landmarks < 0:
         raise ShapeError("sightings.n_landmarks", "is negative")
-    if graph.convention not in ("difference", "g2o"):
-        raise ParameterError("convention", f"{graph.convention!r} is neither 'difference' nor 'g2o'")
+    check_word("convention", graph.convention, Convention, ParameterError)
     outside = [k for k in graph.fixed if not 0 <= k < graph.n_poses]
     if outside or not graph.fixed:
         reason = f"pose {outside[0]} of {graph.n_poses} does not exist" if outside else "no pose holds the gauge"

@@ -84,6 +84,36 @@ def test_comments_may_stand_anywhere_in_a_header() -> None:
     assert read_pgm(b"P5 2 1 300\n\x01\x2c\x00\x07").pixels.tolist() == [[300, 7]]
 
 
+@given(st.sampled_from([1, 255, 256, 65535]), st.integers(0, 2**32 - 1), st.sampled_from([b"\n", b"\r\n", b"\r", b" "]))
+def test_an_image_is_read_whole_or_refused(max_value: int, seed: int, end: bytes) -> None:
+    """Line ends that something rewrote shift no pixel; a byte too many or too few is refused."""
+    rng = np.random.default_rng(seed)
+    pixels = rng.integers(0, max_value + 1, rng.integers(1, 9, 2))
+    pixels[0, 0] = min(10, max_value)
+    height, width = pixels.shape
+    raster = pixels.astype(">u1" if max_value < 256 else ">u2").tobytes()
+    header = end.join([b"P5", f"{width} {height}".encode(), str(max_value).encode(), b""])
+    assert np.array_equal(read_pgm(header + raster).pixels, pixels)
+    for wrong in (raster[:-1], raster[:-2], raster + b"\n", raster + b"\n\0", raster * 2):
+        with pytest.raises(PgmError, match=r"ends|goes on|start"):
+            read_pgm(header + wrong)
+
+
+def test_a_carriage_return_may_be_the_only_white_space_behind_the_header() -> None:
+    assert read_pgm(b"P5 2 1 255\r\n\x07").pixels.tolist() == [[10, 7]]
+    assert read_pgm(b"P5 2 1 255\r\n\x07\x08").pixels.tolist() == [[7, 8]]
+    with pytest.raises(PgmError, match="ends after 1 of its 2 pixels"):
+        read_pgm(b"P5\r\n2 1\r\n255\r\n\x07")
+
+
+def test_line_ends_rewritten_in_a_map_shift_nothing() -> None:
+    pixels = bytes([0, 205, 254, 100, 50, 200])
+    expected = read_map(YAML, b"P5\n3 2\n255\n" + pixels).values
+    assert np.array_equal(read_map(YAML, b"P5\r\n3 2\r\n255\r\n" + pixels).values, expected)
+    with pytest.raises(PgmError):  # a 10 among the pixels has been rewritten too
+        read_map(YAML, (b"P5\n3 2\n255\n" + bytes([10]) + pixels[1:]).replace(b"\n", b"\r\n"))
+
+
 @given(trinary, st.tuples(number, number, st.floats(-3, 3)), st.floats(1e-3, 5.0), st.sampled_from(["trinary", "raw"]))
 def test_maps_there_and_back(values: np.ndarray, corner: Any, resolution: float, mode: Any) -> None:
     files = write_map(OccupancyGrid(values, resolution, np.array(corner)), "a map.pgm", mode)
@@ -202,6 +232,9 @@ ONE = OccupancyGrid(np.array([[0, 100]]), 1.0, np.zeros(3))
         ("data", lambda: read_pgm(b"P5 2 1 255\n\x00")),
         ("data", lambda: read_pgm(b"P5 1 1 100\n\x65")),
         ("data", lambda: read_pgm(b"P2 2 1 255\n7")),
+        ("data", lambda: read_pgm(b"P2 2 1 255\n7 8 9")),
+        ("data", lambda: read_pgm(b"P5 1 1 255\n\x07\n")),
+        ("data", lambda: read_pgm(b"P5 1 1 255 # shades\n\x07")),
         ("data", lambda: read_pgm(b"P2 2 1 255\n7 -1")),
         ("data", lambda: read_pgm(b"P2 1 1 255\n256")),
         ("pixels", lambda: GreyImage(np.array([[0.5]]))),  # type: ignore[arg-type]

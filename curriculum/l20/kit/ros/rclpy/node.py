@@ -77,7 +77,7 @@ class Node(Parametres):
     def __getattr__(self, nom):
         if nom.startswith("_") and "_ros_nom" not in self.__dict__:
             message = f"'{type(self).__name__}' object has no attribute '{nom}'"
-            raise AttributeError(f"{message} (super().__init__(\"…\") a-t-il été appelé d'abord ?)")
+            raise AttributeError(f'{message} (super().__init__("…") a-t-il été appelé d\'abord ?)')
         raise AttributeError(f"'{type(self).__name__}' object has no attribute '{nom}'")
 
     def get_name(self):
