@@ -15,7 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
-from server.base import middleware, root_path
+from server.base import middleware, root_path, school_time
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, run_periodically
 from server.base.helpers import Helper
@@ -58,7 +58,7 @@ from server.steps.service import StepService
 from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
-from server.web import errors, school_time
+from server.web import errors
 
 if TYPE_CHECKING:
     from server.queue.jetstream.engine import NatsEngine

@@ -14,7 +14,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from graders.typography import french
-from server.base import root_path
+from server.base import root_path, school_time
 from server.base.app_services import get_service
 from server.base.files import TEMPLATES
 from server.base.http import SAFE_METHODS
@@ -24,7 +24,7 @@ from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
-from server.web import assets, school_time, words
+from server.web import assets, words
 from server.web.schemas import AccountView, CurrentModuleView
 
 TAG_DIGITS = 24  # of the SHA-256 of a page

@@ -21,6 +21,7 @@ from server.assignments.models import Assignment, Exemption, LatePolicy, Weighte
 from server.assignments.rules import MAX_POINTS, Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.audit.models import AuditAction, AuditEvent
+from server.base.school_time import format_field
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk.assignments import late_line
@@ -29,7 +30,6 @@ from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.marks.schemas import ExerciseMark
 from server.submissions.models import Submission
-from server.web.school_time import format_field
 from server.web.words import long_moment
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient

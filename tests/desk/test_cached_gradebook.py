@@ -9,11 +9,11 @@ import pytest
 from sqlalchemy import update
 
 from server.assignments.models import Assignment, Mode
+from server.base import school_time
 from server.classes.models import ClassRole, Membership
 from server.database import utc_now
 from server.identity.models import Role
 from server.marks.models import Override
-from server.web import school_time
 from server.web.fragments import FRAGMENTS
 from tests.support.caches import record_renders
 from tests.support.classes import Person, person, seat

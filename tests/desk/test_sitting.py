@@ -18,6 +18,7 @@ from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, Visibility
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
+from server.base import school_time
 from server.base.app_services import get_service
 from server.base.errors import Conflict
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
@@ -28,7 +29,6 @@ from server.grading.grading_task import GradingInput
 from server.identity.models import Role
 from server.submissions.models import Submission
 from server.submissions.sitting_collector import SittingCollector
-from server.web import school_time
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site, fake_verdict

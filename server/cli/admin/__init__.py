@@ -3,13 +3,13 @@
 from argparse import Namespace
 from collections.abc import Mapping
 
+from server.base import school_time
 from server.base.errors import ServiceError
 from server.cli import CannotRun
 from server.cli.admin import access, accounts, upkeep
 from server.cli.admin.answer import Action
 from server.cli.configuration import read_settings
 from server.cli.database import opened
-from server.web import school_time
 
 ACTIONS: Mapping[str, Action] = {
     "accounts": accounts.accounts,

@@ -19,6 +19,7 @@ from server.assignments.exemption_service import (
 )
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
 from server.assignments.rules import Rules, rules_in_force
+from server.base import school_time
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import Member
@@ -40,7 +41,6 @@ from server.marks.cells import french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
-from server.web import school_time
 from server.web.words import short_moment
 
 ORDERS = ("eleve", "date")

@@ -12,11 +12,11 @@ from starlette.datastructures import FormData
 
 from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility, WeightedExercise
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
+from server.base import school_time
 from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
 from server.desk.assignments.words import format_number
-from server.web import school_time
 
 NO_NUMBER = "{what} : « {text} » n’est pas un nombre."
 NO_CHOICE = "Ce choix n’est pas proposé."

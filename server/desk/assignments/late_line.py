@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 
 from server.assignments.models import LatePolicy
 from server.assignments.rules import DAY, MAX_POINTS, Rules
-from server.web import school_time
+from server.base import school_time
 from server.web.words import format_points, long_moment
 
 WIDTH, HEIGHT = 420.0, 196.0

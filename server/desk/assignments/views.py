@@ -13,6 +13,7 @@ from server.assignments.models import Assignment, Mode
 from server.assignments.rules import Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.assignments.stages import AssignmentStage, assignment_stage
+from server.base import school_time
 from server.classes import repository as classes
 from server.course import Course
 from server.database import utc_now
@@ -34,7 +35,6 @@ from server.desk.assignments.schemas import (
 from server.desk.sitting.views import release_view
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web import school_time
 from server.web.views import exercise_href, exercises_in_reading_order
 from server.web.words import iso_moment, long_moment
 

@@ -8,6 +8,7 @@ from typing import Any
 from urllib.parse import urlencode
 from uuid import UUID
 
+from server.base import school_time
 from server.board import insights, service
 from server.board.schemas import Board, BoardStudent, MisconceptionStats, ProgressCell, ProgressState
 from server.board.stuck import RULE
@@ -27,7 +28,6 @@ from server.desk.board.side_panel import number_text, side_panel
 from server.desk.views import class_head, class_href, count_students_by_label, join_code_view
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web import school_time
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import jinja_environment
 from server.web.views import Reader

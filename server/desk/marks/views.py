@@ -12,6 +12,7 @@ from urllib.parse import urlencode
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
+from server.base import school_time
 from server.base.errors import NotFound
 from server.desk.marks.schemas import (
     GradebookBody,
@@ -47,7 +48,6 @@ from server.marks.schemas import (
 )
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web import school_time
 from server.web.fragments import FRAGMENTS
 from server.web.rendering import jinja_environment
 from server.web.words import iso_moment, short_moment

@@ -14,6 +14,7 @@ from server.assignments.models import Mode, Sitting, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules
 from server.assignments.stages import AssignmentStage
 from server.assignments.student_assignments import StudentAssignment
+from server.base import school_time
 from server.classes import repository
 from server.classes.models import ClassRole, Membership, Status
 from server.classes.schemas import Member
@@ -33,7 +34,6 @@ from server.marks.schemas import ActiveOverride, ExerciseMark, OwnMark
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
-from server.web import school_time
 from server.web.views import exercise_href
 from server.web.words import WHOLE, format_mark, plural
 

@@ -7,9 +7,9 @@ from datetime import date
 from sqlalchemy.orm import Session
 
 from server.assignments import repository
+from server.base import school_time
 from server.base.errors import Invalid
 from server.classes.models import SchoolClass
-from server.web import school_time
 
 WEEK = 7
 MAX_WEEKS = 520

@@ -9,6 +9,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing as assignments
 from server.audit.members import recording_membership_changes
+from server.base import school_time
 from server.base.app_services import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root_path import service_url
@@ -26,7 +27,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web import editions, school_time
+from server.web import editions
 from server.web.dependencies import CurrentReader
 from server.web.forms import Field, redirect
 from server.web.rendering import render_page

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from server.base import school_time
 from server.base.errors import Invalid
-from server.web import school_time
 from server.web.words import long_day, long_moment, short_moment
 
 PARIS = ZoneInfo("Europe/Paris")
