@@ -35,6 +35,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.text.lines import tidy_line
 
 router = APIRouter(tags=["assignments"])
 
@@ -160,9 +161,9 @@ def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: 
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid, to_change=True)
     effect = ExemptionInput(
-        body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, body.reason.strip()
+        body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, tidy_line(body.reason)
     )
-    whom = ExemptionTarget((body.student,) if body.student else (), body.group or "")
+    whom = ExemptionTarget((body.student,) if body.student else (), tidy_line(body.group or ""))
     members = classes.load_members(db, place.school_class.id)
     (made,) = exemption_service.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
     return _exception(made)

@@ -20,6 +20,7 @@ from server.assignments.models import (
 )
 from server.assignments.rules import MAX_POINTS
 from server.base.errors import InvalidFields
+from server.text.lines import character_problem, tidy_line
 
 MAX_WEIGHT = 1000.0
 MAX_MINUTES = 7 * 24 * 60
@@ -88,7 +89,7 @@ def validate_assignment(fields: AssignmentInput, exercises: Mapping[str, str]) -
 
     Raises InvalidFields with every problem at once.
     """
-    tidy = replace(fields, title=" ".join(fields.title.split()))
+    tidy = replace(fields, title=tidy_line(fields.title))
     if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
     _refuse([*_check_fields(tidy), *_check_exercises(tidy.exercises, exercises), *_check_dates(tidy)])
@@ -110,8 +111,10 @@ def _refuse(problems: list[Problem]) -> None:
 
 
 def _check_fields(fields: AssignmentInput) -> Iterator[Problem]:
-    if not 0 < len(fields.title) <= TITLE_LENGTH or not fields.title.isprintable():
+    if not 0 < len(fields.title) <= TITLE_LENGTH:
         yield "title", f"Donnez au devoir un titre de 1 à {TITLE_LENGTH} caractères."
+    if character_problem(fields.title):
+        yield "title", f"Dans le titre, {character_problem(fields.title)}."
     if not _is_valid_weight(fields.weight):
         yield "weight", "Le coefficient du devoir est un nombre plus grand que 0, jusqu’à 1000."
     per_day = fields.late_per_day
@@ -173,8 +176,10 @@ def _check_effects(fields: ExemptionInput) -> Iterator[Problem]:
     low, high = TIME_FACTORS
     if fields.time_factor is not None and not low <= fields.time_factor <= high:
         yield "time_factor", "Le temps se multiplie par 1 à 4 : par 1,33 pour un tiers-temps."
-    if len(fields.reason) > REASON_LENGTH or not fields.reason.isprintable():
+    if len(fields.reason) > REASON_LENGTH:
         yield "reason", f"La raison tient en une ligne de {REASON_LENGTH} caractères."
+    if character_problem(fields.reason):
+        yield "reason", f"Dans la raison, {character_problem(fields.reason)}."
     yield from _check_years({"opens_at": fields.opens_at, "due_at": fields.due_at, "closes_at": fields.closes_at})
 
 

@@ -27,6 +27,7 @@ from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
 from server.submissions.models import Submission
+from server.text.lines import tidy_line
 
 UNKNOWN = "Ce groupe d’essais n’existe pas dans cette classe."
 MAX_LINES = 200
@@ -126,7 +127,7 @@ def list_other_names(
 
 def parse_description(title: str, explanation: str, question: str) -> GroupDescription:
     """Return a cleaned description within bounds; the question is optional. Raise Invalid."""
-    description = GroupDescription(" ".join(_lines(title).split("\n")), _lines(explanation), _lines(question))
+    description = GroupDescription(tidy_line(_lines(title)), _lines(explanation), _lines(question))
     bounds = (
         ("title", "Le titre", description.title, TITLE_LENGTH),
         ("explanation", "Le texte de l’explication", description.explanation, EXPLANATION_LENGTH),

@@ -5,8 +5,10 @@ tries are rate limited (`service.ClassService`), so that none is guessed.
 """
 
 import secrets
+import unicodedata
 
 from server.classes.models import CODE_LENGTH
+from server.text.lines import tidy_line
 
 LETTERS = "BCDFGHJKLMNPQRSTVWXZ"
 HALF = CODE_LENGTH // 2
@@ -20,7 +22,8 @@ def parse_code(text: str) -> str | None:
     """Parse a typed code, in any case, with or without spaces and dashes; None where the text is no code."""
     if len(text) > 4 * CODE_LENGTH:
         return None
-    code = "".join(letter for letter in text.upper() if letter not in " -–—_.\u00a0\t\r\n")
+    typed = unicodedata.normalize("NFKC", tidy_line(text)).upper()
+    code = "".join(letter for letter in typed if letter not in " -‐‑–—_.")
     return code if len(code) == CODE_LENGTH and set(code) <= set(LETTERS) else None
 
 

@@ -24,8 +24,8 @@ from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.roster import RejectedLine, Roster, RosterLine, normalise_name
 from server.classes.schemas import Member
 from server.identity import service as identity
+from server.identity.logins import LOGIN_LENGTH
 from server.identity.models import Account
-from server.identity.schemas import LOGIN_LENGTH
 
 SAME_NAME = (
     "un membre de la classe porte ce nom avec l’identifiant « {login} ». Si c’est la même personne, laissez la case "

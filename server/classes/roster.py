@@ -11,7 +11,7 @@ from functools import lru_cache
 from server.base.errors import Invalid
 from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
 from server.classes.sheets import SheetRow, read_rows
-from server.identity.schemas import is_valid_login, normalise_login
+from server.identity.logins import is_valid_login, normalise_login
 
 COLUMNS = ("nom", "prenom", "email", "identifiant", "groupe")
 #: Column names of schools' programs, normalised by `normalise_name`.

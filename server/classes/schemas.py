@@ -13,6 +13,7 @@ from server.base.errors import Invalid
 from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
 from server.classes.roster import normalise_name
 from server.identity.models import Account
+from server.text.lines import require_line
 
 #: The lifetimes of join codes to choose from; the first is that of a new class.
 CODE_LIFETIMES: Mapping[str, timedelta] = {
@@ -124,10 +125,7 @@ def validate_guest_name(given: str, family: str) -> GuestName:
 
 
 def _name(text: str, problem: str) -> str:
-    name = " ".join(text.split())
-    if not 0 < len(name) <= NAME_LENGTH or not name.isprintable():
-        raise Invalid(problem)
-    return name
+    return require_line(text, NAME_LENGTH, problem)
 
 
 def code_expiry(lifetime: str, now: datetime) -> datetime:

@@ -12,7 +12,7 @@ from server.base.settings import Settings
 from server.database import utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, Invitation, Role
-from server.identity.schemas import normalise_login
+from server.text.lines import tidy_line
 
 USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
 ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
@@ -61,10 +61,9 @@ def create_reset_link(db: Session, login: str, settings: Settings) -> tuple[Acco
 
 def find_account_by_login(db: Session, typed_login: str) -> Account:
     """Return the account with this login. Raises NotFound."""
-    login = normalise_login(typed_login)
-    account = repository.find_account_by_login(db, login) if login.isprintable() else None  # no zero byte
+    account = repository.find_account_by_typed_login(db, typed_login)
     if account is None:
-        raise NotFound(f"Aucun compte n’a l’identifiant « {typed_login} ».")
+        raise NotFound(f"Aucun compte n’a l’identifiant « {tidy_line(typed_login)[:60]} ».")
     return account
 
 

@@ -9,7 +9,9 @@ from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, u
 from sqlalchemy.orm import Session
 
 from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
+from server.identity.logins import earlier_form, is_valid_login, normalise_login
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
+from server.text.lines import tidy_line
 
 _enabled = Account.disabled_at.is_(None)
 
@@ -20,6 +22,13 @@ def find_account(db: Session, account_id: UUID) -> Account | None:
 
 def find_account_by_login(db: Session, login: str) -> Account | None:
     return db.execute(select(Account).where(Account.login == login)).scalar_one_or_none()
+
+
+def find_account_by_typed_login(db: Session, typed: str) -> Account | None:
+    """Return the account of a login as somebody types it: as stored before folding, else folded."""
+    forms = dict.fromkeys((earlier_form(typed), normalise_login(typed)))
+    accounts = (find_account_by_login(db, login) for login in forms if is_valid_login(login))
+    return next(filter(None, accounts), None)
 
 
 #: On the hot path of every request: loaded as columns.
@@ -78,6 +87,7 @@ def search_accounts(db: Session, *, role: Role | None, search: str, limit: int) 
     query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(limit)
     if role is not None:
         query = query.where(Account.role == role)
+    search = tidy_line(search)
     if search:
         matches = (column.icontains(search, autoescape=True) for column in (Account.login, Account.name))
         query = query.where(or_(*matches))

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from server.base.errors import InvalidFields
+from server.identity.logins import login_problem, normalise_login
 from server.identity.passwords import password_problem
+from server.text.lines import character_problem, tidy_line
 
-LOGIN_LENGTH = range(2, 255)
 NAME_LENGTH = 100
 LABEL_LENGTH = 100
 
@@ -23,13 +24,9 @@ class NewAccount:
     password: str
 
 
-def normalise_login(text: str) -> str:
-    return text.strip().casefold()
-
-
 def validate_new_account(name: str, login: str, password: str) -> NewAccount:
     """Return the normalised form. Raises RefusedForm with every problem at once."""
-    form = NewAccount(" ".join(name.split()), normalise_login(login), password)
+    form = NewAccount(tidy_line(name), normalise_login(login), password)
     problems = {field: problem for field, problem in _checks(form) if problem}
     if problems:
         raise RefusedForm(problems)
@@ -38,7 +35,7 @@ def validate_new_account(name: str, login: str, password: str) -> NewAccount:
 
 def new_account_without_password(name: str, login: str) -> NewAccount:
     """Return the normalised form of an account whose owner chooses a password later. Raises RefusedForm."""
-    form = NewAccount(" ".join(name.split()), normalise_login(login), "")
+    form = NewAccount(tidy_line(name), normalise_login(login), "")
     problems = {field: problem for field, problem in _checks(form) if problem and field != "password"}
     if problems:
         raise RefusedForm(problems)
@@ -47,8 +44,8 @@ def new_account_without_password(name: str, login: str) -> NewAccount:
 
 def _checks(form: NewAccount) -> list[tuple[str, str]]:
     return [
-        ("name", "" if _printable(form.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),
-        ("login", "" if is_valid_login(form.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
+        ("name", _line_problem(form.name, NAME_LENGTH, "Indiquez un nom de 1 à 100 caractères.")),
+        ("login", login_problem(form.login)),
         ("password", password_problem(form.password, login=form.login, name=form.name)),
     ]
 
@@ -61,17 +58,18 @@ def validate_new_password(password: str, *, login: str, name: str) -> str:
     return password
 
 
-def _printable(text: str, longest: int) -> bool:
-    return 0 < len(text) <= longest and text.isprintable()
-
-
-def is_valid_login(login: str) -> bool:
-    return len(login) in LOGIN_LENGTH and login.isprintable() and " " not in login
+def _line_problem(line: str, longest: int, problem: str) -> str:
+    """Return why a tidied line is refused, or an empty text."""
+    if not 0 < len(line) <= longest:
+        return problem
+    unwritable = character_problem(line)
+    return f"{unwritable[0].upper()}{unwritable[1:]}." if unwritable else ""
 
 
 def validate_token_label(text: str) -> str:
     """Return the normalised name of an API token. Raises RefusedForm."""
-    label = " ".join(text.split())
-    if not _printable(label, LABEL_LENGTH):
-        raise RefusedForm({"label": "Donnez au jeton un nom de 1 à 100 caractères."})
+    label = tidy_line(text)
+    problem = _line_problem(label, LABEL_LENGTH, "Donnez au jeton un nom de 1 à 100 caractères.")
+    if problem:
+        raise RefusedForm({"label": problem})
     return label

@@ -19,13 +19,12 @@ from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
 from server.identity.hashing import PasswordHasher
+from server.identity.logins import latin_look_alike, normalise_login
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.schemas import (
     NewAccount,
     RefusedForm,
-    is_valid_login,
     new_account_without_password,
-    normalise_login,
     validate_new_password,
 )
 from server.limits import service as limits
@@ -113,7 +112,7 @@ class AccountService:
     async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> OpenedSession:
         """Open a session; a guest `visitor`'s work moves to it. Raises RefusedForm, RateLimited or Overloaded."""
         try:
-            account = await run_in_threadpool(self._account_for_login, normalise_login(login), address)
+            account = await run_in_threadpool(self._account_for_login, login, address)
         except RateLimited:
             REFUSED_LOGINS.add("too_many")
             raise
@@ -127,11 +126,11 @@ class AccountService:
     def _account_for_login(self, login: str, address: str) -> Account | None:
         """Return the account of a login; each try counts towards the rate limits. Raises RateLimited."""
         with self.database.write() as db:
-            key = f"login:{secrets.digest(f'{login} {address}')}"
+            key = f"login:{secrets.digest(f'{normalise_login(login)} {address}')}"
             limits.take_token(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
             limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            return repository.find_account_by_login(db, login) if is_valid_login(login) else None
+            return repository.find_account_by_typed_login(db, login)
 
     def _open_after_login(self, account: Account, visitor: Account | None, address: str) -> OpenedSession:
         """Open a session after a correct password, and give back the address's token: a school shares one address."""
@@ -212,7 +211,8 @@ class AccountService:
 
 
 def _require_free(db: Session, login: str) -> None:
-    if repository.find_account_by_login(db, login) is not None:
+    """Raise RefusedForm for a login that an account has, or that looks like the Latin login of one."""
+    if any(repository.find_account_by_login(db, form) for form in dict.fromkeys((login, latin_look_alike(login)))):
         raise RefusedForm({"login": TAKEN})
 
 

@@ -26,6 +26,7 @@ from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
 from server.marks.schemas import EffectivePoints, ExerciseMark, OwnMarks, StudentExercise
+from server.text.lines import character_problem, tidy_lines
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
 NOTHING_SET = "Cette note n’est pas modifiée, ou ne l’est plus."
@@ -34,7 +35,6 @@ OUT_OF_RANGE = "Les points vont de 0 à 20."
 NOT_A_NUMBER = "« {text} » n’est pas un nombre de points : écrivez par exemple 12,5."
 NEEDS_REASON = "Indiquez le motif : l’élève le lit, et le journal de la classe le garde."
 LONG_REASON = f"Le motif compte {REASON_LENGTH} caractères au plus."
-UNREADABLE = "Le motif contient un caractère qui ne s’écrit pas."
 
 
 def load_effective_points(
@@ -68,13 +68,14 @@ def _check_points(points: float) -> float:
 
 def parse_reason(text: str) -> str:
     """Return a reason without blanks around its lines. Raise Invalid for one that is empty, long or unreadable."""
-    reason = "\n".join(line.strip() for line in text.strip().splitlines())
+    reason = tidy_lines(text)
     if not reason:
         raise Invalid(NEEDS_REASON)
     if len(reason) > REASON_LENGTH:
         raise Invalid(LONG_REASON)
-    if not reason.replace("\n", " ").replace("\t", " ").isprintable():
-        raise Invalid(UNREADABLE)
+    unwritable = character_problem(reason)
+    if unwritable:
+        raise Invalid(f"Dans le motif, {unwritable}.")
     return reason
 
 

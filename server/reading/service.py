@@ -36,6 +36,7 @@ from server.reading.schemas import (
     Shelf,
     TermView,
 )
+from server.text.lines import tidy_line
 from server.text.prose import line
 from server.web import deadlines, editions
 from server.web.deadlines import DueView
@@ -282,7 +283,7 @@ def plain(word: str) -> str:
 
 
 def search_page(module: Module, query: str) -> SearchPage:
-    query = " ".join(query.split())
+    query = tidy_line(query)
     found = search.find(module, query)
     return SearchPage(module_link(module), query, found.read_as, found.hits, () if found.hits else _examples(module))
 

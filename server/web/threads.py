@@ -13,6 +13,7 @@ from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
+from server.text.lines import tidy_line
 from server.web.words import iso_moment, short_moment
 
 STATES = {ThreadState.open: "ouvert", ThreadState.answered: "répondu", ThreadState.settled: "réglé"}
@@ -169,5 +170,5 @@ def writer_view(
 
 def shorten(text: str) -> str:
     """The beginning of a message, on one line."""
-    line = " ".join(text.split())
+    line = tidy_line(text)
     return line if len(line) <= SHORT else line[:SHORT].rstrip() + "…"

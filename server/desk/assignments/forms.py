@@ -17,6 +17,7 @@ from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
 from server.desk.assignments.words import format_number
+from server.text.lines import tidy_line
 
 NO_NUMBER = "{what} : « {text} » n’est pas un nombre."
 NO_CHOICE = "Ce choix n’est pas proposé."
@@ -66,7 +67,7 @@ class _FormReader:
 def field_text(fields: FormData, name: str) -> str:
     """Of a field that may be absent, or a file."""
     given = fields.get(name, "")
-    return given.strip()[:MAX_FIELD_CHARACTERS] if isinstance(given, str) else ""
+    return tidy_line(given[:MAX_FIELD_CHARACTERS]) if isinstance(given, str) else ""
 
 
 def _parse_number(text: str, what: str) -> float | None:
