@@ -171,7 +171,7 @@ class _Builder:
         self.closures: list[Closure] = []
         self.refused: list[Closure] = []
         self._scans, self._edges, self._settings = scans, edges, settings
-        self._signatures = np.array([fourier_signature(scan.ranges) / len(scan) for scan in scans])
+        self._signatures = np.array([fourier_signature(scan.filled_ranges()) / len(scan) for scan in scans])
 
     def add(self, j: int) -> None:
         """Place key pose j after the one before, by odometry and by their scans, and close the loops that it closes."""

@@ -101,13 +101,16 @@ class OccupancyGrid:
         return probability(self.log_odds)
 
     def integrate(self, scan: Scan, T_world_robot: ArrayLike) -> None:
-        """Add a scan taken at a pose (3,) of the world. What lies off the grid is left out. Raises OccupancyError."""
+        """Add a scan taken at a pose (3,) of the world. Raises OccupancyError.
+
+        What lies off the grid is left out; a beam that was not measured adds nothing.
+        """
         pose = np.asarray(T_world_robot, dtype=np.float64)
         if pose.shape != (3,) or not np.all(np.isfinite(pose)):
             raise OccupancyError("T_world_robot", "is not a pose (3,) of finite numbers")
         if not len(scan):
             raise OccupancyError("scan", "has no beam")
-        crossed, stopped = self._met(scan, pose)
+        crossed, stopped = self._met(scan.only_measured(), pose)
         if self.model.once_a_scan:
             stopped = np.unique(stopped)
             crossed = np.setdiff1d(crossed, stopped)

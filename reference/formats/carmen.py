@@ -44,7 +44,7 @@ class LaserLog:
 
 
 def parse_flaser(text: str | bytes, max_range: float) -> LaserLog:
-    """The FLASER lines of a log; other lines are passed over. Ranges of `max_range` or more saw nothing.
+    """The FLASER lines of a log; other lines are passed over. Ranges are those of `Scan.from_sensor`.
 
     Raises LogError for a line that is cut short or holds what is no number.
     """

@@ -12,7 +12,7 @@ that reading for sure.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -113,6 +113,8 @@ def plain_densities(model: BeamModel, ranges: ArrayLike, expected: ArrayLike) ->
     z, truth = np.asarray(ranges, dtype=np.float64), np.asarray(expected, dtype=np.float64)
     if z.ndim != 1 or z.shape != truth.shape:
         raise InvalidArgumentError("ranges", f"of shape {z.shape} do not go with expected ones of shape {truth.shape}")
+    if np.any(np.isnan(z)) or np.any(np.isnan(truth)):
+        raise InvalidArgumentError("ranges", "hold a NaN: a beam that was not measured has no density")
     return np.stack(
         [
             np.exp(-0.5 * ((z - truth) / model.sigma) ** 2) / (model.sigma * np.sqrt(2.0 * np.pi)),
@@ -146,9 +148,13 @@ class BeamSensor:
         self.grid_map, self.model, self.power = grid_map, model, checked_power(power)
 
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
-        """power x sum over the beams k of log p(z_k | z*_k), (n,). Raises InvalidArgumentError."""
-        poses = checked_poses(poses_world, scan)
-        longest = self.model.max_range
-        expected = np.minimum(self.grid_map.cast_scans(poses, scan.angles, longest), longest)
-        beams = self.model.log_density(np.minimum(scan.ranges, longest)[None, :], expected)
+        """power x sum over the measured beams k of log p(z_k | z*_k), (n,); 0 where none is. InvalidArgumentError."""
+        poses, seen = checked_poses(poses_world, scan), scan.only_measured()
+        if not len(seen):
+            return np.zeros(len(poses))
+        # What met nothing as far as its own lidar sees is no hit at that distance.
+        longest = min(self.model.max_range, seen.max_range)
+        model = self.model if longest == self.model.max_range else replace(self.model, max_range=longest)
+        expected = np.minimum(self.grid_map.cast_scans(poses, seen.angles, longest), longest)
+        beams = model.log_density(np.minimum(seen.ranges, longest)[None, :], expected)
         return np.asarray(self.power * beams.sum(axis=1))

@@ -3,7 +3,8 @@
     p(z_k | pose) = hit N(d; 0, sigma^2) + random / max_range                                                  (1)
 
 d is the distance from the cell in which the beam ends to the nearest occupied one, between centres. Beams that read
-`max_range` say nothing. Walls are transparent to this model: it sees where beams end, not what they cross.
+`max_range`, or that were not measured, say nothing. Walls are transparent to this model: it sees where beams end, not
+what they cross.
 
 Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), table 6.3.
 """

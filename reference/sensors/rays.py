@@ -29,8 +29,7 @@ def thinned(scan: Scan, count: int) -> Scan:
         raise InvalidArgumentError("count", f"{count} beams make no scan")
     if count >= len(scan):
         return scan
-    kept = np.arange(count) * len(scan) // count
-    return Scan(scan.ranges[kept], scan.angles[kept], scan.max_range)
+    return scan.take(np.arange(count) * len(scan) // count)
 
 
 def checked_power(power: float) -> float:

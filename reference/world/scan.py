@@ -1,11 +1,17 @@
 """One turn of a lidar: distances, the angles of their beams, and the points they show.
 
 Angles are in radians from the robot's heading, counter-clockwise; lengths are in metres, or in cells.
+
+A beam ends in one of three ways: it is stopped (a range below `max_range`), it meets nothing as far as the lidar sees
+(`max_range`: the way is free), or it was not measured, which says nothing at all. REP 117 has a value for each: a
+length, +Inf, and NaN; -Inf, or a reading under the least range, is something too close to be measured.
+
+Source: REP 117, "Informational Distance Measurements" (ROS, 2011).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +29,7 @@ class ScanError(InvalidArgumentError):
 class Scan:
     """`ranges` (n,) in [0, max_range] along `angles` (n,); a beam that reads `max_range` touched nothing.
 
+    `measured` (n,): which beams say something; all do unless told otherwise, and what the others read has no meaning.
     The arrays are copied and cannot be written to. An empty scan is a scan; what needs points refuses it. Raises
     ScanError for a range that is not a number of [0, max_range], or an angle that is not finite.
     """
@@ -30,6 +37,7 @@ class Scan:
     ranges: Floats
     angles: Floats
     max_range: float
+    measured: NDArray[np.bool_] = field(default_factory=lambda: np.array(True))
 
     def __post_init__(self) -> None:
         if not 0.0 < self.max_range < np.inf:
@@ -39,16 +47,26 @@ class Scan:
             raise ScanError("ranges", f"of shape {ranges.shape} is not an array (n,) of lengths in [0, max_range]")
         if angles.shape != ranges.shape or not np.all(np.isfinite(angles)):
             raise ScanError("angles", f"of shape {angles.shape} is not an array ({len(ranges)},) of finite angles")
-        for name, values in (("ranges", ranges), ("angles", angles)):
+        measured = np.array(self.measured, dtype=np.bool_)
+        if measured.shape not in ((), ranges.shape):
+            raise ScanError("measured", f"of shape {measured.shape} is not an array ({len(ranges)},) of truths")
+        measured = np.array(np.broadcast_to(measured, ranges.shape))
+        for name, values in (("ranges", ranges), ("angles", angles), ("measured", measured)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
 
     @classmethod
-    def from_sensor(cls, ranges: ArrayLike, angles: ArrayLike, max_range: float) -> Scan:
-        """A scan from raw readings: infinity, NaN, zero or less, `max_range` or more are beams that saw nothing."""
+    def from_sensor(cls, ranges: ArrayLike, angles: ArrayLike, max_range: float, min_range: float = 0.0) -> Scan:
+        """A scan from raw readings: +Inf, `max_range` or more met nothing up to there.
+
+        NaN, -Inf, 0 and below, or below `min_range` are no measurements. Raises ScanError.
+        """
+        if not 0.0 <= min_range < max_range:
+            raise ScanError("min_range", f"{min_range} is not a length below max_range")
         readings = np.asarray(ranges, dtype=np.float64)
-        seen = (readings > 0.0) & (readings < max_range)
-        return cls(np.where(seen, readings, max_range), np.asarray(angles, dtype=np.float64), max_range)
+        measured = (readings > 0.0) & (readings >= min_range)
+        lengths = np.where(measured & (readings < max_range), readings, max_range)
+        return cls(lengths, np.asarray(angles, dtype=np.float64), max_range, measured)
 
     @classmethod
     def full_turn(cls, ranges: ArrayLike, max_range: float) -> Scan:
@@ -62,7 +80,7 @@ class Scan:
     @property
     def hits(self) -> NDArray[np.bool_]:
         """Which beams (n,) touched something, away from the lidar itself."""
-        return (self.ranges > 0.0) & (self.ranges < self.max_range)
+        return self.measured & (self.ranges > 0.0) & (self.ranges < self.max_range)
 
     def points(self) -> Floats:
         """Where the beams that hit something ended, (k, 2) = (x, y) in the robot's frame, in the order of the beams."""
@@ -77,7 +95,26 @@ class Scan:
         """The scan of one beam out of `step`, the first one included. Raises ScanError."""
         if step < 1:
             raise ScanError("step", f"{step} keeps no beam")
-        return Scan(self.ranges[::step], self.angles[::step], self.max_range)
+        return self.take(np.arange(0, len(self), step))
+
+    def take(self, beams: ArrayLike) -> Scan:
+        """The scan of some beams: indices (k,) or a mask (n,)."""
+        kept = np.asarray(beams)
+        return Scan(self.ranges[kept], self.angles[kept], self.max_range, self.measured[kept])
+
+    def only_measured(self) -> Scan:
+        """The scan of the beams that say something; the scan itself where all do."""
+        return self if self.measured.all() else self.take(self.measured)
+
+    def filled_ranges(self) -> Floats:
+        """The ranges (n,) of a whole turn, those that were not measured drawn between their measured neighbours.
+
+        For what needs a length for every beam. Where none was measured, all read `max_range`.
+        """
+        beams = np.flatnonzero(self.measured)
+        if len(beams) in (0, len(self)):
+            return self.ranges if len(beams) else np.full(len(self), self.max_range)
+        return np.asarray(np.interp(np.arange(len(self)), beams, self.ranges[beams], period=len(self)))
 
 
 def turn_angles(beams: int) -> Floats:

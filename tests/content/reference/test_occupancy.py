@@ -154,6 +154,34 @@ def test_a_scan_marks_what_it_crosses_and_what_stops_it() -> None:
     np.testing.assert_allclose(grid.log_odds, wanted)
 
 
+NO_MEASUREMENTS = [math.nan, -math.inf, 0.0, -1.0, 0.05]
+
+
+@pytest.mark.parametrize("reading", NO_MEASUREMENTS)
+@pytest.mark.parametrize("once", [True, False])
+def test_a_beam_that_was_not_measured_clears_no_wall(reading: float, once: bool) -> None:
+    """What a mapped wall is, and what lies behind it, stays as it was; a beam beside it still counts."""
+    grid = OccupancyGrid(np.zeros((3, 60)), 0.1, np.array([0, -0.15, 0.0]), InverseSensorModel(once_a_scan=once))
+    for _ in range(5):
+        grid.integrate(Scan.from_sensor([2.0], [0.0], 5.0, 0.1), [0.05, 0, 0])
+    before = grid.log_odds.copy()
+    for _ in range(10):
+        grid.integrate(Scan.from_sensor([reading], [0.0], 5.0, 0.1), [0.05, 0, 0])
+    np.testing.assert_array_equal(grid.log_odds, before)
+    grid.integrate(Scan.from_sensor([reading, math.inf], [0.0, 0.0], 5.0, 0.1), [0.05, 0, 0])
+    assert grid.log_odds[1, 20] < before[1, 20]
+    assert grid.log_odds[1, 40] < 0.0
+
+
+def test_a_map_of_scans_with_gaps_is_that_of_their_measured_beams() -> None:
+    rng = np.random.default_rng(5)
+    angles, poses = turn_angles(60), rng.uniform(-1, 1, (4, 3))
+    readings = np.where(rng.random((4, 60)) < 0.3, math.nan, rng.uniform(0.5, 7, (4, 60)))
+    scans = [Scan.from_sensor(row, angles, 6.0) for row in readings]
+    alone = [Scan.from_sensor(row[~np.isnan(row)], angles[~np.isnan(row)], 6.0) for row in readings]
+    np.testing.assert_array_equal(build_map(scans, poses, 0.1).log_odds, build_map(alone, poses, 0.1).log_odds)
+
+
 def test_one_vote_a_scan_and_stopping_wins() -> None:
     scan = Scan([1.2, 1.2, 2.4], [0.0, 0.01, 0.0], 9.0)
     grid = OccupancyGrid(np.zeros((1, 4)), model=InverseSensorModel(once_a_scan=True))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reference.sensors.rays import thinned
 from reference.world.scan import Scan, ScanError, turn_angles
 
 
@@ -20,10 +21,32 @@ def test_an_empty_scan_shows_no_point() -> None:
     assert Scan.full_turn([], 5.0).points().shape == (0, 2)
 
 
-def test_what_a_sensor_says_when_it_sees_nothing() -> None:
-    scan = Scan.from_sensor([math.inf, math.nan, 0.0, -1.0, 9.0, 5.0, 2.0], np.zeros(7), 5.0)
-    assert scan.ranges.tolist() == [5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 2.0]
-    assert scan.hits.sum() == 1
+def test_no_echo_and_no_measurement_are_two_events() -> None:
+    """REP 117: +Inf says that the way is free; NaN, and -Inf for what is too close, are no measurements."""
+    scan = Scan.from_sensor([math.inf, math.nan, -math.inf, 0.0, -1.0, 9.0, 5.0, 2.0, 0.1], np.zeros(9), 5.0, 0.2)
+    assert scan.measured.tolist() == [True, False, False, False, False, True, True, True, False]
+    assert scan.hits.tolist() == [False] * 7 + [True, False]
+    assert scan.only_measured().ranges.tolist() == [5.0, 5.0, 5.0, 2.0]
+    assert len(scan.points()) == 1
+
+
+def test_what_was_not_measured_stays_so_in_parts_of_a_scan() -> None:
+    scan = Scan.from_sensor([1.0, math.nan, 3.0, math.nan, 2.0, math.inf], turn_angles(6), 5.0)
+    assert scan.every(3).measured.tolist() == [True, False]
+    assert thinned(scan, 3).measured.tolist() == [True, True, True]
+    assert scan.take([1, 2]).measured.tolist() == [False, True]
+    with pytest.raises(ValueError, match="read-only"):
+        scan.measured[1] = True
+    full = Scan.full_turn([1.0, 5.0], 5.0)
+    assert full.measured.all()
+    assert full.only_measured() is full
+
+
+def test_a_gap_is_drawn_between_its_neighbours_all_round() -> None:
+    scan = Scan.from_sensor([math.nan, 1.0, math.nan, math.nan, 4.0, math.nan], turn_angles(6), 5.0)
+    assert scan.filled_ranges().tolist() == [2.0, 1.0, 2.0, 3.0, 4.0, 3.0]
+    assert Scan.from_sensor([math.nan] * 3, turn_angles(3), 5.0).filled_ranges().tolist() == [5.0] * 3
+    assert Scan.full_turn([1.0, 2.0], 5.0).filled_ranges().tolist() == [1.0, 2.0]
 
 
 def test_one_beam_out_of_three() -> None:
@@ -51,6 +74,9 @@ def test_a_scan_keeps_what_it_was_given() -> None:
         ("angles", lambda: Scan(np.ones(2), np.zeros(1), 5.0)),
         ("angles", lambda: Scan(np.ones(1), np.array([math.nan]), 5.0)),
         ("max_range", lambda: Scan(np.ones(1), np.zeros(1), math.inf)),
+        ("measured", lambda: Scan(np.ones(2), np.zeros(2), 5.0, np.array([True]))),
+        ("min_range", lambda: Scan.from_sensor([1.0], [0.0], 5.0, 5.0)),
+        ("min_range", lambda: Scan.from_sensor([1.0], [0.0], 5.0, math.nan)),
         ("step", lambda: Scan.full_turn([1.0], 5.0).every(0)),
         ("beams", lambda: turn_angles(-1)),
     ],

@@ -12,7 +12,7 @@ from scipy.stats import kstest, truncexpon, truncnorm
 
 from reference.errors import InvalidArgumentError
 from reference.se2 import compose
-from reference.sensors.beam import BeamModel, BeamSensor
+from reference.sensors.beam import BeamModel, BeamSensor, plain_densities
 from reference.sensors.beam_learning import learn, responsibilities
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.sensors.rays import thinned
@@ -195,6 +195,28 @@ def test_the_beam_sensor_sums_beams_cast_one_by_one() -> None:
     assert np.allclose(found, MODEL.log_density(scan.ranges, expected).sum(axis=1))
 
 
+def test_beams_that_were_not_measured_weigh_no_pose() -> None:
+    """31 of them would make the middle of a hall e^26 times likelier, if they were free ways to the maximum."""
+    grid_map, rng = room(), np.random.default_rng(8)
+    cells = rng.permutation(np.argwhere(grid_map.free))[:20]
+    poses = grid_map.poses_to_world(np.column_stack([cells[:, ::-1] + 0.5, rng.uniform(-3.0, 3.0, 20)]))
+    scan = scan_from(grid_map, poses[0], 31)
+    lost = rng.random(31) < 0.4
+    gaps = Scan.from_sensor(np.where(lost, math.nan, scan.ranges), scan.angles, scan.max_range)
+    blind = Scan.from_sensor(np.full(31, math.nan), scan.angles, scan.max_range)
+    for sensor in (LikelihoodField(grid_map), BeamSensor(grid_map, MODEL)):
+        alone = sensor.log_likelihood(poses, scan.take(~lost))
+        np.testing.assert_array_equal(sensor.log_likelihood(poses, gaps), alone)
+        assert not sensor.log_likelihood(poses, blind).any()
+
+
+def test_a_way_that_is_free_as_far_as_a_short_lidar_sees_is_no_hit_there() -> None:
+    grid_map = GridMap.from_free(np.ones((40, 40), dtype=bool), 0.5)
+    scan = Scan.full_turn([2.0] * 8, 2.0)
+    found = BeamSensor(grid_map, MODEL).log_likelihood(np.array([[10.0, 10.0, 0.0]]), scan)
+    assert found[0] == pytest.approx(8 * math.log(MODEL.hit + MODEL.beyond))
+
+
 def test_a_scan_that_hit_nothing_says_nothing_to_a_field() -> None:
     field = LikelihoodField(room())
     assert field.log_likelihood(np.zeros((3, 3)), Scan.full_turn([8.0, 8.0], 8.0)).tolist() == [0.0, 0.0, 0.0]
@@ -218,6 +240,7 @@ def test_input_without_meaning_is_named() -> None:
         ("rate", lambda: replace(MODEL, rate=math.nan)),
         ("ranges", lambda: MODEL.log_density([9.0], [1.0])),
         ("expected", lambda: MODEL.log_density([1.0], [math.nan])),
+        ("ranges", lambda: plain_densities(MODEL, [math.nan], [1.0])),
         ("ranges", lambda: learn([], [], MODEL)),
         ("ranges", lambda: learn([1.0], [1.0, 2.0], MODEL)),
         ("start", lambda: learn([1.0], [8.0], replace(MODEL, hit=1.0, short=0.0, beyond=0.0, random=0.0))),
