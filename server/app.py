@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
@@ -53,12 +53,13 @@ from server.reading.downloads import Downloads
 from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
-from server.routers import ROUTERS
+from server.routers import ROUTERS, UNNAMED_ROUTERS
 from server.steps.service import StepService
 from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
 from server.web import errors
+from server.web.form_identity import require_same_account
 
 if TYPE_CHECKING:
     from server.queue.jetstream.engine import NatsEngine
@@ -257,7 +258,7 @@ def create_app(
     _share(app, services)
     _protect(app, settings)
     for router in ROUTERS:
-        app.include_router(router)
+        app.include_router(router, dependencies=[] if router in UNNAMED_ROUTERS else [Depends(require_same_account)])
     errors.install_error_handlers(app)
     documentation.install(app)
     return app

@@ -29,6 +29,9 @@ from server.reading.routes import router as reading_router
 from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
 
+#: Routers whose requests carry their own proof of identity, or give one: tokens, log-in forms.
+UNNAMED_ROUTERS = (api_router, health_router, guide_router, accounts_router)
+
 #: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
 ROUTERS = (
     api_router,

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from ipaddress import IPv6Address, ip_address, ip_network
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
@@ -62,6 +63,13 @@ def visitor_key(host: str) -> str:
     if address.ipv4_mapped is not None:
         return str(address.ipv4_mapped)
     return str(ip_network((int(address), IPV6_NETWORK_BITS), strict=False))
+
+
+def local_path(address: str) -> str:
+    """Return a path of this site to go to afterwards: the address itself, or `/` where it is of another site."""
+    parts = urlsplit(address)
+    safe = address.startswith("/") and not address.startswith(("//", "/\\")) and not parts.netloc
+    return address if safe and address.isprintable() else "/"
 
 
 PROBLEM_TYPE = "urn:balise:probleme:"

@@ -9,13 +9,13 @@ from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
 from server.base.counters import VISITS
-from server.base.errors import Forbidden, ServiceError, TooLarge
+from server.base.errors import Forbidden, Invalid, ServiceError, TooLarge
 from server.base.http import SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
@@ -40,6 +40,7 @@ SECURITY_HEADERS = {
 }
 _SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()]
 API = "/api/"
+CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
 #: Who asks there watches the service, and is no visitor.
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
@@ -197,7 +198,10 @@ class BoundedBody:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["method"] in SAFE_METHODS:
             return await self._app(scope, receive, send)
-        body = await self._read(receive)
+        try:
+            body = await self._read(receive)
+        except ClientDisconnect:  # half a request is no request: nobody reads this answer
+            return await self._refuse(Request(scope), Invalid(CUT_OFF))(scope, receive, send)
         if body is None:
             error = TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
@@ -207,6 +211,8 @@ class BoundedBody:
         chunks, size, more = [], 0, True
         while more:
             message = await receive()
+            if message["type"] == "http.disconnect":
+                raise ClientDisconnect
             chunk = message.get("body", b"")
             size += len(chunk)
             if size > self._most:

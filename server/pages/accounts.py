@@ -4,14 +4,16 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
-from server.base.http import client_address, session_token
+from server.base.http import client_address, local_path, session_token
 from server.database.dependencies import Db
 from server.identity import links, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService, OpenedSession
-from server.web.forms import Field, account_form, local_path, redirect
+from server.web.form_identity import decode_fields, resend_context
+from server.web.forms import Field, account_form, redirect
+from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
@@ -78,7 +80,7 @@ async def welcome(
 
 @router.get("/connexion")
 def log_in_form(request: Request, account: OptionalAccount, suite: str = "/") -> HTMLResponse:
-    return account_form(request, "connexion.html", account, after=local_path(suite))
+    return account_form(request, "connexion.html", account, after=local_path(suite), action="/", resend="")
 
 
 @router.post("/connexion")
@@ -89,13 +91,21 @@ async def log_in(
     login: Field = "",
     password: Field = "",
     suite: Field = "/",
+    action: Field = "/",
+    reprise: Field = "",
 ) -> Response:
+    """`reprise` holds the fields of a form that was refused for its identity: it is offered again after the log-in."""
+    form = {"after": local_path(suite), "action": local_path(action), "resend": reprise}
     try:
         opened = await accounts.log_in(login, password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
-        return account_form(request, "connexion.html", account, refused, login=login, after=local_path(suite))
+        return account_form(request, "connexion.html", account, refused, login=login, **form)
     set_session_cookie(request, opened)
-    return redirect(local_path(suite))
+    fields = decode_fields(reprise)
+    if fields is None:
+        return redirect(form["after"])
+    context = resend_context(fields, form["action"], form["after"], opened.account)
+    return render_page(request, "resend.html", opened.account, **context)
 
 
 @router.get("/nouveau-mot-de-passe/{token}")

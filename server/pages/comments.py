@@ -9,6 +9,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, RateLimited
+from server.base.http import local_path
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
@@ -23,7 +24,7 @@ from server.pages.routes import attempt_page, exercise_page, note_seen
 from server.pages.talk import Aim
 from server.submissions import variants
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, local_path, redirect
+from server.web.forms import Field, redirect
 from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise

@@ -20,6 +20,7 @@ from server.base.middleware import SECURITY_HEADERS, route_path
 from server.database import Database, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
+from server.web.form_identity import IdentityRefusal, refusal_context, refusal_members
 from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
@@ -35,11 +36,15 @@ def error_response(request: Request, error: ServiceError, account: Account | Non
     return problem_answer(request, error_document(request, error), error.headers, account)
 
 
+def wants_json(request: Request) -> bool:
+    return request.url.path.startswith("/api/") or "application/json" in request.headers.get("accept", "")
+
+
 def problem_answer(
     request: Request, body: dict[str, Any], headers: Mapping[str, str] | None = None, account: Account | None = None
 ) -> Response:
     """The problem, in the form that fits who asks."""
-    if request.url.path.startswith("/api/") or "application/json" in request.headers.get("accept", ""):
+    if wants_json(request):
         return problem_response(body, headers)
     context = {"code": body["status"], "title": body["title"], "detail": body["detail"]}
     return render_page(request, "error.html", account, status=body["status"], headers=headers, **context)
@@ -47,6 +52,16 @@ def problem_answer(
 
 def _asker(request: Request) -> Account | None:
     return load_session_account(request, get_service(request.app, Database))
+
+
+def _identity_refusal(request: Request, error: Exception) -> Response:
+    """What was typed, and the ways to go on; programs get the problem document."""
+    assert isinstance(error, IdentityRefusal)
+    if wants_json(request):
+        document = {**error_document(request, error), **refusal_members(request, error)}
+        return problem_response(document, error.headers)
+    context = refusal_context(request, error)
+    return render_page(request, "resend.html", error.account, status=int(error.status), **context)
 
 
 def _service_error(request: Request, error: Exception) -> Response:
@@ -85,6 +100,7 @@ def _unexpected(request: Request, error: Exception) -> Response:
 
 
 def install_error_handlers(app: FastAPI) -> None:
+    app.add_exception_handler(IdentityRefusal, _identity_refusal)
     app.add_exception_handler(ServiceError, _service_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _validation_error)

@@ -1,7 +1,6 @@
 """Shared by pages with forms: problems beside their fields, and redirects back."""
 
 from typing import Annotated, Any
-from urllib.parse import urlsplit
 
 from fastapi import Depends, Form, Request
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -31,13 +30,6 @@ def account_form(
     return render_page(
         request, f"accounts/{template}", account, status=422 if refused else 200, problems=problems, **values
     )
-
-
-def local_path(address: str) -> str:
-    """Where to go afterwards: a path of this site, whatever was asked for."""
-    parts = urlsplit(address)
-    safe = address.startswith("/") and not address.startswith(("//", "/\\")) and not parts.netloc
-    return address if safe and address.isprintable() else "/"
 
 
 def redirect(address: str) -> RedirectResponse:

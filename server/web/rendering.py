@@ -25,6 +25,7 @@ from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
 from server.web import assets, words
+from server.web.form_identity import account_key, name_account_in_forms
 from server.web.schemas import AccountView, CurrentModuleView
 
 TAG_DIGITS = 24  # of the SHA-256 of a page
@@ -76,8 +77,8 @@ def written(message: str) -> Markup:
 
 def account_view(account: Account | None) -> AccountView:
     if account is None:
-        return AccountView("visitor", "", "visiteur")
-    return AccountView(account.role, account.name, str(account.id))  # type: ignore[arg-type]
+        return AccountView("visitor", "", account_key(None))
+    return AccountView(account.role, account.name, account_key(account))  # type: ignore[arg-type]
 
 
 def _here(request: Request, modules: Mapping[str, Module]) -> CurrentModuleView | None:
@@ -123,6 +124,7 @@ def render_page(
         "back": _back(request, context),
     }
     html = jinja_environment().get_template(template).render(account=account_view(account), **surroundings, **context)
+    html = name_account_in_forms(html, account_key(account))
     # A page shows one person's own work: no shared cache may store it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
     return _tagged_response(request, root_path.with_external_paths(html).encode(), status, all_headers)
@@ -153,5 +155,6 @@ def with_etag(request: Request, answer: Answer) -> Answer:
 
 def render_fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
     """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
-    body = jinja_environment().get_template(template).render(account=account_view(account), back=back, **context)
+    html = jinja_environment().get_template(template).render(account=account_view(account), back=back, **context)
+    body = name_account_in_forms(html, account_key(account))
     return HTMLResponse(root_path.with_external_paths(body), headers={"Cache-Control": "private, no-store"})

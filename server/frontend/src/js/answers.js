@@ -4,7 +4,7 @@ import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { setUpOrder } from "./answers/order.js";
 import { reconciled, savesOf } from "./saves.js";
-import { post } from "./send.js";
+import { post, wayOn } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
 
@@ -24,8 +24,11 @@ function keyOf(account) {
   return `balise-brouillon:${account}:${form.dataset.exercise}:${form.dataset.seed}`;
 }
 
+// The answers; the page's account goes in a header.
 function body() {
-  return new URLSearchParams(new FormData(form));
+  const fields = new URLSearchParams(new FormData(form));
+  fields.delete("pour");
+  return fields;
 }
 
 function saveDraft() {
@@ -36,7 +39,7 @@ function saveDraft() {
 function fill(text) {
   const fields = new URLSearchParams(text);
   for (const field of form.elements) {
-    if (!field.name) continue;
+    if (!field.name || field.name === "pour") continue;
     if (field.type === "radio" || field.type === "checkbox") field.checked = fields.getAll(field.name).includes(field.value);
     else field.value = fields.get(field.name) ?? "";
   }
@@ -49,22 +52,28 @@ async function submit(event) {
   showMessage("");
   busy(true);
   try {
-    const answer = await post(form.action, body());
+    const answer = await post(form.action, body(), form.dataset.account);
     if (answer.accepted) {
       moveDraft(answer.accepted.account);
       showWaiting(answer.accepted.text);
       await followToVerdict(answer.accepted);
     } else {
-      showMessage(answer.refusal ?? "Le serveur ne répond pas. Vos réponses sont gardées ici : réessayez dans un instant.");
+      const away = "Le serveur ne répond pas. Vos réponses sont gardées ici : réessayez dans un instant.";
+      showMessage(answer.refusal ?? away, wayOn(answer.problem, resendFor));
     }
   } finally {
     busy(false);
   }
 }
 
-function showMessage(text) {
-  message.textContent = text;
+function showMessage(text, step = null) {
+  message.replaceChildren(text, ...(step ? [" ", step] : []));
   message.hidden = !text;
+}
+
+function resendFor(account) {
+  form.dataset.account = account;
+  form.requestSubmit();
 }
 
 function busy(state) {

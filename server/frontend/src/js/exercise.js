@@ -3,7 +3,7 @@
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { reconciled, savesOf } from "./saves.js";
-import { post } from "./send.js";
+import { post, wayOn } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
 
@@ -74,8 +74,8 @@ async function setUpEditor() {
   draft.tellAnother();
 }
 
-function showMessage(text) {
-  message.textContent = text;
+function showMessage(text, step = null) {
+  message.replaceChildren(text, ...(step ? [" ", step] : []));
   message.hidden = !text;
 }
 
@@ -100,14 +100,20 @@ function busy(state) {
 
 // The address of the accepted submission, or null after having said why there is none.
 async function send() {
-  const answer = await post(form.action, new URLSearchParams({ code: area.value }));
+  const answer = await post(form.action, new URLSearchParams({ code: area.value }), form.dataset.account);
   if (answer.accepted) {
     moveDraft(answer.accepted.account);
     showWaiting(answer.accepted.text);
     return answer.accepted;
   }
-  showMessage(answer.refusal ?? "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.");
+  const away = "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.";
+  showMessage(answer.refusal ?? away, wayOn(answer.problem, resendFor));
   return null;
+}
+
+function resendFor(account) {
+  form.dataset.account = account;
+  form.requestSubmit();
 }
 
 // A visitor becomes a guest at the first submission: the draft follows.

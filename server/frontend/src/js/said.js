@@ -1,6 +1,7 @@
 // What one has answered to the questions of a lesson: kept on the server for whoever has an account, in this browser for
 // a visitor, who takes it along on becoming somebody. The first answer is the one that stays.
 
+import { headersFor } from "./send.js";
 import { keep, recall } from "./storage.js";
 
 const VISITOR = "visiteur";
@@ -36,7 +37,7 @@ export class Said {
     if (!this.#hasAccount) return;
     const sent = await fetch(this.#page.dataset.answers, {
       method: "POST",
-      headers: { "Content-Type": "application/json" },
+      headers: { "Content-Type": "application/json", ...headersFor(this.#page.dataset.account) },
       body: JSON.stringify({ question: name, answer }),
     }).catch(() => null); // it stays in the browser, and is sent when the page is opened again
     if (sent?.ok || sent?.status === 404 || sent?.status === 422) this.#keep(name, undefined);

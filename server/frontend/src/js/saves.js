@@ -1,5 +1,6 @@
 // While one sits a test: the server keeps what is written, a moment after it changes and on leaving the page.
 
+import { headersFor } from "./send.js";
 import { keep, recall } from "./storage.js";
 
 const CALM_MS = 1500;
@@ -32,7 +33,8 @@ export function savesOf(form, key, { text, body }) {
     if (over || !(changed || asked)) return;
     if (sending && !leaving) return soon(CALM_MS / 3);
     sending = true;
-    const options = { method: "POST", body: body(), headers: { Accept: "application/json" }, keepalive: leaving };
+    const headers = headersFor(form.dataset.account);
+    const options = { method: "POST", body: body(), headers, keepalive: leaving };
     const response = await fetch(form.dataset.save, options).catch(() => null);
     const answer = await response?.json().catch(() => null);
     sending = false;

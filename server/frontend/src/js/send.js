@@ -2,15 +2,42 @@
 
 import { announce } from "./follow.js";
 
-// {accepted: what the server answers} or {refusal: its sentence, undefined when it cannot be reached}.
-export async function post(address, body) {
+const PROBLEM = "urn:balise:probleme:";
+
+// The headers of a request for the account that the page shows: the server refuses it for any other.
+export function headersFor(account) {
+  return { Accept: "application/json", "Balise-Compte": account };
+}
+
+// {accepted: the answer} or {refusal: its sentence, undefined when the server cannot be reached; problem: its document}.
+export async function post(address, body, account) {
   const timer = setTimeout(() => announce("Envoi en cours"), 400);
-  const response = await fetch(address, { method: "POST", body, headers: { Accept: "application/json" } }).catch(
-    () => null,
-  );
+  const response = await fetch(address, { method: "POST", body, headers: headersFor(account) }).catch(() => null);
   clearTimeout(timer);
   const answer = await readAnswer(response);
-  return response?.ok && answer ? { accepted: answer } : { refusal: answer?.detail };
+  return response?.ok && answer ? { accepted: answer } : { refusal: answer?.detail, problem: answer ?? {} };
+}
+
+// The step by which a refused page goes on, or null: log in and come back, or `resend(account)` for another account.
+export function wayOn(problem, resend) {
+  if (problem.type === `${PROBLEM}session-terminee`) {
+    const link = document.createElement("a");
+    link.href = problem.login;
+    return labelled(link, "Se connecter et revenir ici");
+  }
+  if (problem.type === `${PROBLEM}autre-compte`) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.addEventListener("click", () => resend(problem.account));
+    return labelled(button, `Envoyer au nom de « ${problem.name} »`);
+  }
+  return null;
+}
+
+function labelled(element, text) {
+  element.className = "button";
+  element.textContent = text;
+  return element;
 }
 
 // JSON when all went well; a refusal may also come as a page, whose sentence is what matters.

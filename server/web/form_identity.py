@@ -1,0 +1,172 @@
+"""For whom a form was drawn: each form of a page names its account, and a request by another account is refused.
+
+A page stays open while its session ends, or while somebody else logs in from another tab. What is typed there belongs
+to the account that the page shows, so that nothing is recorded for another one without being asked. A request that
+names no account (a program's, a page's of an earlier version) is the session's own; a request whose session has ended
+is never a guest's.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import quote, urlsplit
+
+from fastapi import Request
+from markupsafe import escape
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import FormData
+
+from server.base import root_path
+from server.base.app_services import get_service
+from server.base.errors import ServiceError
+from server.base.http import SAFE_METHODS, local_path, session_token
+from server.database import Database
+from server.identity.dependencies import load_session_account
+from server.identity.models import Account
+from server.text.plain import visible
+
+ACCOUNT_FIELD = "pour"
+ACCOUNT_HEADER = "Balise-Compte"  # of scripts, whose requests are not always forms
+VISITOR = "visiteur"
+FORM_TYPES = ("application/x-www-form-urlencoded", "multipart/form-data")
+#: Never written into a page, nor sent again.
+DROPPED_FIELDS = frozenset({ACCOUNT_FIELD, "password", "new_password"})
+
+SIGNED_OUT = (
+    "Vous n’êtes plus connecté : votre session a pris fin depuis que cette page est ouverte. Rien n’a été envoyé, et "
+    "ce que vous avez écrit est gardé. Reconnectez-vous pour continuer."
+)
+OTHER_ACCOUNT = (
+    "Cette page était ouverte pour un autre compte ; vous êtes maintenant « {name} ». Rien n’a été envoyé, et ce que "
+    "vous avez écrit est gardé."
+)
+
+LONG_TEXT = 60  # characters: shorter ones are names and choices of a form
+
+SIGNED_IN_TITLE = "Vous êtes connecté"
+SIGNED_IN = "Ce que vous aviez écrit n’est pas encore envoyé : relisez-le, puis envoyez-le."
+
+TypedFields = Sequence[tuple[str, str]]
+_POST_FORM = re.compile(r"<form\b[^>]*\bmethod=\"post\"[^>]*>")
+
+
+class IdentityRefusal(ServiceError):
+    """The session is not that of the account for which the form was drawn. `fields` are what was typed there."""
+
+    def __init__(self, detail: str, fields: TypedFields, *, has_file: bool, account: Account | None) -> None:
+        super().__init__(detail)
+        self.fields, self.has_file, self.account = fields, has_file, account
+
+
+class SignedOut(IdentityRefusal):
+    status = HTTPStatus.UNAUTHORIZED
+    slug = "session-terminee"
+    title = "Vous n’êtes plus connecté"
+
+
+class AccountChanged(IdentityRefusal):
+    status = HTTPStatus.CONFLICT
+    slug = "autre-compte"
+    title = "Ce n’est plus le même compte"
+
+
+def account_key(account: Account | None) -> str:
+    return VISITOR if account is None else str(account.id)
+
+
+def name_account_in_forms(html: str, key: str) -> str:
+    """Return the page with the account's key in each of its forms."""
+    field = f'<input type="hidden" name="{ACCOUNT_FIELD}" value="{escape(key)}">'
+    return _POST_FORM.sub(lambda form: form[0] + field, html)
+
+
+async def require_same_account(request: Request) -> None:
+    """Raise SignedOut or AccountChanged for a request drawn for another account than the session's."""
+    if request.method in SAFE_METHODS:
+        return
+    is_form = request.headers.get("content-type", "").partition(";")[0].strip().lower() in FORM_TYPES
+    form = await request.form() if is_form else FormData()
+    key = form.get(ACCOUNT_FIELD) or request.headers.get(ACCOUNT_HEADER)
+    if key is None and not session_token(request):
+        return
+    account = await run_in_threadpool(load_session_account, request, get_service(request.app, Database))
+    if key == account_key(account) or (key is None and account is not None):
+        return
+    if key == VISITOR and account is not None and account.is_guest:  # another tab made the visitor a guest
+        return
+    texts = [(name, value) for name, value in form.multi_items() if isinstance(value, str)]
+    fields = [(name, value) for name, value in texts if name not in DROPPED_FIELDS]
+    has_file = len(texts) < len(form.multi_items())
+    if account is None:
+        raise SignedOut(SIGNED_OUT, fields, has_file=has_file, account=None)
+    name = visible(account.name)
+    raise AccountChanged(OTHER_ACCOUNT.format(name=name), fields, has_file=has_file, account=account)
+
+
+def resend_context(
+    fields: TypedFields,
+    action: str,
+    after: str,
+    account: Account | None,
+    *,
+    title: str = SIGNED_IN_TITLE,
+    detail: str = SIGNED_IN,
+    has_file: bool = False,
+) -> dict[str, Any]:
+    """Return the variables of `resend.html`: what was typed, for `action`, and the page to go back to."""
+    return {
+        "title": title,
+        "detail": detail,
+        "action": action,
+        "after": after,
+        "fields": fields,
+        "long_texts": [text for _, text in fields if "\n" in text or len(text) > LONG_TEXT],
+        "resend": json.dumps(list(fields), ensure_ascii=False),
+        "has_file": has_file,
+        "as_guest": account is None and action.endswith("/soumissions"),
+        "visitor": VISITOR,
+    }
+
+
+def referring_page(request: Request) -> str:
+    """Return the path, within this site, of the page that sent the request."""
+    path = urlsplit(request.headers.get("referer", "/")).path
+    return local_path(path.removeprefix(root_path.root_path()))
+
+
+def refusal_members(request: Request, refusal: IdentityRefusal) -> dict[str, str]:
+    """Return the members by which a problem document tells a script how to go on."""
+    login = f"/connexion?suite={quote(referring_page(request))}"
+    name = "" if refusal.account is None else refusal.account.name
+    return {"account": account_key(refusal.account), "name": name, "login": root_path.external_path(login)}
+
+
+def refusal_context(request: Request, refusal: IdentityRefusal) -> dict[str, Any]:
+    return resend_context(
+        refusal.fields,
+        request.url.path,
+        referring_page(request),
+        refusal.account,
+        title=refusal.title,
+        detail=refusal.detail,
+        has_file=refusal.has_file,
+    )
+
+
+def decode_fields(text: str) -> TypedFields | None:
+    """Return the fields of a refused form that came back through the log-in form; None for anything else."""
+    try:
+        pairs = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(pairs, list) or not all(_is_pair(pair) for pair in pairs):
+        return None
+    return [(name, value) for name, value in pairs if name not in DROPPED_FIELDS]
+
+
+def _is_pair(pair: object) -> bool:
+    return isinstance(pair, list) and len(pair) == 2 and all(isinstance(text, str) for text in pair)
