@@ -39,6 +39,7 @@ from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
 from server.health.readiness import Readiness
 from server.identity import service as accounts
+from server.identity.devices import DEVICE_DAYS
 from server.identity.service import AccountService
 from server.offline.service import Archives
 from server.personal.guest_adoption import adopt_guest_data
@@ -286,7 +287,12 @@ def _share(app: FastAPI, services: Services) -> None:
 def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.error_response)
     app.add_middleware(middleware.SameOrigin, refuse=errors.error_response)
-    app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY, path=settings.root_path or "/")
+    app.add_middleware(
+        middleware.SessionCookie,
+        max_age=settings.session_days * DAY,
+        device_max_age=DEVICE_DAYS * DAY,
+        path=settings.root_path or "/",
+    )
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
     app.add_middleware(middleware.AcceptEncoding)

@@ -9,17 +9,22 @@ from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, problems
 from server.api.schemas import Strict
+from server.base.errors import Forbidden
 from server.base.http import client_address
 from server.database import utc_now
-from server.identity.dependencies import AccountServiceOf, ApiAccount
+from server.identity.dependencies import AccountServiceOf, ApiAccount, BearerToken
 from server.personal.dependencies import PersonalDataOf
 from server.personal.service import archive_headers
 
 router = APIRouter(tags=["me"])
+PASSWORD_NEEDED = (
+    'Un jeton ne suffit pas pour effacer un compte : ajoutez le mot de passe ({"password": …}), ou faites-le depuis '
+    "la page « Mon compte »."
+)
 
 
 class Proof(Strict):
-    """That it is the person who asks: a program may check it once more. The token alone is enough."""
+    """That it is the person who asks: a token alone does not erase an account."""
 
     password: Annotated[str, Field(max_length=1024, description="The account's.")]
 
@@ -34,16 +39,19 @@ def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     return StreamingResponse(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
-@router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 413, 422, 429, 503))
+@router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 403, 413, 422, 429, 503))
 async def erase(
     request: Request,
     account: ApiAccount,
+    token: BearerToken,
     accounts: AccountServiceOf,
     personal: PersonalDataOf,
     proof: Proof | None = None,
 ) -> Response:
-    """Erases the account with all that hangs on it. It cannot be undone."""
-    if proof is not None:
-        await accounts.require_password(account, proof.password, address=client_address(request))
+    """Erases the account with all that hangs on it, once its password is given: a token alone does not (403). It cannot
+    be undone."""
+    if proof is None or account.is_guest:
+        raise Forbidden(PASSWORD_NEEDED)
+    await accounts.require_password(account, proof.password, credential=token, address=client_address(request))
     await run_in_threadpool(personal.erase, account.id)
     return Response(status_code=204)

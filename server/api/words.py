@@ -92,7 +92,10 @@ ROUTES: dict[tuple[str, str], str] = {
         "Un exercice sans code vient avec les questions tirées pour ce compte."
     ),
     ("get", "/api/v1/me/export"): "Tout ce qui est gardé de vous, dans une archive ZIP.",
-    ("delete", "/api/v1/me"): "Efface le compte, et tout ce qui en dépend. Cela ne se défait pas.",
+    ("delete", "/api/v1/me"): (
+        "Efface le compte, et tout ce qui en dépend, une fois son mot de passe donné : un jeton seul ne le peut pas "
+        "(403). Cela ne se défait pas."
+    ),
     ("post", "/api/v1/submissions"): (
         "Envoie un fichier (`code`), ou des réponses (`answers`) pour un exercice sans code : `kind`, dans l’exercice, "
         "dit lequel des deux. La réponse vient aussitôt ; avec `wait`, elle attend le verdict. Pendant un contrôle, "

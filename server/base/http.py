@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 SESSION_COOKIE = "balise_session"
+DEVICE_COOKIE = "balise_device"
 
 
 UNKNOWN_ADDRESS = "inconnue"
@@ -39,12 +40,20 @@ def accepted_encodings(header: str) -> Sequence[str]:
 
 
 def session_token(connection: HTTPConnection) -> str:
-    """Return the token of the session cookie, or an empty string.
+    """Return the token of the session cookie, or an empty string."""
+    return _cookie_value(connection, SESSION_COOKIE)
 
-    The first of several: browsers send the cookie of the longest path first, the others are of an earlier root path.
-    """
+
+def device_token(connection: HTTPConnection) -> str:
+    """Return the token by which this browser is recognised at a log-in, or an empty string."""
+    return _cookie_value(connection, DEVICE_COOKIE)
+
+
+def _cookie_value(connection: HTTPConnection, cookie: str) -> str:
+    """Return the first of several: browsers send the cookie of the longest path first, the others are of an earlier
+    root path."""
     pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))
-    return next((value.strip() for name, _, value in pairs if name.strip() == SESSION_COOKIE), "")
+    return next((value.strip() for name, _, value in pairs if name.strip() == cookie), "")
 
 
 def client_address(connection: HTTPConnection) -> str:

@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.base import logs, traces
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, Invalid, ServiceError, TooLarge
-from server.base.http import SAFE_METHODS, SESSION_COOKIE, accepted_encodings
+from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -137,10 +137,18 @@ class SecurityHeaders:
 
 
 class SessionCookie:
-    """Sets the cookie that a dependency asked for with `identity.dependencies.remember` or `forget`."""
+    """Sets the cookies that a dependency asked for: of the session, and of a browser that is known from then on.
 
-    def __init__(self, app: ASGIApp, max_age: int, path: str) -> None:
-        self._app, self._max_age, self._path = app, max_age, path
+    `max_age` and `device_max_age` are in seconds. An empty token deletes its cookie.
+    """
+
+    def __init__(self, app: ASGIApp, max_age: int, device_max_age: int, path: str) -> None:
+        self._app, self._path = app, path
+        #: The session's comes last: of several in one header, many a client reads the attributes of the last alone.
+        self._cookies = (
+            ("device_token", DEVICE_COOKIE, device_max_age),
+            ("session_token", SESSION_COOKIE, max_age),
+        )
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -148,17 +156,22 @@ class SessionCookie:
         state = scope.setdefault("state", {})
 
         async def send_with_cookie(message: Message) -> None:
-            token = state.get("session_token")
-            if message["type"] == "http.response.start" and token is not None:
-                MutableHeaders(scope=message).append("Set-Cookie", self._cookie(token, scope["scheme"] == "https"))
+            if message["type"] == "http.response.start":
+                for key, name, max_age in self._cookies:
+                    token = state.get(key)
+                    if token is not None:
+                        cookie = self._cookie(name, token, max_age, scope["scheme"] == "https")
+                        MutableHeaders(scope=message).append("Set-Cookie", cookie)
             await send(message)
 
         await self._app(scope, receive, send_with_cookie)
 
-    def _cookie(self, token: str, secure: bool) -> str:
-        age = self._max_age if token else 0
-        cookie = f"{SESSION_COOKIE}={token}; Max-Age={age}; Path={self._path}; HttpOnly; SameSite=Lax"
-        return cookie + "; Secure" if secure else cookie
+    def _cookie(self, name: str, token: str, max_age: int, secure: bool) -> str:
+        age = max_age if token else 0
+        cookie, lax = f"{name}={token}; Max-Age={age}; Path={self._path}; HttpOnly", "; SameSite=Lax"
+        if not secure:
+            return cookie + lax
+        return f"{cookie}{lax}; Secure" if name == SESSION_COOKIE else f"{cookie}; Secure{lax}"
 
 
 class SameOrigin:

@@ -20,14 +20,20 @@ from server.identity import service, tokens
 from server.identity.models import Account
 from server.identity.service import AccountService, OpenedSession
 
-_bearer = HTTPBearer(auto_error=False, description="Un jeton créé sur la page « Mon compte ».")
+_bearer = HTTPBearer(
+    auto_error=False,
+    description="Un jeton créé sur la page « Mon compte », avec le mot de passe. Il prend fin avec lui ; seul, il "
+    "n’efface pas le compte, ne change pas le mot de passe et ne crée pas de jeton.",
+)
 
 AccountServiceOf = Annotated[AccountService, Depends(app_service(AccountService))]
 
 
 def set_session_cookie(request: Request, opened: OpenedSession) -> None:
-    """Set the cookie of a new session on the response (by `server.base.middleware.SessionCookie`)."""
+    """Set the cookies of a new session on the response (by `server.base.middleware.SessionCookie`)."""
     request.state.session_token = opened.token
+    if opened.device:
+        request.state.device_token = opened.device
 
 
 def clear_session_cookie(request: Request) -> None:

@@ -57,6 +57,16 @@ class BrowserSession(Base):
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
 
 
+class KnownDevice(Base):
+    """A browser in which an account has logged in: wrong passwords from elsewhere do not use up its log-in attempts."""
+
+    __tablename__ = "known_device"
+
+    token_digest: Mapped[str] = mapped_column(String(DIGEST_LENGTH), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    seen_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
 class ApiToken(Base):
     __tablename__ = "api_token"
 

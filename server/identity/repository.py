@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.identity.logins import earlier_form, is_valid_login, normalise_login
-from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
+from server.identity.models import Account, ApiToken, BrowserSession, Invitation, KnownDevice, PasswordLink, Role
 from server.text.lines import tidy_line
 
 _enabled = Account.disabled_at.is_(None)
@@ -68,9 +68,10 @@ def update_last_use(db: Session, token_digest: str, now: datetime) -> None:
     db.execute(update(ApiToken).where(ApiToken.token_digest == token_digest).values(last_used_at=now))
 
 
-def lock_account(db: Session, account_id: UUID) -> None:
-    """Lock an account until the commit."""
-    db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
+def lock_account(db: Session, account_id: UUID) -> Account | None:
+    """Lock and reload an account until the commit; None where it exists no more."""
+    query = select(Account).where(Account.id == account_id).with_for_update().execution_options(populate_existing=True)
+    return db.execute(query).scalar_one_or_none()
 
 
 def count_accounts(db: Session) -> int:
@@ -103,6 +104,42 @@ def delete_sessions_of(db: Session, account_id: UUID, keep: str = "") -> None:
     db.execute(
         delete(BrowserSession).where(BrowserSession.account_id == account_id, BrowserSession.token_digest != keep)
     )
+
+
+def is_device_known(db: Session, token_digest: str, account_id: UUID) -> bool:
+    query = select(KnownDevice.account_id).where(KnownDevice.token_digest == token_digest)
+    return db.execute(query.where(KnownDevice.account_id == account_id)).first() is not None
+
+
+def does_device_exist(db: Session, token_digest: str) -> bool:
+    query = select(KnownDevice.account_id).where(KnownDevice.token_digest == token_digest)
+    return db.execute(query.limit(1)).first() is not None
+
+
+def upsert_device(db: Session, token_digest: str, account_id: UUID, now: datetime) -> None:
+    statement = upsert_statement(db, KnownDevice).values(token_digest=token_digest, account_id=account_id, seen_at=now)
+    key = ["token_digest", "account_id"]
+    db.execute(statement.on_conflict_do_update(index_elements=key, set_={"seen_at": now}))
+
+
+def load_devices(db: Session, account_id: UUID) -> Sequence[KnownDevice]:
+    """Load the known browsers of an account, the latest log-in first."""
+    query = select(KnownDevice).where(KnownDevice.account_id == account_id)
+    return db.execute(query.order_by(KnownDevice.seen_at.desc(), KnownDevice.token_digest)).scalars().all()
+
+
+def delete_devices_beyond(db: Session, account_id: UUID, most: int) -> None:
+    """Delete all known browsers of an account but the `most` that logged in last."""
+    for device in load_devices(db, account_id)[most:]:
+        db.delete(device)
+
+
+def delete_devices_of(db: Session, account_id: UUID) -> None:
+    db.execute(delete(KnownDevice).where(KnownDevice.account_id == account_id))
+
+
+def delete_stale_devices(db: Session, before: datetime) -> None:
+    db.execute(delete(KnownDevice).where(KnownDevice.seen_at < before))
 
 
 def load_sessions(db: Session, account_id: UUID) -> Sequence[BrowserSession]:

@@ -4,7 +4,7 @@ Functions that take `db` work inside the caller's transaction. Methods that hash
 for it outside any transaction (`server.identity.hashing`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import timedelta
 from uuid import UUID
@@ -14,18 +14,19 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.counters import REFUSED_LOGINS
-from server.base.errors import Conflict, NotFound, RateLimited
+from server.base.errors import Forbidden, NotFound, RateLimited
 from server.base.settings import Settings
 from server.database import Database, utc_now
-from server.identity import links, repository, secrets
+from server.identity import devices, links, repository, secrets, tokens
 from server.identity.hashing import PasswordHasher
 from server.identity.logins import latin_look_alike, normalise_login
-from server.identity.models import Account, BrowserSession, Role
+from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.identity.schemas import (
     NewAccount,
     RefusedForm,
     new_account_without_password,
     validate_new_password,
+    validate_token_label,
 )
 from server.limits import service as limits
 
@@ -34,21 +35,36 @@ GUEST_NAME = "Invité"
 #: The form reveals that a login exists: the rate limit of sign-ups makes enumeration slow.
 TAKEN = "Cet identifiant n’est pas disponible : choisissez-en un autre, ou connectez-vous si c’est le vôtre."
 WRONG_PASSWORD = "Ce n’est pas votre mot de passe actuel."
+GUEST_TOKEN = (
+    "Un jeton se crée avec un mot de passe, et un invité n’en a pas : créez un compte, qui garde votre travail, puis "
+    "revenez ici."
+)
 NO_PASSWORD = "Un invité n’a pas de mot de passe."
 TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
 DISABLED = "Ce compte est suspendu : adressez-vous à qui administre ce serveur."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
 TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
-LAST_ADMINISTRATOR = "Ce serveur garde au moins un administrateur : nommez-en un autre d’abord."
 TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez dans {seconds} s."
 
 
 @dataclass(frozen=True)
 class OpenedSession:
-    """A browser session that has just been opened; `token` goes in the cookie and nowhere else."""
+    """A browser session that has just been opened; `token` and `device` go in cookies and nowhere else.
+
+    `device` is the token by which the browser is known from now on; empty for a guest, who has no password.
+    """
 
     account: Account
     token: str
+    device: str = ""
+
+
+@dataclass(frozen=True)
+class PasswordProof:
+    """The stored hash against which an account's password was verified, to compare once the account is locked."""
+
+    account_id: UUID
+    password_hash: str
 
 
 #: Moves the work of a guest (first id) to the account (second id) of the same person.
@@ -74,7 +90,13 @@ class AccountService:
             return self._open_session(db, account)
 
     async def sign_up(
-        self, form: NewAccount, *, visitor: Account | None, address: str, invitation: str | None = None
+        self,
+        form: NewAccount,
+        *,
+        visitor: Account | None,
+        address: str,
+        invitation: str | None = None,
+        device: str = "",
     ) -> OpenedSession:
         """Create an account with a login: a guest `visitor` becomes it, with its work. `invitation` gives its role.
 
@@ -83,7 +105,7 @@ class AccountService:
         """
         await run_in_threadpool(self._check_sign_up, form, address, invitation)
         hashed = await self.hashing.hash(form.password, address=address)
-        return await run_in_threadpool(self._insert_account, form, hashed, visitor, invitation)
+        return await run_in_threadpool(self._insert_account, form, hashed, visitor, invitation, device)
 
     def _check_sign_up(self, form: NewAccount, address: str, invitation: str | None) -> None:
         with self.database.write() as db:
@@ -94,7 +116,7 @@ class AccountService:
             _require_free(db, form.login)
 
     def _insert_account(
-        self, form: NewAccount, hashed: str, visitor: Account | None, invitation: str | None
+        self, form: NewAccount, hashed: str, visitor: Account | None, invitation: str | None, device: str
     ) -> OpenedSession:
         try:
             with self.database.write() as db:
@@ -105,14 +127,20 @@ class AccountService:
                 account.login, account.password_hash = form.login, hashed
                 db.flush()
                 repository.delete_sessions_of(db, account.id)
-                return self._open_session(db, account)
+                repository.delete_tokens_of(db, account.id)  # a guest's, made without a password
+                return self._open_session(db, account, device)
         except IntegrityError as error:  # taken by somebody else at the same time
             raise RefusedForm({"login": TAKEN}) from error
 
-    async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> OpenedSession:
-        """Open a session; a guest `visitor`'s work moves to it. Raises RefusedForm, RateLimited or Overloaded."""
+    async def log_in(
+        self, login: str, password: str, *, visitor: Account | None, address: str, device: str = ""
+    ) -> OpenedSession:
+        """Open a session; a guest `visitor`'s work moves to it. `device` is the token that the browser shows.
+
+        Raises RefusedForm, RateLimited or Overloaded.
+        """
         try:
-            account = await run_in_threadpool(self._account_for_login, login, address)
+            account, buckets = await run_in_threadpool(self._account_for_login, login, address, device)
         except RateLimited:
             REFUSED_LOGINS.add("too_many")
             raise
@@ -121,63 +149,108 @@ class AccountService:
         if not is_correct or account is None:
             REFUSED_LOGINS.add("password")
             raise RefusedForm({"password": WRONG_LOGIN})
-        return await run_in_threadpool(self._open_after_login, account, visitor, address)
+        return await run_in_threadpool(self._open_after_login, account, visitor, buckets, device)
 
-    def _account_for_login(self, login: str, address: str) -> Account | None:
-        """Return the account of a login; each try counts towards the rate limits. Raises RateLimited."""
-        with self.database.write() as db:
-            key = f"login:{secrets.digest(f'{normalise_login(login)} {address}')}"
-            limits.take_token(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
-            limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
-        with self.database.read() as db:
-            return repository.find_account_by_typed_login(db, login)
+    def _account_for_login(self, login: str, address: str, device: str) -> tuple[Account | None, Sequence[str]]:
+        """Return the account of a login, and the keys of the token buckets that this try has taken from.
 
-    def _open_after_login(self, account: Account, visitor: Account | None, address: str) -> OpenedSession:
-        """Open a session after a correct password, and give back the address's token: a school shares one address."""
+        A browser in which the account has logged in before has a bucket of its own, whatever is tried elsewhere; all
+        other tries count by account and address, and by address. Raises RateLimited.
+        """
         with self.database.write() as db:
-            limits.give_back_token(db, f"login-from:{address}")
-            current = repository.find_account(db, account.id)
+            account = repository.find_account_by_typed_login(db, login)
+            folded = normalise_login(login)
+            if devices.is_known(db, device, account):
+                buckets = {f"login-in:{secrets.digest(f'{folded} {device}')}": self.settings.login_bucket}
+            else:
+                buckets = {
+                    f"login:{secrets.digest(f'{folded} {address}')}": self.settings.login_bucket,
+                    f"login-from:{address}": self.settings.guest_bucket,
+                }
+            for key, bucket in buckets.items():
+                limits.take_token(db, key, bucket, TOO_MANY_LOGINS)
+        return account, list(buckets)
+
+    def _open_after_login(
+        self, account: Account, visitor: Account | None, buckets: Sequence[str], device: str
+    ) -> OpenedSession:
+        """Open a session after a correct password, and give back the tokens taken: a school shares one address."""
+        with self.database.write() as db:
+            for key in buckets:
+                limits.give_back_token(db, key)
+            current = repository.lock_account(db, account.id)
+            if current is not None and current.password_hash != account.password_hash:
+                raise RefusedForm({"password": WRONG_LOGIN})  # changed meanwhile
             if current is None or current.disabled_at is not None:
                 REFUSED_LOGINS.add("disabled")
                 raise RefusedForm({"password": DISABLED})
             self._adopt_guest(db, visitor, account.id)
-            return self._open_session(db, account)
+            return self._open_session(db, account, device)
 
     def _adopt_guest(self, db: Session, visitor: Account | None, account_id: UUID) -> None:
         if visitor is not None and visitor.is_guest:
             self.adopt(db, visitor.id, account_id)
             repository.delete_account(db, visitor.id)
 
-    async def require_password(self, account: Account, password: str, *, address: str) -> None:
-        """Check the password before an action that cannot be undone. A guest has none and passes; an account that is
-        no guest and has no password never passes.
+    async def require_password(
+        self, account: Account, password: str, *, credential: str, address: str
+    ) -> PasswordProof | None:
+        """Check the password, typed again, before an action that cannot be undone or that gives a credential.
 
-        Raises RefusedForm, RateLimited or Overloaded.
+        `credential` is the session or API token of the request: each has tries of its own, so that nobody else uses
+        them up. A guest has no password and passes (None); an account that is no guest and has no password never
+        passes. Raises RefusedForm, RateLimited or Overloaded.
         """
         if account.is_guest:
-            return
-        login = account.login
-        stored = None if login is None else await run_in_threadpool(self._account_for_login, login, address)
-        if not await self.hashing.verify(password, stored.password_hash if stored else None, address=address):
+            return None
+        stored = await run_in_threadpool(self._stored_password, account.id, credential)
+        if not await self.hashing.verify(password, stored, address=address) or stored is None:
             raise RefusedForm({"password": WRONG_PASSWORD})
+        return PasswordProof(account.id, stored)
+
+    def _stored_password(self, account_id: UUID, credential: str) -> str | None:
+        with self.database.write() as db:
+            key = f"password:{secrets.digest(credential)}"
+            limits.take_token(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
+            account = repository.find_account(db, account_id)
+            return account.password_hash if account is not None else None
+
+    async def create_token(
+        self, account: Account, label: str, password: str, *, session: str, address: str
+    ) -> tuple[ApiToken, str]:
+        """Create an API token after the password was typed again. Raises Forbidden for a guest, and as
+        `require_password`."""
+        if account.is_guest:
+            raise Forbidden(GUEST_TOKEN)
+        name = validate_token_label(label)
+        proof = await self.require_password(account, password, credential=session, address=address)
+        return await run_in_threadpool(self._insert_token, proof, name)
+
+    def _insert_token(self, proof: PasswordProof | None, label: str) -> tuple[ApiToken, str]:
+        with self.database.write() as db:
+            return tokens.create_token(db, _require_unchanged(db, proof), label, self.settings)
 
     async def change_password(self, account: Account, old: str, new: str, *, session: str, address: str) -> None:
-        """Change a password, and close all sessions but that of the token `session`. Raises as `require_password`, and
-        NotFound."""
+        """Change a password; end all API tokens, and all sessions but that of the token `session`.
+
+        Raises as `require_password`, and NotFound.
+        """
         if account.login is None:
             raise NotFound(NO_PASSWORD)
         form = await run_in_threadpool(validate_new_password, new, login=account.login, name=account.name)
-        await self.require_password(account, old, address=address)
+        proof = await self.require_password(account, old, credential=session, address=address)
         hashed = await self.hashing.hash(form, address=address)
-        await run_in_threadpool(self._change, account.id, hashed, secrets.digest(session))
+        await run_in_threadpool(self._change, proof, hashed, secrets.digest(session))
 
-    def _change(self, account_id: UUID, hashed: str, session_digest: str) -> None:
+    def _change(self, proof: PasswordProof | None, hashed: str, session_digest: str) -> None:
         with self.database.write() as db:
-            repository.set_password(db, account_id, hashed)
-            repository.delete_sessions_of(db, account_id, keep=session_digest)
+            account = _require_unchanged(db, proof)
+            repository.set_password(db, account.id, hashed)
+            repository.delete_sessions_of(db, account.id, keep=session_digest)
+            repository.delete_tokens_of(db, account.id)
 
     async def choose_password(
-        self, token: str, password: str, *, visitor: Account | None, address: str
+        self, token: str, password: str, *, visitor: Account | None, address: str, device: str = ""
     ) -> OpenedSession:
         """Set a password by a one-time link, which ends all sessions and API tokens.
 
@@ -186,7 +259,7 @@ class AccountService:
         account = await run_in_threadpool(self._owner_of_link, token, address)
         form = validate_new_password(password, login=account.login or "", name=account.name)
         hashed = await self.hashing.hash(form, address=address)
-        return await run_in_threadpool(self._choose, token, hashed, visitor)
+        return await run_in_threadpool(self._choose, token, hashed, visitor, device)
 
     def _owner_of_link(self, token: str, address: str) -> Account:
         with self.database.write() as db:
@@ -194,20 +267,31 @@ class AccountService:
         with self.database.read() as db:
             return links.find_link_owner(db, token)
 
-    def _choose(self, token: str, hashed: str, visitor: Account | None) -> OpenedSession:
+    def _choose(self, token: str, hashed: str, visitor: Account | None, device: str) -> OpenedSession:
         with self.database.write() as db:
             account = links.use_password_link(db, token)
             repository.set_password(db, account.id, hashed)
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
+            repository.delete_devices_of(db, account.id)
             self._adopt_guest(db, visitor, account.id)
-            return self._open_session(db, account)
+            return self._open_session(db, account, device)
 
-    def _open_session(self, db: Session, account: Account) -> OpenedSession:
-        token = secrets.new_token()
-        expires = utc_now() + timedelta(days=self.settings.session_days)
+    def _open_session(self, db: Session, account: Account, device: str | None = None) -> OpenedSession:
+        """Open a session; with `device`, the token that the browser shows or an empty text, it is known from now on."""
+        token, now = secrets.new_token(), utc_now()
+        expires = now + timedelta(days=self.settings.session_days)
         db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
-        return OpenedSession(account, token)
+        known_as = "" if device is None else devices.remember_device(db, account.id, device, now)
+        return OpenedSession(account, token, known_as)
+
+
+def _require_unchanged(db: Session, proof: PasswordProof | None) -> Account:
+    """Lock and return the account of a proof. Raises RefusedForm where its password has changed, or it was disabled."""
+    account = None if proof is None else repository.lock_account(db, proof.account_id)
+    if account is None or proof is None or account.password_hash != proof.password_hash or account.disabled_at:
+        raise RefusedForm({"password": WRONG_PASSWORD})
+    return account
 
 
 def _require_free(db: Session, login: str) -> None:
@@ -240,37 +324,6 @@ def create_account(db: Session, login: str, name: str, role: Role) -> Account:
     return account
 
 
-def disable(db: Session, account: Account) -> None:
-    """Disable an account, and end its sessions, tokens and links. Raises Conflict for the last administrator."""
-    if account.is_administrator and account.disabled_at is None and repository.count_administrators(db) == 1:
-        raise Conflict(LAST_ADMINISTRATOR)
-    account.disabled_at = account.disabled_at or utc_now()
-    repository.delete_sessions_of(db, account.id)
-    repository.delete_tokens_of(db, account.id)
-    repository.delete_password_link(db, account.id)
-
-
-def enable(account: Account) -> None:
-    account.disabled_at = None
-
-
-def revoke_session(db: Session, account: Account, digest_prefix: str) -> bool:
-    """Close the sessions whose digest has this prefix; return whether there was one."""
-    sessions = repository.load_sessions(db, account.id)
-    matching = [session for session in sessions if session.token_digest.startswith(digest_prefix)]
-    for session in matching:
-        repository.delete_session(db, session.token_digest)
-    return bool(matching)
-
-
-def change_role(db: Session, account: Account, role: Role) -> None:
-    """Change an account's role. Raises Conflict where no administrator would remain."""
-    counts = account.is_administrator and account.disabled_at is None
-    if counts and role is not Role.administrator and repository.count_administrators(db) == 1:
-        raise Conflict(LAST_ADMINISTRATOR)
-    account.role = role
-
-
 def rename_guest(db: Session, account: Account, name: str) -> None:
     """Rename a guest; an account with a login keeps the name that its owner chose."""
     if account.is_guest:
@@ -285,6 +338,7 @@ def delete_expired(db: Session) -> None:
     """Delete expired sessions, API tokens and links, and token buckets that have long been full."""
     now = utc_now()
     repository.delete_expired(db, now)
+    devices.forget_stale_devices(db, now)
     limits.delete_stale_buckets(db, before=now - BUCKET_RETENTION)
 
 

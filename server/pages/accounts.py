@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
-from server.base.http import client_address, local_path, session_token
+from server.base.http import client_address, device_token, local_path, session_token
 from server.database.dependencies import Db
 from server.identity import links, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
@@ -51,7 +51,13 @@ async def _opened(
     invitation: str | None = None,
 ) -> OpenedSession:
     wanted = await run_in_threadpool(validate_new_account, *fields)
-    return await accounts.sign_up(wanted, visitor=visitor, address=client_address(request), invitation=invitation)
+    return await accounts.sign_up(
+        wanted,
+        visitor=visitor,
+        address=client_address(request),
+        invitation=invitation,
+        device=device_token(request),
+    )
 
 
 @router.get("/bienvenue/{token}")
@@ -97,7 +103,9 @@ async def log_in(
     """`reprise` holds the fields of a form that was refused for its identity: it is offered again after the log-in."""
     form = {"after": local_path(suite), "action": local_path(action), "resend": reprise}
     try:
-        opened = await accounts.log_in(login, password, visitor=account, address=client_address(request))
+        opened = await accounts.log_in(
+            login, password, visitor=account, address=client_address(request), device=device_token(request)
+        )
     except RefusedForm as refused:
         return account_form(request, "connexion.html", account, refused, login=login, **form)
     set_session_cookie(request, opened)
@@ -123,7 +131,9 @@ async def new_password(
     new_password: Field = "",
 ) -> Response:
     try:
-        opened = await accounts.choose_password(token, new_password, visitor=account, address=client_address(request))
+        opened = await accounts.choose_password(
+            token, new_password, visitor=account, address=client_address(request), device=device_token(request)
+        )
     except RefusedForm as refused:
         return account_form(request, "nouveau_mot_de_passe.html", account, refused, login=login)
     set_session_cookie(request, opened)

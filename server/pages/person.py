@@ -25,6 +25,9 @@ from server.web.forms import Field, account_form, redirect
 
 router = APIRouter(include_in_schema=False)
 
+#: The page asks for the password in two forms: the problems of the second one stand beside its own field.
+TOKEN_FIELDS = {"password": "token_password"}
+
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
 
@@ -57,6 +60,7 @@ def _account_page(
     secret: str | None = None,
     refused: RefusedForm | None = None,
     *,
+    label: str = "",
     changed: bool = False,
 ) -> HTMLResponse:
     return account_form(
@@ -67,6 +71,7 @@ def _account_page(
         person=account,
         tokens=tokens.load_tokens(db, account),
         secret=secret,
+        label="" if secret else label,
         changed=changed,
         settings=settings,
         server=service_url(request),
@@ -74,12 +79,23 @@ def _account_page(
 
 
 @router.post("/compte/jetons")
-def create_token(request: Request, person: SignedIn, db: Db, settings: SettingsOf, label: Field = "") -> Response:
+async def create_token(
+    request: Request,
+    person: SignedIn,
+    accounts: AccountServiceOf,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    label: Field = "",
+    password: Field = "",
+) -> Response:
+    session, address = session_token(request), client_address(request)
+    secret, refused = None, None
     try:
-        _, secret = tokens.create_token(db, person, label, settings)
-    except RefusedForm as refused:
-        return _account_page(request, person, db, settings, refused=refused)
-    return _account_page(request, person, db, settings, secret=secret)
+        _, secret = await accounts.create_token(person, label, password, session=session, address=address)
+    except RefusedForm as error:
+        refused = RefusedForm({TOKEN_FIELDS.get(field, field): why for field, why in error.problems.items()})
+    with database.read() as db:
+        return _account_page(request, person, db, settings, secret, refused, label=label)
 
 
 @router.post("/compte/jetons/{token_id}/revoquer")
@@ -126,7 +142,9 @@ async def erase(
     request: Request, person: SignedIn, accounts: AccountServiceOf, personal: PersonalDataOf, password: Field = ""
 ) -> Response:
     try:
-        await accounts.require_password(person, password, address=client_address(request))
+        await accounts.require_password(
+            person, password, credential=session_token(request), address=client_address(request)
+        )
     except RefusedForm as refused:
         return account_form(request, "supprimer.html", person, refused, login=person.login)
     await run_in_threadpool(personal.erase, person.id)

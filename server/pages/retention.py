@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from server.base.settings import Settings, variable_name
 from server.base.validation import format_size
 from server.figures.store import MAX_STORE_BYTES
+from server.identity.devices import DEVICE_DAYS
 from server.identity.service import BUCKET_RETENTION
 from server.personal.service import GUEST_GRACE
 
@@ -85,8 +86,19 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("session_days",),
         ("browser_session",),
     ),
+    lambda _: Row(
+        "Navigateurs où un compte s’est connecté : empreinte d’un numéro tiré au hasard",
+        f"{_days(DEVICE_DAYS)} après la dernière connexion, et vingt au plus par compte",
+        f"le lien vers un nouveau mot de passe, ou {HOURLY}",
+        (),
+        ("known_device",),
+    ),
     lambda settings: Row(
-        "Jetons", _days(settings.api_token_days), f"leur titulaire, ou {HOURLY}", ("api_token_days",), ("api_token",)
+        "Jetons",
+        f"{_days(settings.api_token_days)}, et jamais plus que le mot de passe avec lequel on les a créés",
+        f"leur titulaire, un changement de mot de passe ou de rôle, ou {HOURLY}",
+        ("api_token_days",),
+        ("api_token",),
     ),
     lambda settings: Row(
         "Liens vers un mot de passe",

@@ -105,6 +105,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "login": account.login,
         "role": account.role,
         "created_at": _time(account.created_at),
+        "known_browsers": [{"seen_at": _time(device.seen_at)} for device in identity.load_devices(db, account.id)],
         "sessions": [
             {"created_at": _time(session.created_at), "expires_at": _time(session.expires_at)} for session in sessions
         ],

@@ -245,9 +245,9 @@ def test_of_two_sessions_that_of_the_nearest_path_counts(site: Site) -> None:
 
 
 def test_what_one_is_to_copy_has_the_whole_address(site: Site) -> None:
-    ada = person(site)
-    form, host = {"label": "essai"}, {"Host": "lycee.example"}
-    account = ada.browser(site).post("/balise/compte/jetons", data=form, headers=host).text
+    form, host = {"label": "essai", "password": "une phrase assez longue"}, {"Host": "lycee.example"}
+    site.client.post("/balise/inscription", data={"name": "Ada", "login": "ada", "password": form["password"]})
+    account = site.client.post("/balise/compte/jetons", data=form, headers=host).text
     assert "balise login --server http://lycee.example/balise<" in account
     guide = site.client.get("/balise/docs", headers=host).text
     assert "http://lycee.example/balise/api/v1/submissions" in guide

@@ -73,8 +73,10 @@ def contender(stack: ExitStack, name: str, checkout: Path) -> Contender:
     data = Path(stack.enter_context(tempfile.TemporaryDirectory()))
     address, pid = stack.enter_context(service(checkout, data))
     client = stack.enter_context(httpx.Client(base_url=address, timeout=60))
-    client.post("/inscription", data={"name": "Banc", "login": "banc", "password": "mesure de latence"})
-    token = re.search(r'id="jeton">([^<]+)<', client.post("/compte/jetons", data={"label": "banc"}).text)
+    password = "mesure de latence"
+    client.post("/inscription", data={"name": "Banc", "login": "banc", "password": password})
+    page = client.post("/compte/jetons", data={"label": "banc", "password": password}).text
+    token = re.search(r'id="jeton">([^<]+)<', page)
     assert token
     client.headers["Authorization"] = f"Bearer {token[1]}"
     return Contender(name, client, pid)

@@ -88,7 +88,7 @@ def test_a_guest_has_none_to_change(site: Site) -> None:
 
 
 def test_a_link_gives_a_new_password_once_and_closes_all_that_was_open(ada: Site) -> None:
-    ada.client.post("/compte/jetons", data={"label": "portable"})
+    ada.client.post("/compte/jetons", data={"label": "portable", "password": FORM["password"]})
     old, token = ada.client, link(ada)
     client = browser(ada)
     page = client.get(f"/nouveau-mot-de-passe/{token}")

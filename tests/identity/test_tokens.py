@@ -41,7 +41,7 @@ def test_both_databases_know_them_and_the_links(database: Database, both: Settin
 
 
 def create(site: Site, label: str = "portable") -> Any:
-    return site.client.post("/compte/jetons", data={"label": label})
+    return site.client.post("/compte/jetons", data={"label": label, "password": FORM["password"]})
 
 
 def secret_of(page: Any) -> dict[str, str]:

@@ -57,7 +57,7 @@ def ada(site: Site) -> Site:
     assert site.worker.run_one()
     site.client.get(ANSWERS)
     site.client.post(f"{ANSWERS}/soumissions", data={"ds": "0,1"})
-    site.client.post("/compte/jetons", data={"label": "portable"})
+    site.client.post("/compte/jetons", data={"label": "portable", "password": FORM["password"]})
     return site
 
 
@@ -170,8 +170,8 @@ def test_a_guest_is_erased_without_a_password(site: Site) -> None:
     assert set(counts(site.database).values()) == {0}
 
 
-def test_a_token_takes_away_and_erases_a_wrong_password_beside_it_does_not(ada: Site) -> None:
-    page = ada.client.post("/compte/jetons", data={"label": "autre"}).text
+def test_a_token_takes_away_and_erases_with_the_password_alone(ada: Site) -> None:
+    page = ada.client.post("/compte/jetons", data={"label": "autre", "password": FORM["password"]}).text
     headers = {"Authorization": "Bearer " + page.split('id="jeton">')[1].split("<")[0]}
     archive(ada.client.get("/api/v1/me/export", headers=headers))
 
@@ -182,8 +182,10 @@ def test_a_token_takes_away_and_erases_a_wrong_password_beside_it_does_not(ada: 
 
     assert [erase(password="au hasard"), erase(mot="x")] == [422, 422]
     assert counts(ada.database)[Account] == 1
-    assert erase() == 204
-    assert erase() == 401
+    assert erase() == 403, "a token alone erases nothing"
+    assert counts(ada.database)[Account] == 1
+    assert erase(password=FORM["password"]) == 204
+    assert erase(password=FORM["password"]) == 401
     assert set(counts(ada.database).values()) == {0}
 
 

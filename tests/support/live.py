@@ -17,6 +17,7 @@ from typing import Any
 import httpx
 
 PROJECT = Path(__file__).resolve().parents[2]
+PASSWORD = "une phrase assez longue"
 PATIENCE = 300.0  # seconds, against hanging alone: each wait ends by what it waits for
 AUDIT = """
 CREATE TABLE audit (id TEXT);
@@ -105,11 +106,11 @@ class Live:
     def sign_up_teacher(self) -> None:
         found = re.search(r"/bienvenue/\S+", self.output)
         assert found, self.output
-        form = {"name": "Prof", "login": "prof", "password": "une phrase assez longue"}
+        form = {"name": "Prof", "login": "prof", "password": PASSWORD}
         assert self.client.post(found[0], data=form).status_code == 303
 
     def token(self) -> str:
-        page = self.client.post("/compte/jetons", data={"label": "essai"}).text
+        page = self.client.post("/compte/jetons", data={"label": "essai", "password": PASSWORD}).text
         found = re.search(r'id="jeton">([^<]+)<', page)
         assert found, page
         return found[1]

@@ -9,7 +9,7 @@ from server.base.validation import parse_uuid
 from server.cli import CannotRun
 from server.cli.admin.answer import Answer, told, who
 from server.database import Database
-from server.identity import links, repository, service, tokens
+from server.identity import administration, links, repository, tokens
 from server.identity.models import ApiToken, BrowserSession
 from server.web.words import iso_moment, plural
 
@@ -52,7 +52,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
         else:
             count = len(arguments.names)
             for name in arguments.names:
-                if len(name) == NAME_LENGTH and service.revoke_session(db, account, name):
+                if len(name) == NAME_LENGTH and administration.revoke_session(db, account, name):
                     continue
                 missing = UNKNOWN.format(login=account.login, name=name)
                 try:

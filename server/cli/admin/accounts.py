@@ -6,7 +6,7 @@ from datetime import timedelta
 from server.base.settings import Settings
 from server.cli.admin.answer import ROLES, Answer, told, who
 from server.database import Database
-from server.identity import links, repository, service
+from server.identity import administration, links, repository, service
 from server.identity.models import Role
 from server.web.words import plural
 
@@ -49,14 +49,14 @@ def _link(
 def role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
-        service.change_role(db, account, Role(arguments.role))
+        administration.change_role(db, account, Role(arguments.role))
     return Answer([f"{who(account)} : {ROLES[account.role]}."], told(account))
 
 
 def disable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
-        service.disable(db, account)
+        administration.disable(db, account)
     line = f"{who(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
     return Answer([line], told(account))
 
@@ -64,7 +64,7 @@ def disable(database: Database, _settings: Settings, arguments: Namespace) -> An
 def enable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
-        service.enable(account)
+        administration.enable(account)
     return Answer([f"{who(account)} : rétabli, avec le mot de passe qu’il avait."], told(account))
 
 

@@ -18,7 +18,7 @@ import pytest
 
 from server.base.files import ROOT
 from server.base.settings import Settings
-from tests.support.live import Live, balise, until
+from tests.support.live import PASSWORD, Live, balise, until
 
 PROXIES = ROOT / "server" / "deploy" / "proxy"
 FOUND = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/sbin"])
@@ -150,7 +150,8 @@ def looked_at(live: Live, address: str, certificate: Path, folder: Path) -> None
         assert cookie.endswith("; Secure")
         assert f"; Path={path or '/'};" in cookie
         refused_in_french(browser, Settings.model_fields["body_bytes"].default)
-        made = re.search(r'id="jeton">([^<]+)<', browser.post("/compte/jetons", data={"label": "essai"}).text)
+        form = {"label": "essai", "password": PASSWORD}
+        made = re.search(r'id="jeton">([^<]+)<', browser.post("/compte/jetons", data=form).text)
         assert made
         events_come_at_once(browser, {"Authorization": f"Bearer {made[1]}"})
     graded_by_the_command(address, made[1], certificate, folder)
@@ -160,7 +161,7 @@ def signed_up(live: Live, browser: httpx.Client) -> str:
     """The teacher's account, made by the link that the service has printed; the cookie that is set."""
     link = re.search(r"/bienvenue/\S+", live.output)
     assert link
-    form = {"name": "Prof", "login": "prof", "password": "une phrase assez longue"}
+    form = {"name": "Prof", "login": "prof", "password": PASSWORD}
     answer = browser.post(
         link[0], data=form, headers={"Origin": str(browser.base_url).rstrip("/").removesuffix("/balise")}
     )

@@ -49,6 +49,7 @@ REFUSED = (401, 403, 404)
 
 #: What a route needs to be reached: else its form is refused before anybody's rights are asked.
 JSON: dict[str, Any] = {
+    "DELETE /api/v1/me": {"password": "au hasard"},
     "POST /api/v1/submissions": {"exercise": EXERCISE, "code": "x = 1\n"},
     "POST /api/v1/submissions/{submission_id}/comments": {"text": "Bonjour"},
     "PATCH /api/v1/submissions/{submission_id}/comments/{thread_id}": {"state": "settled"},
