@@ -17,12 +17,16 @@ from server.assignments import feedback, repository, sitting_repository
 from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, rules_in_force
-from server.base.errors import NotFound, WrongMoment
+from server.base.errors import Conflict, NotFound, WrongMoment
 from server.base.validation import parse_uuid
 from server.sandbox.values import LIBRARY_MENTION
 
 NO_TEST = "Ce contrôle n’existe pas."
 NOT_SITTING = "Vous ne composez pas en ce moment dans cet exercice : il n’y a rien à enregistrer."
+OTHER_VERSION = (
+    "Une autre version a été enregistrée depuis un autre onglet ou un autre appareil : choisissez celle à garder. Rien "
+    "n’est perdu."
+)
 NO_HELP = (
     "Pendant le contrôle « {title} », rien d’autre ne peut importer de mes_fonctions ce qu’il demande d’écrire : cela "
     "redevient possible à sa fin."
@@ -32,6 +36,17 @@ CANNOT_BEGIN = {
     SittingStage.missed: "Ce contrôle est fermé : on ne le commence plus.",
     SittingStage.shown: "Les résultats de ce contrôle sont publiés : on ne le commence plus.",
 }
+
+
+class StaleWorkError(Conflict):
+    """Other work was saved, from another tab or machine, since the page was opened: `saved`."""
+
+    slug = "autre-version"
+    title = "Modifié ailleurs"
+
+    def __init__(self, saved: SavedWork) -> None:
+        super().__init__(OTHER_VERSION)
+        self.saved = saved
 
 
 @dataclass(frozen=True)
@@ -106,12 +121,26 @@ def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reus
             raise WrongMoment(NO_HELP.format(title=running[0].title))
 
 
-def save_work(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
-    """Save a student's work in the running tests of an exercise. Raises WrongMoment where there are none."""
+def version_of(saved: SavedWork | None) -> str:
+    """Return the version of saved work, as forms carry it; empty where nothing is saved."""
+    return "" if saved is None else saved.saved_at.isoformat()
+
+
+def save_work(
+    db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime, *, base_version: str | None = None
+) -> None:
+    """Save a student's work in the running tests of an exercise.
+
+    `base_version` is the version that the page had read; None saves over any. Raises WrongMoment where no test is
+    running, and StaleWorkError where other work was saved since `base_version`.
+    """
     holds = feedback.load_holds(db, account_id, exercise)
     running = _lock_running(db, holds.running_tests, account_id)
     if not running:
         raise WrongMoment(holds.refusal or (OVER.format(title=holds.tests[0].title) if holds.tests else NOT_SITTING))
+    saved = sitting_repository.load_last_saved_work(db, running, account_id, exercise)
+    if base_version is not None and saved is not None and base_version != version_of(saved) and saved.source != source:
+        raise StaleWorkError(saved)
     sitting_repository.upsert_saved_work(db, running, account_id, exercise, source, now)
 
 

@@ -11,7 +11,8 @@ from server.identity.dependencies import AccountServiceOf, OptionalAccount, clea
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, validate_new_account
 from server.identity.service import AccountService, OpenedSession
-from server.web.form_identity import decode_fields, resend_context
+from server.text.plain import visible
+from server.web.form_identity import SEND_AS, decode_fields, resend_context
 from server.web.forms import Field, account_form, redirect
 from server.web.rendering import render_page
 
@@ -112,7 +113,8 @@ async def log_in(
     fields = decode_fields(reprise)
     if fields is None:
         return redirect(form["after"])
-    context = resend_context(fields, form["action"], form["after"], opened.account)
+    button = SEND_AS.format(name=visible(opened.account.name))
+    context = resend_context(fields, form["action"], form["after"], opened.account, button=button)
     return render_page(request, "resend.html", opened.account, **context)
 
 

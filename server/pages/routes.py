@@ -12,6 +12,7 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
+from server.assignments.sittings import StaleWorkError
 from server.base import root_path
 from server.base.app_services import app_service_getter
 from server.base.errors import Invalid
@@ -30,7 +31,7 @@ from server.gradebook.schemas import Attempt
 from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.identity.service import AccountService
-from server.pages import answers, kits, service, talk
+from server.pages import answers, form_state, kits, service, talk
 from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
@@ -168,6 +169,7 @@ def submit(
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
     exercise = find_exercise(course, module, slug)
+    form_state.require_same_tests(db, account, exercise, fields)
     submission, again = _sent(store, db, account, exercise, fields, address=client_address(request))
     href, query = f"/soumissions/{submission.id}", "?deja=true" if again else ""
     if "application/json" not in request.headers.get("accept", ""):
@@ -206,10 +208,15 @@ def save(
         source = store.encode_answers(answers.read_form(exercise, fields))
     else:
         source = store.encode_code(_code(fields))
-    saved_at = store.save_work(db, account, exercise.id, source)
+    form_state.require_same_tests(db, account, exercise, fields)
+    try:
+        saved_at = store.save_work(db, account, exercise.id, source, form_state.base_version(fields))
+    except StaleWorkError as error:
+        other_text = "" if exercise.answers is not None else error.saved.source.decode()
+        raise form_state.work_refusal(error, account, fields, other_text) from error
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(f"{exercise_href(exercise)}#essai", MOVES_ON)
-    return JSONResponse({"saved_at": iso_moment(saved_at)})
+    return JSONResponse({"saved_at": iso_moment(saved_at), "depuis": saved_at.isoformat()})
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")

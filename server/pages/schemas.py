@@ -106,7 +106,7 @@ class TestBanner:
     """The banner of the test that an exercise belongs to: `now` is the server's time, `ends` may be empty.
 
     `save` is where what is written is kept, while one sits it; `saved` when it was last, `restored` whether the fields
-    hold it.
+    hold it. `tests` and `version` are the hidden fields of `server.pages.form_state`.
     """
 
     __test__ = False  # it is none of pytest's
@@ -121,6 +121,8 @@ class TestBanner:
     saved: str
     saved_text: str
     restored: bool
+    tests: str
+    version: str
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from server.assignments.models import SavedWork
 from server.course import Exercise
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
+from server.pages import form_state
 from server.pages.schemas import HeldView, TestBanner
 from server.web.views import Reader, exercise_href
 from server.web.words import iso_moment, short_moment
@@ -62,12 +63,15 @@ def load_saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) 
 
 def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
     """Build the banner of the running test, else of the first test that withholds the exercise."""
-    tests = load_holds_of_exercise(reader, exercise).tests
+    holds = load_holds_of_exercise(reader, exercise)
+    tests = holds.tests
     if not tests:
         return None
     test = min(
         tests, key=lambda test: list(SHOWN_STAGES).index(test.stage) if test.stage is not SittingStage.running else -1
     )
+    account = reader.account
+    last = None if account is None else sittings.load_last_saved_work(reader.db, account.id, exercise.id)
     return TestBanner(
         title=test.title,
         href=test.path,
@@ -79,6 +83,8 @@ def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> 
         saved=_format_or_empty(saved.saved_at if saved else None, text=False),
         saved_text=_format_or_empty(saved.saved_at if saved else None, text=True),
         restored=saved is not None,
+        tests=form_state.running_tests_key(holds),
+        version=sittings.version_of(last),
     )
 
 

@@ -118,10 +118,15 @@ class Submissions:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
         return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers)
 
-    def save_work(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
-        """Save work in progress of a test, to be submitted at its end; return when. Raises NotNow or TooMany."""
+    def save_work(
+        self, db: Session, account: Account, exercise_id: str, source: bytes, base_version: str | None = None
+    ) -> datetime:
+        """Save work in progress of a test, to be submitted at its end; return when.
+
+        Raises WrongMoment, RateLimited, or StaleWorkError where other work was saved since `base_version`.
+        """
         now = utc_now()
-        sittings.save_work(db, account.id, exercise_id, source, now)
+        sittings.save_work(db, account.id, exercise_id, source, now, base_version=base_version)
         limits.take_token(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
         return now
 

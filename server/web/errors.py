@@ -20,7 +20,7 @@ from server.base.middleware import SECURITY_HEADERS, route_path
 from server.database import Database, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.web.form_identity import IdentityRefusal, refusal_context, refusal_members
+from server.web.form_identity import FormRefusal, refusal_context, refusal_members
 from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
@@ -54,9 +54,9 @@ def _asker(request: Request) -> Account | None:
     return load_session_account(request, get_service(request.app, Database))
 
 
-def _identity_refusal(request: Request, error: Exception) -> Response:
+def _form_refusal(request: Request, error: Exception) -> Response:
     """What was typed, and the ways to go on; programs get the problem document."""
-    assert isinstance(error, IdentityRefusal)
+    assert isinstance(error, FormRefusal)
     if wants_json(request):
         document = {**error_document(request, error), **refusal_members(request, error)}
         return problem_response(document, error.headers)
@@ -100,7 +100,7 @@ def _unexpected(request: Request, error: Exception) -> Response:
 
 
 def install_error_handlers(app: FastAPI) -> None:
-    app.add_exception_handler(IdentityRefusal, _identity_refusal)
+    app.add_exception_handler(FormRefusal, _form_refusal)
     app.add_exception_handler(ServiceError, _service_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _validation_error)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 from urllib.parse import quote, urlsplit
@@ -22,7 +22,7 @@ from starlette.datastructures import FormData
 
 from server.base import root_path
 from server.base.app_services import get_service
-from server.base.errors import ServiceError
+from server.base.errors import Conflict
 from server.base.http import SAFE_METHODS, local_path, session_token
 from server.database import Database
 from server.identity.dependencies import load_session_account
@@ -47,6 +47,7 @@ OTHER_ACCOUNT = (
 
 LONG_TEXT = 60  # characters: shorter ones are names and choices of a form
 
+SEND_AS = "Envoyer au nom de « {name} »"
 SIGNED_IN_TITLE = "Vous êtes connecté"
 SIGNED_IN = "Ce que vous aviez écrit n’est pas encore envoyé : relisez-le, puis envoyez-le."
 
@@ -54,12 +55,35 @@ TypedFields = Sequence[tuple[str, str]]
 _POST_FORM = re.compile(r"<form\b[^>]*\bmethod=\"post\"[^>]*>")
 
 
-class IdentityRefusal(ServiceError):
-    """The session is not that of the account for which the form was drawn. `fields` are what was typed there."""
+class FormRefusal(Conflict):
+    """A form drawn in another state than the present one, with what was typed there.
 
-    def __init__(self, detail: str, fields: TypedFields, *, has_file: bool, account: Account | None) -> None:
+    `button` is the label of the step that sends the fields all the same, with `replacements` for those that are no
+    longer true; empty where there is no such step. `other_text` is what was saved meanwhile. `members` go into the
+    problem document.
+    """
+
+    def __init__(
+        self,
+        detail: str,
+        fields: TypedFields,
+        *,
+        account: Account | None,
+        has_file: bool = False,
+        button: str = "",
+        replacements: Mapping[str, str] | None = None,
+        other_text: str = "",
+        members: Mapping[str, str] | None = None,
+    ) -> None:
         super().__init__(detail)
-        self.fields, self.has_file, self.account = fields, has_file, account
+        replaced = dict(replacements or {})
+        self.fields = [(name, replaced.get(name, value)) for name, value in fields]
+        self.account, self.has_file, self.button, self.other_text = account, has_file, button, other_text
+        self.members = {**replaced, **(members or {})}
+
+
+class IdentityRefusal(FormRefusal):
+    """The session is not that of the account for which the form was drawn."""
 
 
 class SignedOut(IdentityRefusal):
@@ -69,7 +93,6 @@ class SignedOut(IdentityRefusal):
 
 
 class AccountChanged(IdentityRefusal):
-    status = HTTPStatus.CONFLICT
     slug = "autre-compte"
     title = "Ce n’est plus le même compte"
 
@@ -98,13 +121,20 @@ async def require_same_account(request: Request) -> None:
         return
     if key == VISITOR and account is not None and account.is_guest:  # another tab made the visitor a guest
         return
-    texts = [(name, value) for name, value in form.multi_items() if isinstance(value, str)]
-    fields = [(name, value) for name, value in texts if name not in DROPPED_FIELDS]
-    has_file = len(texts) < len(form.multi_items())
+    fields = typed_fields(form)
+    has_file = any(not isinstance(value, str) for value in form.values())
     if account is None:
         raise SignedOut(SIGNED_OUT, fields, has_file=has_file, account=None)
     name = visible(account.name)
-    raise AccountChanged(OTHER_ACCOUNT.format(name=name), fields, has_file=has_file, account=account)
+    button = "" if has_file else SEND_AS.format(name=name)
+    detail = OTHER_ACCOUNT.format(name=name)
+    raise AccountChanged(detail, fields, has_file=has_file, account=account, button=button)
+
+
+def typed_fields(form: FormData) -> TypedFields:
+    """Return the text fields of a form that may be written into a page again."""
+    pairs = ((name, value) for name, value in form.multi_items() if isinstance(value, str))
+    return [(name, value) for name, value in pairs if name not in DROPPED_FIELDS]
 
 
 def resend_context(
@@ -116,6 +146,9 @@ def resend_context(
     title: str = SIGNED_IN_TITLE,
     detail: str = SIGNED_IN,
     has_file: bool = False,
+    button: str = "",
+    other_text: str = "",
+    other_account: bool = False,
 ) -> dict[str, Any]:
     """Return the variables of `resend.html`: what was typed, for `action`, and the page to go back to."""
     return {
@@ -127,6 +160,9 @@ def resend_context(
         "long_texts": [text for _, text in fields if "\n" in text or len(text) > LONG_TEXT],
         "resend": json.dumps(list(fields), ensure_ascii=False),
         "has_file": has_file,
+        "button": button,
+        "other_text": other_text,
+        "other_account": other_account,
         "as_guest": account is None and action.endswith("/soumissions"),
         "visitor": VISITOR,
     }
@@ -138,14 +174,18 @@ def referring_page(request: Request) -> str:
     return local_path(path.removeprefix(root_path.root_path()))
 
 
-def refusal_members(request: Request, refusal: IdentityRefusal) -> dict[str, str]:
+def refusal_members(request: Request, refusal: FormRefusal) -> dict[str, str]:
     """Return the members by which a problem document tells a script how to go on."""
     login = f"/connexion?suite={quote(referring_page(request))}"
-    name = "" if refusal.account is None else refusal.account.name
-    return {"account": account_key(refusal.account), "name": name, "login": root_path.external_path(login)}
+    return {
+        **refusal.members,
+        "account": account_key(refusal.account),
+        "button": refusal.button,
+        "login": root_path.external_path(login),
+    }
 
 
-def refusal_context(request: Request, refusal: IdentityRefusal) -> dict[str, Any]:
+def refusal_context(request: Request, refusal: FormRefusal) -> dict[str, Any]:
     return resend_context(
         refusal.fields,
         request.url.path,
@@ -154,6 +194,9 @@ def refusal_context(request: Request, refusal: IdentityRefusal) -> dict[str, Any
         title=refusal.title,
         detail=refusal.detail,
         has_file=refusal.has_file,
+        button=refusal.button,
+        other_text=refusal.other_text,
+        other_account=isinstance(refusal, IdentityRefusal),
     )
 
 

@@ -31,6 +31,7 @@ from server.submissions.models import Submission
 from server.submissions.sitting_collector import SittingCollector
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.client import TestClient
+from tests.support.forms import hidden_fields
 from tests.support.service import EXERCISE, Site, fake_verdict
 
 SEND = "/api/v1/submissions"
@@ -403,6 +404,63 @@ def test_without_script_one_saves_and_comes_back_to_the_exercise(room: Room) -> 
     assert (answer.status_code, answer.headers["location"]) == (303, f"{PAGE}#essai")
     assert "enregistré" in browser.get(PAGE).text
     assert "enregistré le" in told(browser.get(f"{room.path}/composer"))
+
+
+def test_an_older_tab_does_not_replace_what_another_one_saved(room: Room) -> None:
+    ada = room.student()
+    browser = ada.browser(room.site)
+    older = hidden_fields(browser.get(PAGE).text, f"{PAGE}/soumissions")
+    newer = hidden_fields(browser.get(PAGE).text, f"{PAGE}/soumissions")
+    saved = browser.post(f"{PAGE}/brouillon", data={**newer, "code": "x = 2"}, headers=FORM).json()
+    refused = browser.post(f"{PAGE}/brouillon", data={**older, "code": "x = 1"}, headers=FORM)
+    assert refused.status_code == 409
+    assert refused.json()["type"].endswith("autre-version")
+    assert refused.json()["depuis"] == saved["depuis"]
+    same = browser.post(f"{PAGE}/brouillon", data={**older, "code": "x = 2"}, headers=FORM)
+    assert same.status_code == 200  # the same text is no conflict
+    again = browser.post(f"{PAGE}/brouillon", data={**newer, "depuis": same.json()["depuis"], "code": "x = 3"})
+    assert again.status_code == 303
+
+    page = browser.post(f"{PAGE}/brouillon", data={**older, "code": "x = 1"}).text
+    assert "x = 3" in page
+    assert "x = 1" in page
+    mine = hidden_fields(page, f"{PAGE}/brouillon")
+    assert browser.post(f"{PAGE}/brouillon", data=mine).status_code == 303  # chosen in words
+    room.let_time_pass(61)
+    room.collect()
+    assert [sent.code for sent in room.sent(ada)] == ["x = 1"]
+
+
+def test_a_page_opened_before_the_test_says_what_its_send_would_be(room: Room) -> None:
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(opens_at=utc_now() + MINUTE))
+    ada = room.student(begins=False)
+    browser, send = ada.browser(room.site), f"{PAGE}/soumissions"
+    before = hidden_fields(browser.get(PAGE).text, send)
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(opens_at=utc_now() - MINUTE))
+    room.post(ada, "commencer")
+    refused = browser.post(send, data={**before, "code": "x = 1"})
+    assert refused.status_code == 409
+    assert "Vous composez maintenant le contrôle « Interro »" in refused.text
+    assert room.sent(ada) == []
+    chosen = hidden_fields(refused.text, send)
+    assert browser.post(send, data=chosen).status_code == 303
+    assert [sent.code for sent in room.sent(ada)] == ["x = 1"]
+
+
+def test_a_page_of_a_test_whose_results_are_out_does_not_pass_for_it(room: Room) -> None:
+    ada = room.student()
+    browser, send = ada.browser(room.site), f"{PAGE}/soumissions"
+    during = hidden_fields(browser.get(PAGE).text, send)
+    room.post(ada, "rendre")
+    over = browser.post(send, data={**during, "code": "x = 1"})
+    assert "est terminé pour vous" in over.text
+    assert room.post(room.teacher, "publier").status_code == 303
+    refused = browser.post(send, data={**during, "code": "x = 1"}, headers=FORM)
+    assert refused.status_code == 409
+    assert refused.json()["button"] == "Envoyer comme entraînement"
+    assert browser.post(send, data={**during, "controle": "", "code": "x = 1"}).status_code == 303
 
 
 def test_answers_are_saved_and_sent_as_code_is(room: Room) -> None:

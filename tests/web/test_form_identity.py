@@ -15,20 +15,13 @@ from server.submissions.models import Submission
 from server.web.form_identity import decode_fields, name_account_in_forms
 from tests.support.classes import Person, person
 from tests.support.client import TestClient
+from tests.support.forms import hidden_fields
 from tests.support.service import EXERCISE, Site
 
 PAGE = f"/{EXERCISE.replace('/', '/exercices/')}"
 SEND = f"{PAGE}/soumissions"
 JSON = {"Accept": "application/json"}
 CODE = 'def f(x):\n    return "<é>"\n'
-
-
-def hidden_fields(page: str, action: str) -> dict[str, str]:
-    """The hidden fields of the form of this action, as a browser sends them."""
-    form = re.search(rf'<form\b[^>]*action="{re.escape(action)}"[^>]*>(.*?)</form>', page, re.S)
-    assert form is not None
-    fields = re.findall(r'<input type="hidden" name="([^"]*)" value="([^"]*)">', form[1])
-    return {name: html.unescape(value) for name, value in fields}
 
 
 def end_sessions(site: Site, who: Person) -> None:
@@ -122,7 +115,7 @@ def test_two_accounts_in_one_browser_do_not_send_for_each_other(site: Site, xavi
     assert "vous êtes maintenant « Yasmine »" in refused.text
     assert not {xavier.id, yasmine.id} & set(submitters(site))
     problem = browser.post(SEND, data={"code": CODE}, headers={**JSON, "Balise-Compte": str(xavier.id)}).json()
-    assert (problem["account"], problem["name"]) == (str(yasmine.id), "Yasmine")
+    assert (problem["account"], problem["button"]) == (str(yasmine.id), "Envoyer au nom de « Yasmine »")
     assert browser.post(SEND, data=hidden_fields(refused.text, SEND)).status_code == 303  # chosen, in words
     assert submitters(site).count(yasmine.id) == 1
 

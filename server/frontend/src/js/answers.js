@@ -4,7 +4,7 @@ import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { setUpOrder } from "./answers/order.js";
 import { reconciled, savesOf } from "./saves.js";
-import { post, wayOn } from "./send.js";
+import { adopt, post, STATE_FIELDS, wayOn, withState } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
 
@@ -12,22 +12,24 @@ const form = document.getElementById("essai");
 const message = document.getElementById("essai-message");
 const orders = [...form.querySelectorAll("[data-order]")].map((question) => setUpOrder(question, saveDraft));
 const draft = draftOfPage(keyOf(form.dataset.account), {
-  get: () => body().toString(),
+  get: () => answered().toString(),
   set: fill,
   again: () => form.querySelector("input, select, button")?.focus(),
 });
 
-const saves = savesOf(form, keyOf(form.dataset.account), { text: () => body().toString(), body });
+const saves = savesOf(form, keyOf(form.dataset.account), {
+  text: () => answered().toString(),
+  body: () => withState(form, answered()),
+});
 
 // A draft belongs to one draw: under other letters it would say something else.
 function keyOf(account) {
   return `balise-brouillon:${account}:${form.dataset.exercise}:${form.dataset.seed}`;
 }
 
-// The answers; the page's account goes in a header.
-function body() {
+function answered() {
   const fields = new URLSearchParams(new FormData(form));
-  fields.delete("pour");
+  for (const name of STATE_FIELDS) fields.delete(name);
   return fields;
 }
 
@@ -39,7 +41,7 @@ function saveDraft() {
 function fill(text) {
   const fields = new URLSearchParams(text);
   for (const field of form.elements) {
-    if (!field.name || field.name === "pour") continue;
+    if (!field.name || STATE_FIELDS.includes(field.name)) continue;
     if (field.type === "radio" || field.type === "checkbox") field.checked = fields.getAll(field.name).includes(field.value);
     else field.value = fields.get(field.name) ?? "";
   }
@@ -52,14 +54,14 @@ async function submit(event) {
   showMessage("");
   busy(true);
   try {
-    const answer = await post(form.action, body(), form.dataset.account);
+    const answer = await post(form.action, withState(form, answered()), form.dataset.account);
     if (answer.accepted) {
       moveDraft(answer.accepted.account);
       showWaiting(answer.accepted.text);
       await followToVerdict(answer.accepted);
     } else {
       const away = "Le serveur ne répond pas. Vos réponses sont gardées ici : réessayez dans un instant.";
-      showMessage(answer.refusal ?? away, wayOn(answer.problem, resendFor));
+      showMessage(answer.refusal ?? away, wayOn(form, answer.problem));
     }
   } finally {
     busy(false);
@@ -71,11 +73,6 @@ function showMessage(text, step = null) {
   message.hidden = !text;
 }
 
-function resendFor(account) {
-  form.dataset.account = account;
-  form.requestSubmit();
-}
-
 function busy(state) {
   form.setAttribute("aria-busy", String(state));
   document.getElementById("envoyer").setAttribute("aria-disabled", String(state));
@@ -83,7 +80,7 @@ function busy(state) {
 
 // The session may have changed hands while the page was open: the draft follows.
 function moveDraft(account) {
-  form.dataset.account = account;
+  adopt(form, { account });
   draft.move(keyOf(String(account)));
 }
 
@@ -92,7 +89,7 @@ if (form.dataset.taken === "true") {
   history.replaceState(null, "", location.pathname);
 } else {
   const before = inherited(form.dataset.account, keyOf);
-  const there = body().toString();
+  const there = answered().toString();
   const text = before ?? reconciled(form, keyOf(form.dataset.account), draft, there);
   if (text !== there) fill(text);
   if (before !== null) saveDraft();

@@ -3,7 +3,7 @@
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { reconciled, savesOf } from "./saves.js";
-import { post, wayOn } from "./send.js";
+import { adopt, post, wayOn, withState } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
 
@@ -20,7 +20,7 @@ const draft = draftOfPage(keyOf(form.dataset.account), {
 
 const saves = savesOf(form, keyOf(form.dataset.account), {
   text: () => editor.get(),
-  body: () => new URLSearchParams({ code: editor.get() }),
+  body: () => withState(form, new URLSearchParams({ code: editor.get() })),
 });
 
 function keyOf(account) {
@@ -100,25 +100,20 @@ function busy(state) {
 
 // The address of the accepted submission, or null after having said why there is none.
 async function send() {
-  const answer = await post(form.action, new URLSearchParams({ code: area.value }), form.dataset.account);
+  const answer = await post(form.action, withState(form, new URLSearchParams({ code: area.value })), form.dataset.account);
   if (answer.accepted) {
     moveDraft(answer.accepted.account);
     showWaiting(answer.accepted.text);
     return answer.accepted;
   }
   const away = "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.";
-  showMessage(answer.refusal ?? away, wayOn(answer.problem, resendFor));
+  showMessage(answer.refusal ?? away, wayOn(form, answer.problem));
   return null;
-}
-
-function resendFor(account) {
-  form.dataset.account = account;
-  form.requestSubmit();
 }
 
 // A visitor becomes a guest at the first submission: the draft follows.
 function moveDraft(account) {
-  form.dataset.account = account;
+  adopt(form, { account });
   draft.move(keyOf(account));
 }
 

@@ -1,6 +1,6 @@
 // While one sits a test: the server keeps what is written, a moment after it changes and on leaving the page.
 
-import { headersFor } from "./send.js";
+import { adopt, headersFor } from "./send.js";
 import { keep, recall } from "./storage.js";
 
 const CALM_MS = 1500;
@@ -32,22 +32,41 @@ export function savesOf(form, key, { text, body }) {
     const written = text();
     if (over || !(changed || asked)) return;
     if (sending && !leaving) return soon(CALM_MS / 3);
+    const fields = body();
+    if (sending) fields.delete("depuis"); // on leaving: the version of the save under way is not known yet
     sending = true;
-    const headers = headersFor(form.dataset.account);
-    const options = { method: "POST", body: body(), headers, keepalive: leaving };
+    const options = { method: "POST", body: fields, headers: headersFor(form.dataset.account), keepalive: leaving };
     const response = await fetch(form.dataset.save, options).catch(() => null);
     const answer = await response?.json().catch(() => null);
     sending = false;
     if (response?.ok && answer) {
       changed = text() !== written;
+      adopt(form, { depuis: answer.depuis });
       keep(key + SAVED, written);
       place.textContent = `enregistré à ${clock.format(new Date(answer.saved_at))}`;
       if (changed) soon(CALM_MS);
       return;
     }
+    if (answer?.type?.endsWith(":autre-version")) return choose(answer);
     over = response?.status === 409;
     place.textContent = answer?.detail ?? "pas encore enregistré : le serveur ne répond pas, nouvel essai dans un instant";
     soon(AGAIN_MS);
+  }
+
+  // Another tab or machine has saved something else since: nothing is saved before the student has chosen.
+  function choose(answer) {
+    over = true;
+    const mine = choice("Garder la mienne", () => {
+      over = false;
+      adopt(form, answer);
+      save({ asked: true });
+    });
+    const theirs = choice("Prendre l’autre", () => {
+      keep(key, null);
+      keep(key + SAVED, null);
+      location.reload();
+    });
+    place.replaceChildren(answer.detail, " ", mine, " ", theirs);
   }
 
   document.getElementById("enregistrer").addEventListener("click", (event) => {
@@ -67,4 +86,13 @@ export function savesOf(form, key, { text, body }) {
       soon(CALM_MS);
     },
   };
+}
+
+function choice(label, choose) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "button";
+  button.textContent = label;
+  button.addEventListener("click", choose);
+  return button;
 }

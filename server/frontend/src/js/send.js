@@ -18,20 +18,35 @@ export async function post(address, body, account) {
   return response?.ok && answer ? { accepted: answer } : { refusal: answer?.detail, problem: answer ?? {} };
 }
 
-// The step by which a refused page goes on, or null: log in and come back, or `resend(account)` for another account.
-export function wayOn(problem, resend) {
+// The fields of a page's form that say for what it was drawn; they are no part of what is written.
+export const STATE_FIELDS = ["pour", "controle", "depuis"];
+
+export function withState(form, body) {
+  for (const name of STATE_FIELDS) if (form.elements[name]) body.set(name, form.elements[name].value);
+  return body;
+}
+
+// The step by which a refused page goes on, or null: log in and come back, or send all the same.
+export function wayOn(form, problem) {
   if (problem.type === `${PROBLEM}session-terminee`) {
     const link = document.createElement("a");
     link.href = problem.login;
     return labelled(link, "Se connecter et revenir ici");
   }
-  if (problem.type === `${PROBLEM}autre-compte`) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.addEventListener("click", () => resend(problem.account));
-    return labelled(button, `Envoyer au nom de « ${problem.name} »`);
-  }
-  return null;
+  if (!problem.button) return null;
+  const button = document.createElement("button");
+  button.type = "button";
+  button.addEventListener("click", () => {
+    adopt(form, problem);
+    form.requestSubmit();
+  });
+  return labelled(button, problem.button);
+}
+
+// The form stands now for what the server has said.
+export function adopt(form, { account, ...state }) {
+  if (account) form.dataset.account = form.elements.pour.value = account;
+  for (const name of STATE_FIELDS) if (name in state && form.elements[name]) form.elements[name].value = state[name];
 }
 
 function labelled(element, text) {
@@ -39,7 +54,6 @@ function labelled(element, text) {
   element.textContent = text;
   return element;
 }
-
 // JSON when all went well; a refusal may also come as a page, whose sentence is what matters.
 async function readAnswer(response) {
   if (!response) return null;
