@@ -5,11 +5,18 @@ then brake to a stand without touching anything. Braking is always among the cho
 found safe a period earlier: so a robot that starts at rest never collides, whatever the map.
 
 The best speed leads down the cost of the way that remains (Dijkstra from the goal over inflated walls), measured at the
-robot and a little ahead of it, so that turning towards the way counts too: there is no local minimum to be caught in
-but what the robot's own size makes.
+robot and a little ahead of it, so that turning towards the way counts too. Over one horizon this may be lowest where
+the robot stands: it faces away from the goal, and no turn within reach is worth its while. So a robot whose cost has
+not fallen for `patience` seconds is led: it brakes, turns on the spot towards the next cell of the cheapest way, and
+drives straight there, cell after cell, until the cost has fallen below its least by `PROGRESS` of a cell.
+
+From rest, it thereby reaches every goal to which a way of cells leads. A turn on the spot touches nothing; the straight
+line from a point of a cell to the centre of the next one stays within free cells, since ways cut no corner; and each
+cell costs less than the one before. The least cost so far falls by a fixed amount each time that the robot is led, and
+never below zero.
 
 Sources: Fox, Burgard, Thrun, "The Dynamic Window Approach to Collision Avoidance" (1997); Brock and Khatib, "High-speed
-Navigation Using the Global Dynamic Window Approach" (1999).
+Navigation Using the Global Dynamic Window Approach" (1999), for the cost to go and for its stalls.
 """
 
 from __future__ import annotations
@@ -20,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
-from reference.planning.grid_search import PlanningError, SearchGrid
+from reference.planning.grid_search import MOVES, PlanningError, SearchGrid
 from reference.planning.inflation import inflate
 from reference.se2 import wrap_angle
 from reference.world.grid_map import GridMap
@@ -28,6 +35,10 @@ from reference.world.grid_map import GridMap
 Floats = NDArray[np.float64]
 
 PARTS = 4
+# A fall of the cost by this share of a cell's side is progress.
+PROGRESS = 0.25
+# An angle (rad) or a length (m) that no robot tells from none.
+NEGLIGIBLE = 1e-9
 SQRT2 = float(np.sqrt(2.0))
 
 
@@ -35,7 +46,8 @@ SQRT2 = float(np.sqrt(2.0))
 class Limits:
     """A round differential robot: `radius` (m), speeds (m/s, rad/s), accelerations (m/s^2, rad/s^2); never backwards.
 
-    It decides once a `period` (s), looks `horizon` (s) ahead, and tries `samples` values of v and of w.
+    It decides once a `period` (s), looks `horizon` (s) ahead, and tries `samples` values of v and of w. It is led after
+    `patience` (s) without progress.
     """
 
     radius: float = 0.2
@@ -46,9 +58,10 @@ class Limits:
     period: float = 0.1
     horizon: float = 1.0
     samples: int = 11
+    patience: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("radius", "max_v", "max_w", "max_dv", "max_dw", "period", "horizon"):
+        for name in ("radius", "max_v", "max_w", "max_dv", "max_dw", "period", "horizon", "patience"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise PlanningError(name, f"{getattr(self, name)} is not a positive number")
         if self.samples < 2:
@@ -70,13 +83,17 @@ class Journey:
 
 @dataclass(frozen=True, eq=False)
 class DynamicWindow:
-    """A robot with a map and a goal: `clear` (H, W), metres to walls, at least; `remaining` (H, W), costs to go."""
+    """A robot with a map and a goal: `clear` (H, W), metres to walls, at least; `remaining` (H, W), costs to go.
+
+    `ways` (H, W) are the same costs, infinite where the robot cannot stand, or from where no way leads.
+    """
 
     world: GridMap
     goal: Floats
     limits: Limits
     clear: Floats = field(repr=False)
     remaining: Floats = field(repr=False)
+    ways: Floats = field(repr=False)
 
     @classmethod
     def towards(cls, world: GridMap, goal: ArrayLike, limits: Limits) -> DynamicWindow:
@@ -93,7 +110,7 @@ class DynamicWindow:
         if not (0 <= y < height and 0 <= x < width and inflated.free[y, x]):
             raise PlanningError("goal", "is not a place where the robot can stand")
         remaining = SearchGrid(inflated.free, inflated.costs).costs_from((y, x)) * world.resolution
-        return cls(world, point, limits, clear, _extended(remaining, world.resolution))
+        return cls(world, point, limits, clear, _extended(remaining, world.resolution), remaining)
 
     def choose(self, pose: Floats, speed: Floats) -> Floats:
         """The speed (2,) = (v, w) for the next period, from the pose (3,) and speed so far."""
@@ -110,6 +127,50 @@ class DynamicWindow:
         room = np.minimum(self.clearance(ahead).min(axis=1), 2.0 * limits.radius)
         cost = self._to_go(ends[:, :2]) + self._to_go(nose) - room
         return np.asarray(choices[int(np.argmin(cost))])
+
+    def lead(self, pose: Floats, speed: Floats) -> Floats:
+        """The speed (2,) that leads from the pose (3,) to the next cell of the cheapest way: brake, turn, go straight.
+
+        Braking where no way leads.
+        """
+        limits, target = self.limits, self._next_point(pose)
+        slower = braked(speed[None], limits)[0]
+        if target is None:
+            return np.asarray(slower)
+        ahead = target - pose[:2]
+        distance = float(np.hypot(*ahead))
+        turn = wrap_angle(float(np.arctan2(ahead[1], ahead[0]) - pose[2])) if distance > NEGLIGIBLE else 0.0
+        if abs(turn) > NEGLIGIBLE:
+            if speed[0] > 0.0:
+                return np.asarray(slower)
+            step = limits.max_dw * limits.period
+            return np.array([0.0, _fitting(turn, speed[1], step, limits.max_w, limits.period)])
+        if speed[1] != 0.0:
+            return np.asarray(slower)
+        step = limits.max_dv * limits.period
+        forward = np.array([_fitting(distance, speed[0], step, limits.max_v, limits.period), 0.0])
+        stops = drive(pose, forward[None], limits, brake=True, duration=limits.period)
+        return forward if self.clearance(stops).min() > limits.radius else np.asarray(slower)
+
+    def cost_to_go(self, point: ArrayLike) -> float:
+        """The cost of the way from a point (2,) of the world to the goal, drawn between the centres of cells."""
+        return float(self._to_go(np.asarray(point, dtype=np.float64)[None])[0])
+
+    def _next_point(self, pose: Floats) -> Floats | None:
+        """Return the next point (2,) of the cheapest way: a centre of a cell, or the goal; None for no way."""
+        x, y = np.floor(self.world.to_cells(pose[:2])).astype(np.int64).tolist()
+        height, width = self.ways.shape
+
+        def cost(cell_y: int, cell_x: int) -> float:
+            return float(self.ways[cell_y, cell_x]) if 0 <= cell_y < height and 0 <= cell_x < width else np.inf
+
+        if not np.isfinite(cost(y, x)):
+            return None
+        if cost(y, x) == 0.0:
+            return self.goal
+        sides_free = ((dy, dx) for dy, dx in MOVES if np.isfinite(cost(y + dy, x)) and np.isfinite(cost(y, x + dx)))
+        dy, dx = min(sides_free, key=lambda move: cost(y + move[0], x + move[1]))
+        return np.asarray(self.world.to_world(np.array([x + dx + 0.5, y + dy + 0.5])))
 
     def clearance(self, poses: Floats) -> Floats:
         """Metres to the nearest wall, counted safely, for poses (…, 3); 0 off the map."""
@@ -130,6 +191,25 @@ class DynamicWindow:
     def _to_go(self, points: Floats) -> Floats:
         x, y = (self.world.to_cells(points) - 0.5).T
         return np.asarray(map_coordinates(self.remaining, [y, x], order=1, mode="nearest"))
+
+
+def _fitting(way: float, speed: float, step: float, most: float, period: float) -> float:
+    """The greatest speed after one period from which one can still stop within `way`, a length or an angle.
+
+    Speeds change by `step` a period at most; on the other side, or where none can stop in time, it is the slowest.
+    """
+    low, high = max(-most, speed - step), min(most, speed + step)
+    if way < 0.0:
+        return -_fitting(-way, -speed, step, most, period)
+    exact = way / period
+    if exact <= step and low <= exact <= high:
+        return exact
+    # Kept for one period, then lowered by a step a period: v (n + 1) - step n (n + 1) / 2 periods, n = floor(v / step).
+    for candidate in np.linspace(high, low, 21).tolist():
+        n = np.floor(max(candidate, 0.0) / step)
+        if candidate * (n + 1.0) - step * n * (n + 1.0) / 2.0 <= exact:
+            return float(candidate)
+    return float(low)
 
 
 def braked(speeds: Floats, limits: Limits) -> Floats:
@@ -186,7 +266,8 @@ def navigate(
 ) -> Journey:
     """Drive from rest at the pose `start` (3,) to within `tolerance` (m) of `goal` (2,), or for `max_time` seconds.
 
-    A goal to which no way leads is not reached. Raises PlanningError when the robot cannot stand at either end.
+    The speeds are those of `choose`, and of `lead` once they bring no progress. A goal to which no way leads is not
+    reached. Raises PlanningError when the robot cannot stand at either end.
     """
     bounds = limits or Limits()
     window = DynamicWindow.towards(world, goal, bounds)
@@ -195,8 +276,13 @@ def navigate(
         raise PlanningError("start", "is not a pose (3,) at which the robot can stand")
     poses, nearest, reached = [pose], float(window.clearance(pose)), False
     speeds: list[Floats] = []
+    least, since = np.inf, 0.0
     while not reached and len(speeds) * bounds.period < max_time:
-        speed = window.choose(pose, speed)
+        cost = window.cost_to_go(pose[:2])
+        if cost < least - PROGRESS * world.resolution:
+            least, since = cost, 0.0
+        speed = window.choose(pose, speed) if since < bounds.patience else window.lead(pose, speed)
+        since += bounds.period
         passed = drive(pose, speed[None], bounds, brake=False, duration=bounds.period)[0]
         pose, nearest = passed[-1], min(nearest, float(window.clearance(passed).min()))
         poses.append(pose)

@@ -100,7 +100,7 @@ class ChildConnection:
             fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
         except codec.MalformedValue:
             self._raise_forged()
-        program_fault = diagnosis.parse_fault(fault, self._policy)
+        program_fault = diagnosis.parse_fault(fault, self._policy, self._lines)
         if program_fault is None:
             self._raise_forged()
         if program_fault.fatal:

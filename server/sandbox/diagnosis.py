@@ -89,8 +89,8 @@ def exit_fault(ending: ChildExit, policy: Policy, frames: tuple[Frame, ...] = ()
     return _fatal_fault(FaultKind.RUNTIME_ERROR, messages.killed_by_signal(number))
 
 
-def parse_fault(fault: Any, policy: Policy) -> ProgramFault | None:
-    """Parse the fault that a child reported; None when it does not have the form of one."""
+def parse_fault(fault: Any, policy: Policy, file_lines: Sequence[str] = ()) -> ProgramFault | None:
+    """Parse the fault that a child reported for a file of these lines; None when it does not have the form of one."""
     if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
         return None
     kind, line, frames = fault["kind"], fault["line"], _parse_frames(fault["frames"])
@@ -101,7 +101,7 @@ def parse_fault(fault: Any, policy: Policy) -> ProgramFault | None:
     if not all(_is_text(fault[name], longest) for name, longest in _LENGTHS.items()):
         return None
     exception, text, detail = (messages.clean(fault[name]) for name in _LENGTHS)
-    message = _message(FaultKind(kind), exception, text, detail, line, frames, policy)
+    message = _message(FaultKind(kind), exception, text, detail, line, frames, policy, file_lines)
     return ProgramFault(
         FaultKind(kind),
         messages.typeset(message),
@@ -145,12 +145,19 @@ def _parse_frames(reported: object) -> tuple[Frame, ...] | None:
 
 
 def _message(
-    kind: FaultKind, exception: str, text: str, detail: str, line: int | None, frames: tuple[Frame, ...], policy: Policy
+    kind: FaultKind,
+    exception: str,
+    text: str,
+    detail: str,
+    line: int | None,
+    frames: tuple[Frame, ...],
+    policy: Policy,
+    file_lines: Sequence[str],
 ) -> str:
     """Return the French sentence of a reported fault; `detail` depends on the kind (see `child.report`)."""
     of_result = not exception and detail.count("|") >= 2
     sentences: dict[FaultKind, Callable[[], str]] = {
-        FaultKind.SYNTAX_ERROR: lambda: messages.syntax_error(text, detail, line),
+        FaultKind.SYNTAX_ERROR: lambda: messages.syntax_error(text, detail, line, file_lines),
         FaultKind.IMPORT_ERROR: lambda: messages.import_error(exception, detail, text, line, frames),
         FaultKind.TIMEOUT: lambda: messages.timeout(detail, policy, line, frames),
         FaultKind.MEMORY_LIMIT: lambda: messages.memory_limit(policy, line, frames),

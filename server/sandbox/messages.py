@@ -6,9 +6,16 @@ import difflib
 import re
 import signal
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from server.sandbox.faults import Frame
+from server.sandbox.foreign_characters import (
+    describe_foreign_characters,
+    find_foreign_characters,
+    is_readable,
+    repair,
+    show_foreign_characters,
+)
 from server.sandbox.policy import GIB, KIB, MIB, Policy
 
 _NO_BREAK_SPACE = "\u00a0"
@@ -26,7 +33,7 @@ _SYNTAX = (
     (r"invalid syntax\. Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
     (r"cannot assign to .*Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
     (r"invalid syntax\. Perhaps you forgot a comma\?", "il manque peut-être une virgule"),
-    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}) est à effacer (copier-coller ?)"),
+    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}) n’a rien à faire là (copier-coller ?)"),
     (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n’existe pas en Python (copier-coller ?)"),
     (r"'(return|yield|await)' outside function", "« {0} » n’a de sens que dans une fonction"),
     (r"'(break|continue)' .*", "« {0} » n’a de sens que dans une boucle"),
@@ -39,6 +46,9 @@ _SYNTAX = (
     (r"Missing parentheses in call to '(\w+)'.*", "« {0} » est une fonction : ses arguments vont entre parenthèses"),
     (r"invalid syntax", "Python ne comprend pas cette ligne (regardez aussi la fin de la précédente)"),
 )  # fmt: skip
+
+_OF_A_CHARACTER = re.compile("invalid (non-printable )?character")
+_LONGEST_LINE = 200
 
 _ADVICE = {
     "NameError": "Ce nom n’est défini nulle part : faute de frappe, ou définition oubliée ?",
@@ -108,7 +118,13 @@ def at_line(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
     return f"Ligne {line}{where}{source} : {sentence}"
 
 
-def syntax_error(text: str, source: str, line: int | None) -> str:
+def syntax_error(text: str, source: str, line: int | None, lines: Sequence[str] = ()) -> str:
+    """Return the sentence of a syntax error; `lines` are those of the file, where they are known."""
+    foreign = find_foreign_characters(lines)
+    if foreign and (_OF_A_CHARACTER.search(text) or is_readable(repair(lines, foreign))):
+        shown = show_foreign_characters(lines[line - 1].strip())[:_LONGEST_LINE] if line else source
+        return f"{describe_foreign_characters(foreign)} [{text}]\nLigne lue : {clean(shown)}"
+    text = text.removeprefix("f-string: ")
     where = f"Ligne {line} : " if line else ""
     explanation = next(
         (french.format(*(m.groups())) for pattern, french in _SYNTAX if (m := re.fullmatch(pattern, text))), None

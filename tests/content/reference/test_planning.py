@@ -209,6 +209,58 @@ def test_the_robot_arrives_and_touches_nothing(seed: int) -> None:
     assert np.all(np.abs(found.speeds) <= [limits.max_v + 1e-9, limits.max_w + 1e-9])
 
 
+HALL = np.zeros((60, 60), bool)
+HALL[1:-1, 1:-1] = True
+
+
+@pytest.mark.parametrize("heading", range(0, 360, 45))
+def test_a_goal_right_behind_is_reached(heading: int) -> None:
+    """Over one horizon no turn is worth its while: the octile cost ahead of the robot rises before it falls."""
+    world, back = GridMap.from_free(HALL, 0.1), np.radians(heading + 180.0)
+    goal = [3.0 + 2.0 * np.cos(back), 3.0 + 2.0 * np.sin(back)]
+    for off in (0.0, 5.0, -10.0):
+        found = navigate(world, [3.0, 3.0, np.radians(heading + off)], goal, max_time=20.0)
+        assert found.reached
+        assert found.clearance > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("distance", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize("bearing", range(0, 360, 15))
+def test_from_any_heading_a_goal_at_any_bearing_is_reached(bearing: int, distance: float) -> None:
+    world, towards = GridMap.from_free(np.pad(np.ones((118, 118), bool), 1), 0.1), np.radians(bearing)
+    goal = [6.0 + distance * np.cos(towards), 6.0 + distance * np.sin(towards)]
+    for heading in range(0, 360, 15):
+        assert navigate(world, [6.0, 6.0, np.radians(heading)], goal, max_time=30.0).reached
+
+
+def some_journey(seed: int) -> tuple[GridMap, np.ndarray, np.ndarray]:
+    """A scene with blocks, a start with any heading and a goal, both where the robot can stand, joined by a way."""
+    rng, world = np.random.default_rng(seed), scene(seed % 50)
+    cells = np.argwhere(inflate(world.free, 2.0 + np.sqrt(2.0)).free)
+    while True:
+        (ay, ax), (by, bx) = rng.choice(cells, 2, replace=False)
+        goal = np.asarray(world.to_world([bx + rng.random(), by + rng.random()]))
+        if np.isfinite(DynamicWindow.towards(world, goal, Limits()).ways[ay, ax]):
+            start = world.poses_to_world([ax + rng.random(), ay + rng.random(), rng.uniform(-3.14, 3.14)])
+            return world, np.asarray(start), goal
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 60))])
+@pytest.mark.parametrize("patience", [1.0, 1e-6])
+def test_among_obstacles_a_goal_to_which_a_way_leads_is_reached(seed: int, patience: float) -> None:
+    """By the window and its rule against stalls; and by that rule alone, all the way."""
+    world, start, goal = some_journey(seed)
+    found = navigate(world, start, goal, Limits(patience=patience), max_time=400.0)
+    assert found.reached
+    assert found.clearance > 0
+    assert np.all(found.speeds[:, 0] >= 0)
+    steps = np.abs(np.diff(np.vstack([np.zeros((1, 2)), found.speeds]), axis=0))
+    limits = Limits()
+    assert np.all(steps <= np.array([limits.max_dv, limits.max_dw]) * limits.period + 1e-9)
+    assert np.all(np.abs(found.speeds) <= [limits.max_v + 1e-9, limits.max_w + 1e-9])
+
+
 @settings(deadline=None, max_examples=6)
 @given(seed=seeds)
 def test_from_rest_no_wish_leads_into_a_wall(seed: int) -> None:
