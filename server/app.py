@@ -54,6 +54,7 @@ from server.reading.downloads import Downloads
 from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
+from server.rights import slips
 from server.routers import ROUTERS, UNNAMED_ROUTERS
 from server.steps.service import StepService
 from server.submissions.job_events import JobEvents
@@ -270,7 +271,7 @@ def _share(app: FastAPI, services: Services) -> None:
     school_time.set_time_zone(services.settings.time_zone)
     root_path.set_root_path(services.settings.root_path)
     add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    add_services(app, AccountService(services.database, services.settings, adopt=adopt_guest_data))
+    add_services(app, _account_service(services))
     add_services(
         app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
     )
@@ -282,6 +283,12 @@ def _share(app: FastAPI, services: Services) -> None:
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
     add_services(app, services.archives)
     check_services(app)
+
+
+def _account_service(services: Services) -> AccountService:
+    return AccountService(
+        services.database, services.settings, adopt=adopt_guest_data, is_link_in_force=slips.is_link_in_force
+    )
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:

@@ -30,4 +30,5 @@ def _copy_membership(target: SchoolClass, original: Membership) -> Membership:
     if not original.is_staff:
         copy.family_name, copy.given_name, copy.email = original.family_name, original.given_name, original.email
         copy.groups = list(original.groups)
+        copy.is_confirmed = original.is_confirmed
     return copy

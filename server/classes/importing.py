@@ -198,6 +198,7 @@ def apply_import(db: Session, school_class: SchoolClass, planned: ImportPlan, no
             membership.groups,
         ) = _merged_fields(line, membership, planned.has_groups)
         membership.status, membership.left_at = Status.active, None
+        membership.is_confirmed = membership.is_confirmed or not member.account.is_guest
     for member in planned.left:
         member.membership.status, member.membership.left_at = Status.left, now
     db.flush()
@@ -217,6 +218,7 @@ def _add_member(
             email=line.email,
             groups=list(line.groups),
             created_by_list=created_by_list,
+            is_confirmed=True,
             joined_at=now,
         )
     )

@@ -52,7 +52,8 @@ class Membership(Base):
     The names and the e-mail come from the school's list, or from a guest; empty where the account's own name is enough.
     `left_at` is None for a member who left without ever having been admitted. `created_by_list`: this class's list
     created the account, so its teachers may hand out its password. `left_voluntarily`: the member left by
-    themselves, and returns by the join code alone. `groups` are labels, in order.
+    themselves, and returns by the join code alone. `groups` are labels, in order. `is_confirmed`: the list or a teacher
+    says that the account is this person's; who joined by the code has only said so.
     """
 
     __tablename__ = "membership"
@@ -66,6 +67,7 @@ class Membership(Base):
     email: Mapped[str] = mapped_column(String(EMAIL_LENGTH), default="")
     groups: Mapped[list[str]] = mapped_column(JSON, default=list)
     created_by_list: Mapped[bool] = mapped_column("made_here", key="created_by_list", default=False)
+    is_confirmed: Mapped[bool] = mapped_column(default=False)
     left_voluntarily: Mapped[bool] = mapped_column("went", key="left_voluntarily", default=False)
     joined_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     left_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

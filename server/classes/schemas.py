@@ -89,6 +89,10 @@ class Member:
         return Status(self.membership.status)
 
     @property
+    def is_active_student(self) -> bool:
+        return self.role is ClassRole.student and self.status is Status.active
+
+    @property
     def groups(self) -> tuple[str, ...]:
         return tuple(self.membership.groups)
 

@@ -25,13 +25,12 @@ from server.classes.schemas import (
     DEFAULT_CODE_LIFETIME,
     GuestName,
     JoinedClass,
-    Member,
     code_expiry,
     validate_class_name,
 )
 from server.classes.sheets import to_csv
 from server.database import Database, utc_now
-from server.identity import links
+from server.identity import administration, links
 from server.identity import service as identity
 from server.identity.models import Account, Role
 from server.limits import service as limits
@@ -43,10 +42,6 @@ TOO_MANY_CODES = "Trop d’essais de codes : réessayez dans {seconds} s."
 ARCHIVED = "Cette classe est archivée : elle ne change plus. Rouvrez-la d’abord dans ses réglages."
 LAST_TEACHER = "Une classe garde au moins un enseignant : nommez-en un autre d’abord."
 NOT_A_MEMBER = "Cette personne n’est pas dans la classe."
-NO_PASSWORD_HERE = (
-    "Le mot de passe de {name} ne se remet pas d’ici : son compte n’a pas été créé par la liste de cette classe. "
-    "L’administrateur peut lui donner un lien."
-)
 LEFT_VOLUNTARILY = "Cette personne a quitté la classe d’elle-même : elle y revient avec le code."
 CHANGED = "Quelqu’un a créé un compte du même identifiant en ce moment même : recommencez."
 
@@ -165,6 +160,8 @@ def add_staff(db: Session, school_class: SchoolClass, login: str, role: ClassRol
     require_open(school_class)
     account = links.find_account_by_login(db, login)
     membership = repository.find_membership(db, school_class.id, account.id)
+    if account.role == Role.student and (membership is None or not membership.is_staff):
+        administration.end_credentials_of_role(db, account)
     if membership is None:
         db.add(Membership(class_id=school_class.id, account_id=account.id, role=role))
         return account
@@ -210,47 +207,6 @@ def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
     if seen and any(last_seen is None or last_seen < since for last_seen, _ in memberships):
         record_presence(db, account_id)
     return any(archived_at is None for _, archived_at in memberships)
-
-
-@dataclass(frozen=True)
-class PasswordSlip:
-    """The data of a paper slip: name, login, and the token of a one-time link to a first password."""
-
-    name: str
-    login: str
-    token: str
-
-
-def create_password_slips(
-    db: Session, school_class: SchoolClass, accounts: Collection[UUID] | None, settings: Settings
-) -> tuple[list[PasswordSlip], list[str]]:
-    """Create one-time links to a first password, sorted by name; also return why chosen accounts get none.
-
-    `accounts` None: every account without a password. Only accounts created by this class's list whose owner is nothing
-    but a student anywhere get a link: members who joined with their own account keep control of it.
-    """
-    require_open(school_class)
-    students = [
-        member
-        for member in repository.load_members(db, school_class.id)
-        if member.role is ClassRole.student and member.status is Status.active
-    ]
-    staff = repository.filter_staff(db, {member.id for member in students})
-    slips, refused = [], []
-    for member in students:
-        if accounts is not None and member.id not in accounts:
-            continue
-        if not _may_get_slip(member, staff):
-            if accounts is not None:
-                refused.append(NO_PASSWORD_HERE.format(name=member.name))
-        elif accounts is not None or member.account.password_hash is None:
-            token = links.create_password_link(db, member.account, timedelta(days=settings.first_password_days))
-            slips.append(PasswordSlip(member.name, str(member.account.login), token))
-    return slips, refused
-
-
-def _may_get_slip(member: Member, staff: Collection[UUID]) -> bool:
-    return member.membership.created_by_list and member.account.role == Role.student and member.id not in staff
 
 
 Hook = Callable[[Session], AbstractContextManager[None]]

@@ -17,7 +17,8 @@ from server.classes.codes import format_code
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
-from server.classes.service import PasswordSlip, valid_code
+from server.classes.service import valid_code
+from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.course import Course, Module
 from server.desk.schemas import (

@@ -1,4 +1,4 @@
-"""What an administrator does to an account: its role, its suspension, its sessions. Each ends what no longer fits.
+"""Administrators create accounts, change their role, suspend them, close sessions. Each ends what no longer fits.
 
 Functions work inside the caller's transaction.
 """
@@ -7,10 +7,20 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Conflict
 from server.database import utc_now
-from server.identity import repository
+from server.identity import repository, service
 from server.identity.models import Account, Role
+from server.identity.schemas import new_account_without_password
 
 LAST_ADMINISTRATOR = "Ce serveur garde au moins un administrateur : nommez-en un autre d’abord."
+
+
+def create_account(db: Session, login: str, name: str, role: Role) -> Account:
+    """Create an account without a password. Raises RefusedForm."""
+    form = new_account_without_password(name, login)
+    service.require_free(db, form.login)
+    account = service.create_for_roster(db, form.login, form.name)
+    account.role = role
+    return account
 
 
 def disable(db: Session, account: Account) -> None:
@@ -48,5 +58,10 @@ def change_role(db: Session, account: Account, role: Role) -> None:
     if account.role == role:
         return
     account.role = role
+    end_credentials_of_role(db, account)
+
+
+def end_credentials_of_role(db: Session, account: Account) -> None:
+    """End the API tokens and the link to a password of an account that may do other things from now on."""
     repository.delete_tokens_of(db, account.id)
     repository.delete_password_link(db, account.id)

@@ -3,7 +3,9 @@
 Functions work inside the caller's transaction.
 """
 
+from collections.abc import Callable
 from datetime import timedelta
+from uuid import UUID
 
 from sqlalchemy.orm import Session
 
@@ -11,7 +13,7 @@ from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.database import utc_now
 from server.identity import repository, secrets
-from server.identity.models import Account, Invitation, Role
+from server.identity.models import Account, Invitation, PasswordLink, Role
 from server.text.lines import tidy_line
 
 USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
@@ -67,25 +69,50 @@ def find_account_by_login(db: Session, typed_login: str) -> Account:
     return account
 
 
-def create_password_link(db: Session, account: Account, lifetime: timedelta) -> str:
-    """Return the token by which an account chooses a password; an earlier one stops working."""
+def create_password_link(
+    db: Session,
+    account: Account,
+    lifetime: timedelta,
+    *,
+    class_id: UUID | None = None,
+    made_by: UUID | None = None,
+) -> str:
+    """Return the token by which an account chooses a password; an earlier one stops working.
+
+    `class_id` and `made_by` are those of a teacher's slip: it ends with their right to make it.
+    """
     token = secrets.new_token()
-    repository.upsert_password_link(db, account.id, secrets.digest(token), utc_now() + lifetime)
+    expires_at = utc_now() + lifetime
+    repository.upsert_password_link(db, account, secrets.digest(token), expires_at, class_id=class_id, made_by=made_by)
     return token
 
 
-def find_link_owner(db: Session, token: str) -> Account:
-    """Return the account of a link that is still valid. Raises NotFound."""
-    account = repository.find_account_by_link(db, secrets.digest(token), utc_now())
-    if account is None:
+#: Whether the reasons for which a link was made still hold (`server.rights.slips`).
+LinkCheck = Callable[[Session, PasswordLink], bool]
+
+
+def accept_every_link(_db: Session, _link: PasswordLink) -> bool:
+    return True
+
+
+def find_link_owner(db: Session, token: str, is_in_force: LinkCheck = accept_every_link) -> Account:
+    """Return the account of a link that is still valid: its account has the same role, and its maker the same rights.
+
+    Raises NotFound.
+    """
+    row = repository.find_link_with_account(db, secrets.digest(token), utc_now())
+    if row is None or not is_in_force(db, row[0]):
         raise NotFound(ENDED)
-    return account
+    return row[1]
 
 
-def use_password_link(db: Session, token: str) -> Account:
+def use_password_link(db: Session, token: str, is_in_force: LinkCheck = accept_every_link) -> Account:
     """Use a link up, and return its account; of two simultaneous uses only one succeeds. Raises Conflict."""
+    row = repository.find_link_with_account(db, secrets.digest(token), utc_now())
+    if row is None or not is_in_force(db, row[0]):
+        raise Conflict(ENDED)
     account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
-    account = None if account_id is None else repository.find_account(db, account_id)
-    if account is None or account.disabled_at is not None:
+    account = None if account_id is None else repository.lock_account(db, account_id)
+    if account is None or account.disabled_at is not None or account.role != row[0].role:
         raise Conflict(ENDED)
     return account

@@ -80,11 +80,19 @@ class ApiToken(Base):
 
 
 class PasswordLink(Base):
-    """A one-time link by which the account's owner chooses a new password: one at most for each account."""
+    """A one-time link by which the account's owner chooses a new password: one at most for each account.
+
+    It ends when the account's role is no longer `role`. The link of a slip has the class of the slip and the teacher
+    who made it, and ends when they could make it no longer (`server.rights.slips`); that of an administrator has
+    neither.
+    """
 
     __tablename__ = "password_link"
 
     account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True)
+    role: Mapped[str] = mapped_column(String(16))
+    class_id: Mapped[UUID | None]
+    made_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
     token_digest: Mapped[str] = mapped_column(String(DIGEST_LENGTH), unique=True)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)

@@ -192,10 +192,19 @@ def delete_expired(db: Session, now: datetime) -> None:
     db.execute(delete(Invitation).where(Invitation.expires_at < now, Invitation.used_at.is_(None)))
 
 
-def upsert_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
+def upsert_password_link(
+    db: Session,
+    account: Account,
+    token_digest: str,
+    expires_at: datetime,
+    *,
+    class_id: UUID | None = None,
+    made_by: UUID | None = None,
+) -> None:
     """Store a link, replacing the account's earlier one."""
     row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
-    statement = upsert_statement(db, PasswordLink).values(account_id=account_id, **row)
+    row |= {"role": account.role, "class_id": class_id, "made_by": made_by}
+    statement = upsert_statement(db, PasswordLink).values(account_id=account.id, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
 
 
@@ -203,13 +212,20 @@ def delete_password_link(db: Session, account_id: UUID) -> None:
     db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
 
 
-def find_account_by_link(db: Session, token_digest: str, now: datetime) -> Account | None:
+def find_link_with_account(db: Session, token_digest: str, now: datetime) -> tuple[PasswordLink, Account] | None:
+    """Return a link that has not ended, with its account, whose role is still the same."""
     query = (
-        select(Account)
-        .join(PasswordLink, PasswordLink.account_id == Account.id)
-        .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now, _enabled)
+        select(PasswordLink, Account)
+        .join(Account, PasswordLink.account_id == Account.id)
+        .where(
+            PasswordLink.token_digest == token_digest,
+            PasswordLink.expires_at > now,
+            PasswordLink.role == Account.role,
+            _enabled,
+        )
     )
-    return db.execute(query).scalar_one_or_none()
+    row = db.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
 def use_password_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
@@ -251,4 +267,7 @@ def use_invitation(db: Session, token_digest: str, now: datetime) -> Role | None
 
 
 def _still_open(now: datetime) -> ColumnElement[bool]:
-    return and_(Invitation.used_at.is_(None), or_(Invitation.expires_at.is_(None), Invitation.expires_at > now))
+    """Without an end, the first administrator's: it ends once there is one, however they came to be."""
+    administrator = select(Account.id).where(Account.role == Role.administrator, _enabled)
+    endless = and_(Invitation.expires_at.is_(None), or_(Invitation.role != Role.administrator, ~administrator.exists()))
+    return and_(Invitation.used_at.is_(None), or_(endless, Invitation.expires_at > now))

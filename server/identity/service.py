@@ -19,12 +19,12 @@ from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity import devices, links, repository, secrets, tokens
 from server.identity.hashing import PasswordHasher
+from server.identity.links import LinkCheck
 from server.identity.logins import latin_look_alike, normalise_login
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.identity.schemas import (
     NewAccount,
     RefusedForm,
-    new_account_without_password,
     validate_new_password,
     validate_token_label,
 )
@@ -73,12 +73,16 @@ Adopt = Callable[[Session, UUID, UUID], None]
 
 @dataclass(frozen=True)
 class AccountService:
-    """Sign-up, log-in and password changes. `adopt` moves a guest's work to an account."""
+    """Sign-up, log-in and password changes. `adopt` moves a guest's work to an account.
+
+    `is_link_in_force` checks a link to a password against the rights of its maker and the place of its account.
+    """
 
     database: Database
     settings: Settings
     adopt: Adopt
     hashing: PasswordHasher = field(default_factory=PasswordHasher)
+    is_link_in_force: LinkCheck = links.accept_every_link
 
     def create_guest(self, address: str) -> OpenedSession:
         """Create a guest account with a browser session. Raises RateLimited."""
@@ -113,7 +117,7 @@ class AccountService:
         with self.database.read() as db:
             if invitation is not None:
                 links.check_invitation(db, invitation)
-            _require_free(db, form.login)
+            require_free(db, form.login)
 
     def _insert_account(
         self, form: NewAccount, hashed: str, visitor: Account | None, invitation: str | None, device: str
@@ -121,7 +125,7 @@ class AccountService:
         try:
             with self.database.write() as db:
                 role = Role.student if invitation is None else links.use_invitation(db, invitation)
-                _require_free(db, form.login)
+                require_free(db, form.login)
                 account = _new_or_guest_account(db, visitor)
                 account.role, account.name = role, form.name
                 account.login, account.password_hash = form.login, hashed
@@ -265,11 +269,15 @@ class AccountService:
         with self.database.write() as db:
             limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            return links.find_link_owner(db, token)
+            return self.find_link_owner(db, token)
+
+    def find_link_owner(self, db: Session, token: str) -> Account:
+        """Return the account of a link to a password that is in force. Raises NotFound."""
+        return links.find_link_owner(db, token, self.is_link_in_force)
 
     def _choose(self, token: str, hashed: str, visitor: Account | None, device: str) -> OpenedSession:
         with self.database.write() as db:
-            account = links.use_password_link(db, token)
+            account = links.use_password_link(db, token, self.is_link_in_force)
             repository.set_password(db, account.id, hashed)
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
@@ -294,7 +302,7 @@ def _require_unchanged(db: Session, proof: PasswordProof | None) -> Account:
     return account
 
 
-def _require_free(db: Session, login: str) -> None:
+def require_free(db: Session, login: str) -> None:
     """Raise RefusedForm for a login that an account has, or that looks like the Latin login of one."""
     if any(repository.find_account_by_login(db, form) for form in dict.fromkeys((login, latin_look_alike(login)))):
         raise RefusedForm({"login": TAKEN})
@@ -312,15 +320,6 @@ def create_for_roster(db: Session, login: str, name: str) -> Account:
     account = Account(role=Role.student, name=name, login=login)
     db.add(account)
     db.flush()
-    return account
-
-
-def create_account(db: Session, login: str, name: str, role: Role) -> Account:
-    """Create an account without a password. Raises RefusedForm."""
-    form = new_account_without_password(name, login)
-    _require_free(db, form.login)
-    account = create_for_roster(db, form.login, form.name)
-    account.role = role
     return account
 
 

@@ -119,8 +119,11 @@ async def log_in(
 
 
 @router.get("/nouveau-mot-de-passe/{token}")
-def new_password_form(request: Request, account: OptionalAccount, db: Db, token: str) -> HTMLResponse:
-    return account_form(request, "nouveau_mot_de_passe.html", account, login=links.find_link_owner(db, token).login)
+def new_password_form(
+    request: Request, account: OptionalAccount, accounts: AccountServiceOf, db: Db, token: str
+) -> HTMLResponse:
+    owner = accounts.find_link_owner(db, token)
+    return account_form(request, "nouveau_mot_de_passe.html", account, login=owner.login)
 
 
 @router.post("/nouveau-mot-de-passe/{token}")

@@ -103,7 +103,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     lambda settings: Row(
         "Liens vers un mot de passe",
         f"{_hours(settings.password_link_hours)} ; le premier, sur une bande, {_days(settings.first_password_days)}",
-        f"à leur usage, ou {HOURLY}",
+        f"à leur usage, avec le rôle ou le droit pour lequel ils ont été faits, ou {HOURLY}",
         ("password_link_hours", "first_password_days"),
         ("password_link",),
     ),

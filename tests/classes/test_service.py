@@ -10,7 +10,7 @@ import pytest
 
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
-from server.classes import copying, importing, repository, service
+from server.classes import copying, importing, repository, service, slips
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.roster import read_roster
@@ -245,7 +245,12 @@ def test_what_was_shown_is_what_is_written(
 
 
 def test_passwords_are_handed_over_for_those_whom_the_list_has_made_alone(
-    sqlite: Database, classes: ClassService, made: SchoolClass, imported: Imported, settings: Settings
+    sqlite: Database,
+    classes: ClassService,
+    made: SchoolClass,
+    imported: Imported,
+    settings: Settings,
+    teacher: Account,
 ) -> None:
     own = new_account(sqlite, name="Own Account")
     classes.join_class(str(made.join_code), own, address=ADDRESS)
@@ -255,10 +260,10 @@ def test_passwords_are_handed_over_for_those_whom_the_list_has_made_alone(
         db.get_one(Account, ids["alan"]).password_hash = "x"
         db.get_one(Account, ids["grace"]).role = Role.teacher
         school_class = db.get_one(SchoolClass, made.id)
-        given, refused = service.create_password_slips(db, school_class, None, settings)
+        given, refused = slips.create_password_slips(db, school_class, None, settings, made_by=teacher.id)
         assert ([one.login for one in given], refused) == (["ada"], [])
         chosen: list[UUID] = [ids["alan"], ids["grace"], own.id]
-        given, refused = service.create_password_slips(db, school_class, chosen, settings)
+        given, refused = slips.create_password_slips(db, school_class, chosen, settings, made_by=teacher.id)
         assert ([one.login for one in given], len(refused)) == (["alan"], 2)
 
 

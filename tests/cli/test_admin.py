@@ -17,7 +17,7 @@ from server.cli import main
 from server.cli.admin import ACTIONS
 from server.database import Database, utc_now
 from server.gradebook.models import Grading
-from server.identity import links, service, tokens
+from server.identity import administration, links, service, tokens
 from server.identity.models import Account, BrowserSession, Role
 from server.polls.models import PollAnswer
 from server.queue.models import Job
@@ -180,7 +180,7 @@ def outcomes(database: Database, submission: str) -> list[str]:
 def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFixture[str]) -> None:
     new_account(site.database, Role.guest)
     with site.database.write() as db:
-        service.create_account(db, "ada", "Ada", Role.teacher)
+        administration.create_account(db, "ada", "Ada", Role.teacher)
     actions = [
         ("create", "bob", "--name", "Bob"), ("invite",), ("reset-link", "ada"), ("role", "ada", "teacher"),
         ("disable", "ada"), ("enable", "ada"), ("accounts",), ("sessions", "ada"), ("tokens", "ada"),

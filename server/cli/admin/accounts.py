@@ -6,7 +6,7 @@ from datetime import timedelta
 from server.base.settings import Settings
 from server.cli.admin.answer import ROLES, Answer, told, who
 from server.database import Database
-from server.identity import administration, links, repository, service
+from server.identity import administration, links, repository
 from server.identity.models import Role
 from server.web.words import plural
 
@@ -16,7 +16,7 @@ BEHIND = "À mettre derrière l’adresse du service (--server URL l’ajoute)."
 def create(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     days = settings.first_password_days
     with database.write() as db:
-        account = service.create_account(db, arguments.login, arguments.name, Role(arguments.role))
+        account = administration.create_account(db, arguments.login, arguments.name, Role(arguments.role))
         token = links.create_password_link(db, account, timedelta(days=days))
     first = f"Compte créé : {who(account)}, {ROLES[account.role]}. Son premier mot de passe se choisit par ce lien, qui"
     return _link(f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, told(account))

@@ -13,7 +13,7 @@ from server.base import school_time
 from server.base.app_services import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root_path import service_url
-from server.classes import copying, service
+from server.classes import copying, service, slips
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
 from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
@@ -127,7 +127,7 @@ def create_password_slips(
     access = rights.require_right(db, account, Right.hand_out_passwords, class_id)
     if choix and not eleve:
         raise Invalid(NOBODY)
-    given, refused = service.create_password_slips(db, access.school_class, eleve or None, settings)
+    given, refused = slips.create_password_slips(db, access.school_class, eleve or None, settings, made_by=account.id)
     view = views.build_slips_page(course, access, given, refused, settings.first_password_days, service_url(request))
     return render_page(
         request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view

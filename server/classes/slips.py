@@ -1,0 +1,73 @@
+"""Paper slips with a link to a first password, for the accounts that the list of a class has created.
+
+Functions work inside the caller's transaction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import timedelta
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.base.settings import Settings
+from server.classes import repository, service
+from server.classes.models import SchoolClass
+from server.classes.schemas import Member
+from server.identity import links
+from server.identity.models import Role
+
+NO_PASSWORD_HERE = (
+    "Le mot de passe de {name} ne se remet pas d’ici : son compte n’a pas été créé par la liste de cette classe. "
+    "L’administrateur peut lui donner un lien."
+)
+
+
+@dataclass(frozen=True)
+class PasswordSlip:
+    """The data of a paper slip: name, login, and the token of a one-time link to a first password."""
+
+    name: str
+    login: str
+    token: str
+
+
+def create_password_slips(
+    db: Session, school_class: SchoolClass, accounts: Collection[UUID] | None, settings: Settings, *, made_by: UUID
+) -> tuple[list[PasswordSlip], list[str]]:
+    """Create one-time links to a first password, sorted by name; also return why chosen accounts get none.
+
+    `accounts` None: every account without a password. Only accounts created by this class's list whose owner is nothing
+    but a student anywhere get a link: members who joined with their own account keep control of it.
+    """
+    service.require_open(school_class)
+    students = [member for member in repository.load_members(db, school_class.id) if member.is_active_student]
+    staff = repository.filter_staff(db, {member.id for member in students})
+    slips, refused = [], []
+    for member in students:
+        if accounts is not None and member.id not in accounts:
+            continue
+        if not _may_get_slip(member, staff):
+            if accounts is not None:
+                refused.append(NO_PASSWORD_HERE.format(name=member.name))
+        elif accounts is not None or member.account.password_hash is None:
+            lifetime = timedelta(days=settings.first_password_days)
+            token = links.create_password_link(db, member.account, lifetime, class_id=school_class.id, made_by=made_by)
+            slips.append(PasswordSlip(member.name, str(member.account.login), token))
+    return slips, refused
+
+
+def _may_get_slip(member: Member, staff: Collection[UUID]) -> bool:
+    return member.membership.created_by_list and member.account.role == Role.student and member.id not in staff
+
+
+def may_have_slip(db: Session, class_id: UUID, account_id: UUID) -> bool:
+    """Whether a teacher of this class may hand a link to a password to this account now."""
+    school_class = repository.find_class(db, class_id)
+    if school_class is None or school_class.archived_at is not None:
+        return False
+    staff = repository.filter_staff(db, {account_id})
+    members = repository.load_members(db, class_id, [account_id])
+    return any(member.is_active_student and _may_get_slip(member, staff) for member in members)
