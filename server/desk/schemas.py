@@ -136,6 +136,7 @@ class SettingsPage:
 
     head: ClassHead
     approval: bool
+    version: str
     staff: tuple[StaffRow, ...]
     code: JoinCodeView | None
     editions: tuple[EditionChoice, ...]

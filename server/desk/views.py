@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime
 from functools import lru_cache, partial
 from urllib.parse import urlencode
@@ -42,7 +42,9 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.text.lines import tidy_line
 from server.web import editions
+from server.web.form_version import version_of
 from server.web.news import news_views
 from server.web.words import iso_moment, short_moment
 
@@ -221,12 +223,18 @@ def _lacks_password(member: Member) -> bool:
     return member.membership.created_by_list and member.account.password_hash is None
 
 
+def settings_texts(name: str, approval: bool) -> Mapping[str, str]:
+    """Return the settings of a class as their form shows them, by label."""
+    return {"Nom de la classe": tidy_line(name), "J’accepte chaque entrée": "oui" if approval else "non"}
+
+
 def build_settings_page(db: Session, course: Course, access: ClassAccess, account: Account, base: str) -> SettingsPage:
     school_class = access.school_class
     staff = staff_rows(repository.load_staff(db, school_class.id), access, account)
     return SettingsPage(
         head=class_head(course, access, "/reglages"),
         approval=school_class.approval,
+        version=version_of(settings_texts(school_class.name, school_class.approval)),
         staff=staff,
         code=join_code_view(school_class, base),
         editions=tuple(

@@ -59,8 +59,8 @@ class FormRefusal(Conflict):
     """A form drawn in another state than the present one, with what was typed there.
 
     `button` is the label of the step that sends the fields all the same, with `replacements` for those that are no
-    longer true; empty where there is no such step. `other_text` is what was saved meanwhile. `members` go into the
-    problem document.
+    longer true; empty where there is no such step. `other_text` is what was saved meanwhile; `changes` are fields
+    that differ: label, stored text, typed text. `members` go into the problem document.
     """
 
     def __init__(
@@ -74,11 +74,13 @@ class FormRefusal(Conflict):
         replacements: Mapping[str, str] | None = None,
         other_text: str = "",
         members: Mapping[str, str] | None = None,
+        changes: Sequence[tuple[str, str, str]] = (),
     ) -> None:
         super().__init__(detail)
         replaced = dict(replacements or {})
         self.fields = [(name, replaced.get(name, value)) for name, value in fields]
         self.account, self.has_file, self.button, self.other_text = account, has_file, button, other_text
+        self.changes = changes
         self.members = {**replaced, **(members or {})}
 
 
@@ -149,6 +151,7 @@ def resend_context(
     button: str = "",
     other_text: str = "",
     other_account: bool = False,
+    changes: Sequence[tuple[str, str, str]] = (),
 ) -> dict[str, Any]:
     """Return the variables of `resend.html`: what was typed, for `action`, and the page to go back to."""
     return {
@@ -163,6 +166,7 @@ def resend_context(
         "button": button,
         "other_text": other_text,
         "other_account": other_account,
+        "changes": changes,
         "as_guest": account is None and action.endswith("/soumissions"),
         "visitor": VISITOR,
     }
@@ -197,6 +201,7 @@ def refusal_context(request: Request, refusal: FormRefusal) -> dict[str, Any]:
         button=refusal.button,
         other_text=refusal.other_text,
         other_account=isinstance(refusal, IdentityRefusal),
+        changes=refusal.changes,
     )
 
 

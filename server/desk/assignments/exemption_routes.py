@@ -21,6 +21,7 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
+from server.web.form_version import VERSION_FIELD, require_version
 from server.web.forms import FormFields, redirect
 from server.web.rendering import render_page
 
@@ -28,6 +29,11 @@ router = APIRouter(include_in_schema=False)
 
 ASSIGNMENT_PATH = "/classes/{class_id}/devoirs/{aid}"
 OTHER_STUDENT_FORBIDDEN = "Les dates d’un autre élève ne se lisent pas."
+EXEMPTIONS_CHANGED = (
+    "Les aménagements de ce devoir ont changé depuis que cette page est ouverte : regardez d’abord ce qui est accordé. "
+    "Rien de votre saisie n’est encore enregistré."
+)
+GRANT_ANYWAY = "Accorder quand même"
 ShortQuery = Annotated[str, Query(max_length=100)]
 
 
@@ -63,12 +69,15 @@ def grant_exemption(
     values = assignment_forms.submitted_exemption_values(fields)
     try:
         whom, wanted = assignment_forms.parse_exemption(fields)
+        version = exemption_views.exemptions_version(db, found)
+        require_version(fields, account, version, EXEMPTIONS_CHANGED, GRANT_ANYWAY)
         members = classes.load_members(db, access.school_class.id)
         exemption_service.grant_exemptions(
             db, access.school_class, account.id, found, members, whom, wanted, replacing=values.replace
         )
     except InvalidFields as refused:
-        view = exemption_views.build_exemptions_page(db, course, access, found, "", values, refused.problems)
+        version = assignment_forms.field_text(fields, VERSION_FIELD)
+        view = exemption_views.build_exemptions_page(db, course, access, found, "", values, refused.problems, version)
         return render_page(request, "classes/exemptions.html", account, status=422, page=view)
     return redirect(f"{assignment_href(found)}/amenagements")
 

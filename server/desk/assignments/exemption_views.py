@@ -41,6 +41,7 @@ from server.marks.cells import french_csv
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
+from server.web.form_version import version_of
 from server.web.words import short_moment
 
 ORDERS = ("eleve", "date")
@@ -56,6 +57,7 @@ def build_exemptions_page(
     order: str,
     values: ExemptionValues | None = None,
     problems: Mapping[str, str] | None = None,
+    version: str = "",
 ) -> ExemptionsPage:
     """A bounded number of queries, however many there are."""
     members = classes.load_members(db, access.school_class.id)
@@ -64,6 +66,7 @@ def build_exemptions_page(
         head=views.class_head(course, access, TAB),
         title=assignment.title,
         href=assignment_href(assignment),
+        version=version or exemptions_version(db, assignment),
         rows=tuple(_sorted_rows(db, assignment, members, order)),
         order=order,
         students=tuple((str(each.id), each.name) for each in active_students(members)),
@@ -77,6 +80,12 @@ def build_exemptions_page(
             for name in ("opens_at", "due_at", "closes_at")
         ),
     )
+
+
+def exemptions_version(db: Session, assignment: Assignment) -> str:
+    """Return the version tag of the exemptions in force."""
+    active = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    return version_of({str(exemption.id): "" for exemption in active})
 
 
 def _sorted_rows(db: Session, assignment: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:

@@ -15,6 +15,7 @@ from server.assignments.schemas import AssignmentInput, ExemptionInput, Exemptio
 from server.base import school_time
 from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
+from server.desk.assignments import words
 from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
 from server.desk.assignments.words import format_number
 from server.text.lines import tidy_line
@@ -174,6 +175,31 @@ def stored_assignment_values(wanted: AssignmentInput) -> AssignmentValues:
         duration="" if wanted.duration_minutes is None else str(wanted.duration_minutes),
         weights={exercise.exercise: format_number(exercise.weight) for exercise in wanted.exercises},
     )
+
+
+def assignment_texts(values: AssignmentValues) -> Mapping[str, str]:
+    """Return the values of the form by their labels, to compare two versions."""
+    exercises = (f"{name} (coefficient {weight})" for name, weight in sorted(values.weights.items()))
+    return {
+        "Titre": values.title,
+        "Exercices": ", ".join(exercises),
+        "Ouverture": values.opens.replace("T", " "),
+        "À rendre avant": values.due.replace("T", " "),
+        "Fermeture": values.closes.replace("T", " "),
+        "Retard": _word(words.LATE_POLICY_WORDS, values.late),
+        "Points perdus par jour": values.per_day,
+        "Ce qui compte": _word(words.SELECTION_WORDS, values.counts),
+        "Coefficient du devoir": values.weight,
+        "Indices montrés": _word(words.VISIBILITY_WORDS, values.hints),
+        "Diagnostic montré": _word(words.VISIBILITY_WORDS, values.diagnosis),
+        "Corrigé montré": _word(words.VISIBILITY_WORDS, values.solution),
+        "Mode": _word(words.MODE_WORDS, values.mode),
+        "Durée, en minutes": values.duration,
+    }
+
+
+def _word(texts: Mapping[ChoiceEnum, str], value: str) -> str:
+    return next((text for choice, text in texts.items() if choice.value == value), value)
 
 
 EXCUSED: Mapping[str, bool | None] = {"": None, "oui": True, "non": False}

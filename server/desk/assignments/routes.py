@@ -22,11 +22,13 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
+from server.web.form_version import VERSION_FIELD, require_same_version, version_of
 from server.web.forms import FormFields, redirect
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
+SUBJECT = "Ce devoir"
 ASSIGNMENTS_PATH, ASSIGNMENT_PATH = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
 
 
@@ -103,7 +105,10 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     found = editing.find_assignment(reader.db, access.school_class, aid)
     wanted = editing.load_assignment_input(reader.db, found)
     values = assignment_forms.stored_assignment_values(wanted)
-    view = assignment_views.build_form_page(reader.course, access, values, assignment=found, drawn=wanted)
+    version = version_of(assignment_forms.assignment_texts(values))
+    view = assignment_views.build_form_page(
+        reader.course, access, values, assignment=found, drawn=wanted, version=version
+    )
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
@@ -120,6 +125,8 @@ def update_assignment(
         before = editing.load_assignment_input(db, found)
         wanted = assignment_forms.parse_assignment(fields, before)
         if not fields.get("apercu"):
+            stored = assignment_forms.assignment_texts(assignment_forms.stored_assignment_values(before))
+            require_same_version(fields, account, SUBJECT, stored, assignment_forms.assignment_texts(values))
             editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
@@ -127,7 +134,10 @@ def update_assignment(
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
-    view = assignment_views.build_form_page(course, access, values, assignment=found, problems=problems, drawn=drawn)
+    version = assignment_forms.field_text(fields, VERSION_FIELD)
+    view = assignment_views.build_form_page(
+        course, access, values, assignment=found, problems=problems, drawn=drawn, version=version
+    )
     return _render_form(request, account, view)
 
 

@@ -125,6 +125,7 @@ class AssignmentFormPage:
     action: str
     back: str
     is_new: bool
+    version: str
     values: AssignmentValues
     choices: tuple[ExerciseOption, ...]
     problems: Mapping[str, str]
@@ -171,6 +172,7 @@ class ExemptionsPage:
     head: ClassHead
     title: str
     href: str
+    version: str
     rows: tuple[ExemptionRow, ...]
     order: str
     students: tuple[tuple[str, str], ...]

@@ -154,14 +154,16 @@ def build_form_page(
     assignment: Assignment | None = None,
     problems: Mapping[str, str] | None = None,
     drawn: AssignmentInput | None = None,
+    version: str = "",
 ) -> AssignmentFormPage:
-    """To make an assignment, or to change `one`; `drawn` is what the line shows."""
+    """Build the form of a new assignment, or of `assignment` in this version; `drawn` is what the line shows."""
     home = f"{views.class_href(access.school_class)}/devoirs"
     return AssignmentFormPage(
         head=views.class_head(course, access, TAB),
         action=home if assignment is None else f"{assignment_href(assignment)}/modifier",
         back=home if assignment is None else assignment_href(assignment),
         is_new=assignment is None,
+        version=version,
         values=values,
         choices=tuple(_exercise_options(course, access, values.weights)),
         problems=problems or {},

@@ -21,13 +21,15 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.form_version import require_same_version, version_of
+from server.web.forms import Field, FormFields, redirect
 from server.web.rendering import render_page
 from server.web.views import Reader, find_exercise
 
 router = APIRouter(include_in_schema=False)
 
 GROUP_PATH = "/classes/{class_id}/groupes/{module}/{slug}/{group}"
+SUBJECT = "Le nom de cette erreur"
 NO_NAME = "Donnez d’abord un nom à ce groupe : c’est lui que l’archive emporte."
 
 
@@ -83,7 +85,10 @@ def _render_group(
     view = group_views.build_group_page(reader.db, reader.course, access, reader.account, found, earlier, wanted)
     taken = next((other for other in earlier if other.group_id == depuis), None)
     form, status = filled or group_views.group_name_form(taken or found.name), 422 if filled else 200
-    return render_page(request, "classes/group.html", reader.account, status=status, page=view, form=form)
+    version = version_of(group_views.name_texts(group_views.group_name_form(found.name)))
+    return render_page(
+        request, "classes/group.html", reader.account, status=status, page=view, form=form, version=version
+    )
 
 
 @router.post(GROUP_PATH)
@@ -93,6 +98,7 @@ def name_group(
     account: SignedIn,
     reader: CurrentReader,
     db: Db,
+    fields: FormFields,
     title: Field = "",
     explanation: Field = "",
     question: Field = "",
@@ -102,6 +108,11 @@ def name_group(
     access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     group = which.find(db, access)
     require_open(access.school_class)
+    found = service.load_class_group(db, access.school_class, which.exercise, which.group)
+    stored = group_views.name_texts(group_views.group_name_form(found.name))
+    require_same_version(
+        fields, account, SUBJECT, stored, group_views.name_texts(GroupNameForm(title, explanation, question))
+    )
     if action == "retirer" or not (title + explanation + question).strip():
         service.withdraw_group_name(db, access.school_class, group, account.id)
     else:

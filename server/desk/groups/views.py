@@ -79,6 +79,12 @@ def group_name_form(name: BehaviourName | None) -> GroupNameForm:
     return GroupNameForm("", "", "") if name is None else GroupNameForm(name.title, name.explanation, name.question)
 
 
+def name_texts(form: GroupNameForm) -> Mapping[str, str]:
+    """Return the fields of the form by their labels, to compare two versions."""
+    texts = {"Ce qui est faux": form.title, "Pourquoi": form.explanation, "Question": form.question}
+    return {label: text.replace("\r\n", "\n").strip() for label, text in texts.items()}
+
+
 def _example_view(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleView:
     expected, got, inputs = example["expected"], example["got"], example["inputs"]
     parts = (

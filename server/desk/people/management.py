@@ -29,7 +29,8 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web import editions
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.form_version import require_same_version
+from server.web.forms import Field, FormFields, redirect
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -39,6 +40,7 @@ ACTIONS = {
     "accepter": "accept", "refuser": "refuse", "retirer": "remove", "reprendre": "take_back",
     "grouper": "group", "degrouper": "ungroup",
 }  # fmt: skip
+SETTINGS = "Ce réglage de la classe"
 NOBODY = "Cochez d’abord des élèves."
 NO_LIST = "Collez une liste, ou choisissez un fichier."
 STAFF_ROLES = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
@@ -159,11 +161,14 @@ def _render_settings(
 
 @router.post("/classes/{class_id}/reglages")
 def update_settings(
-    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields, name: Field = "",
     approbation: Field = "",
 ) -> Response:  # fmt: skip
     access = rights.require_right(db, account, Right.configure_class, class_id)
     service.require_open(access.school_class)
+    db.refresh(access.school_class, with_for_update=True)
+    stored = views.settings_texts(access.school_class.name, access.school_class.approval)
+    require_same_version(fields, account, SETTINGS, stored, views.settings_texts(name, bool(approbation)))
     try:
         access.school_class.name = validate_class_name(name)
     except Invalid as refused:
