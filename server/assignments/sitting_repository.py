@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import and_, func, select, update
+from sqlalchemy import and_, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
+from server.assignments.models import AssignedExercise, Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.classes.models import Membership
 from server.database import upsert_statement
 
@@ -63,6 +63,18 @@ def load_save_times(db: Session, assignment_id: UUID, account_id: UUID) -> Mappi
     query = select(SavedWork.exercise, SavedWork.saved_at)
     query = query.where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
     return dict(db.execute(query).all())
+
+
+def load_tested_exercises(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
+    """Return the exercises of the tests that an account sat at a time."""
+    query = (
+        select(AssignedExercise.exercise)
+        .join(Assignment, Assignment.id == AssignedExercise.assignment_id)
+        .join(Sitting, Sitting.assignment_id == Assignment.id)
+        .where(Sitting.account_id == account_id, Assignment.mode == Mode.test, Sitting.began_at <= at)
+        .where(or_(Sitting.handed_in_at.is_(None), Sitting.handed_in_at >= at))
+    )
+    return frozenset(db.execute(query).scalars())
 
 
 def load_last_saved_work(

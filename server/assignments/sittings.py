@@ -121,6 +121,12 @@ def require_no_tested_imports(db: Session, account_id: UUID, source: bytes, reus
             raise WrongMoment(NO_HELP.format(title=running[0].title))
 
 
+def load_tested_exercises(db: Session, account_id: UUID, at: datetime) -> frozenset[str]:
+    """Return the exercises that the tests asked for which an account sat at a time: no program of theirs gets the
+    course's functions of these, whatever its text says."""
+    return sitting_repository.load_tested_exercises(db, account_id, at)
+
+
 def version_of(saved: SavedWork | None) -> str:
     """Return the version of saved work, as forms carry it; empty where nothing is saved."""
     return "" if saved is None else saved.saved_at.isoformat()

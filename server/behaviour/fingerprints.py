@@ -35,7 +35,7 @@ from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.queue.interfaces import GiveUpHandler, Lease, Queue, Sender
 from server.sandbox.policy import Policy
-from server.sandbox.values import LIBRARY_MENTION, LibraryFile
+from server.sandbox.values import LibraryFile
 
 log = logging.getLogger(__name__)
 
@@ -140,18 +140,18 @@ class FingerprintTask:
         request = repository.load_request(db, _grading_id(lease), datetime.fromisoformat(lease.payload["since"]))
         if request is None or self._versions.get(request.exercise) != request.version:
             return None
-        if LIBRARY_MENTION not in request.source:
+        if not self._course.reused(request.exercise):
             return request
+        submission = repository.load_submission(db, request.grading_id)
         return replace(
             request,
-            own=importable_files.load_importable_files(
-                db, self._course, repository.load_submission(db, request.grading_id)
-            ),
+            own=importable_files.load_importable_files(db, self._course, submission),
+            tested=importable_files.load_tested_exercises(db, self._course, submission),
         )
 
     def run(self, request: FingerprintRequest) -> Behaviour:
         exercise = self._course.exercises[request.exercise]
-        library = reuse.shelves(self._course, request.exercise, request.own)
+        library = reuse.shelves(self._course, request.exercise, request.own, request.tested)
         return self._observer(request.exercise).observe(
             request.source, self._start(tighten_limits(exercise.policy), library)
         )

@@ -24,7 +24,7 @@ class GroupDescription:
 class FingerprintRequest:
     """A grading whose program is to be observed, followed by others that ended after `since`.
 
-    `own`: the files of its author that it may import.
+    `own`: the files of its author that it may import; `tested`: exercises whose course functions it does not get.
     """
 
     grading_id: UUID
@@ -34,6 +34,7 @@ class FingerprintRequest:
     digest: str
     since: datetime
     own: Own = field(default_factory=dict)
+    tested: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,13 @@
 """Which earlier exercises one may build on: `reuses` of `exercise.toml`, and the files that come with a program.
 
 A program imports their functions from `mes_fonctions`: the student's own, from the last attempt that got full marks,
-or else the course's.
+or else the course's, which are never in its process (`server.sandbox.course_process`).
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -96,15 +96,25 @@ def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
     return Problem(path, line_of(toml_file.read_text(path), ("reuses",)), message)
 
 
-def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[LibraryFile, ...]:
-    """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's."""
-    return tuple(_library_files(course.reused(exercise), own))
+def shelves(
+    course: Course, exercise: str, own: Own = NOTHING_OWN, tested: Collection[str] = ()
+) -> tuple[LibraryFile, ...]:
+    """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's.
+
+    Not offered of the course's are the functions of `tested` exercises, which a test asks the author to write, nor
+    those that the exercise itself asks for. All its files go along: they import from one another.
+    """
+    asked = frozenset(function.name for function in course.exercises[exercise].functions)
+    return tuple(_library_files(course.reused(exercise), asked, own, tested))
 
 
-def _library_files(reused: Iterable[Exercise], own: Own) -> Iterator[LibraryFile]:
+def _library_files(
+    reused: Iterable[Exercise], asked: frozenset[str], own: Own, tested: Collection[str]
+) -> Iterator[LibraryFile]:
     for exercise in reused:
         functions = tuple(function.name for function in exercise.functions)
         file = own.get(exercise.id)
-        yield LibraryFile(
-            exercise.slug, functions, exercise.solution.encode() if file is None else file, compiled=file is None
-        )
+        if file is not None:
+            yield LibraryFile(exercise.slug, functions, file)
+        offered = file is None and exercise.id not in tested and not asked.intersection(functions)
+        yield LibraryFile(exercise.slug, functions, exercise.solution.encode(), sealed=True, offered=offered)

@@ -8,7 +8,7 @@ from sqlalchemy import ColumnElement, Select, and_, func, or_, select
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.assignments import feedback
+from server.assignments import feedback, sittings
 from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
 from server.database import utc_now
@@ -35,6 +35,13 @@ def _load_files(db: Session, course: Course, account_id: UUID, exercise: str, so
     submissions = _select_importable(db, account_id, reused, sent_at)
     rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(submissions)))
     return {row.exercise: row.source for row in rows}
+
+
+def load_tested_exercises(db: Session, course: Course, submission: Submission | GradingRow) -> frozenset[str]:
+    """Load the exercises of the tests that the author sat when they sent an attempt, if it may import anything."""
+    if not course.reused(submission.exercise):
+        return frozenset()
+    return sittings.load_tested_exercises(db, submission.account_id, submission.created_at)
 
 
 def importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:

@@ -32,7 +32,10 @@ STEPS = ("checks", "diagnosis")
 
 @dataclass(frozen=True)
 class GradingInput:
-    """Input to grade one submission; `own` holds the author's files that it may import from."""
+    """Input to grade one submission; `own` holds the author's files that it may import from.
+
+    `tested` are the exercises whose functions of the course it may not get: its author sat tests of them.
+    """
 
     submission_id: UUID
     exercise: str
@@ -40,6 +43,7 @@ class GradingInput:
     seed: int
     started_at: datetime
     own: Own = field(default_factory=dict)
+    tested: frozenset[str] = frozenset()
 
 
 def load_grading_input(
@@ -47,7 +51,8 @@ def load_grading_input(
 ) -> GradingInput:
     """Load a submission's input, with the earlier files of its author that it may import from."""
     own = importable_files.load_importable_files(db, course, submission)
-    return GradingInput(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
+    tested = importable_files.load_tested_exercises(db, course, submission)
+    return GradingInput(submission.id, submission.exercise, submission.source, submission.seed, started_at, own, tested)
 
 
 GradeFunction = Callable[[GradingInput], Judgement]

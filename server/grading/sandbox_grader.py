@@ -7,7 +7,7 @@ as `internal_error`.
 import hashlib
 import logging
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from uuid import UUID
 
 from graders.core.contract.findings import Judgement
@@ -155,9 +155,11 @@ class SandboxGrader:
         self._course = course
         self._sandbox = sandbox
 
-    def programs(self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN) -> SandboxPrograms:
-        """Return a starter of files for one grading of an exercise, under a policy; `own` as in `grade`."""
-        return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own))
+    def programs(
+        self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN, tested: Collection[str] = ()
+    ) -> SandboxPrograms:
+        """Return a starter of files for one grading of an exercise, under a policy; the others are as in `grade`."""
+        return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own, tested))
 
     def grade(
         self,
@@ -167,18 +169,19 @@ class SandboxGrader:
         *,
         submission: UUID | None = None,
         own: Own = NOTHING_OWN,
+        tested: Collection[str] = (),
         policy: Policy | None = None,
     ) -> Judgement:
         """Grade a file. Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
 
-        `own` holds the files whose functions the program imports from `mes_fonctions` instead of the course's; `policy`
-        replaces the limits of the exercise.
+        `own` holds the files whose functions the program imports from `mes_fonctions` instead of the course's; those of
+        `tested` exercises are not given; `policy` replaces the limits of the exercise.
         """
         version = self._course.version_of(exercise_id)
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
-                programs = self.programs(exercise_id, policy or exercise.policy, own)
+                programs = self.programs(exercise_id, policy or exercise.policy, own, tested)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # Enough to reproduce the grading: the source is in the database, or the caller has it.

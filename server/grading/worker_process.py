@@ -107,7 +107,14 @@ def _run_worker(
 
         def grade(work: GradingInput) -> Judgement:
             with idle_monitor.busy():
-                return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
+                return grader.grade(
+                    work.exercise,
+                    work.source,
+                    work.seed,
+                    submission=work.submission_id,
+                    own=work.own,
+                    tested=work.tested,
+                )
 
         queue = TableQueue(notifier)
         tasks: Tasks = {

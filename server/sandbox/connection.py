@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Protocol
 
 from server.sandbox import diagnosis
 from server.sandbox.answer_shape import AnswerShape
@@ -17,12 +17,32 @@ from server.sandbox.child.codec import Value
 from server.sandbox.faults import Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, ChildExit
+from server.sandbox.values import Kit
 from server.sandbox.wire import AnswerBudgetExceeded, DeadlineExceeded, ForgedAnswer, WireClosed
 
 #: Seconds that a child gets to report its own timeout before it is killed.
 GRACE_SECONDS = 0.5
 EXIT_SECONDS = 5.0
 _READY_SECONDS = 10.0
+_ASK = frozenset({frames.ASK})
+
+
+class CourseFunctionCalls(Protocol):
+    """Has functions of the course called (`server.sandbox.course_process.CourseCalls`)."""
+
+    def answer(self, question: bytes) -> bytes: ...
+
+    def close(self) -> None: ...
+
+
+def encode_configuration(kit: Kit | None) -> bytes:
+    """Encode the question that configures a child's kit."""
+    question: dict[str, Value] = {
+        "kit": kit.module if kit else None,
+        "parameters": dict(kit.parameters) if kit else {},
+        "without": kit.without if kit else (),
+    }
+    return codec.encode(question, frames.QUESTION_LIMITS)
 
 
 class ChildConnection:
@@ -35,6 +55,8 @@ class ChildConnection:
         self._filename, self._lines = "", [""]
         self._answer_shape = AnswerShape()
         self._fatal: ProgramFault | None = None
+        #: The program's calls of the course's functions, where it may make some.
+        self.course_calls: CourseFunctionCalls | None = None
 
     def _send_setup(self, questions: bytes) -> None:
         try:
@@ -61,6 +83,16 @@ class ChildConnection:
             self._child.wire.send(random_token(), frames.TOGETHER, questions, deadline)
 
     def _receive(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+        """Return kind and payload of the next frame; meanwhile, have the course's functions called."""
+        if self.course_calls is None:
+            return self._receive_frame(called, kinds)
+        while (came := self._receive_frame(called, kinds | _ASK))[0] == frames.ASK:
+            reply = self.course_calls.answer(came[1])
+            with self._timed() as deadline:
+                self._child.wire.reply(called, frames.VALUE, reply, deadline)
+        return came
+
+    def _receive_frame(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
         """Return kind and payload of the next frame; a frame that is here already costs no waiting time."""
         wire, limit = self._child.wire, self._policy.frame_bytes
         if wire.has_whole_answer:
@@ -73,7 +105,8 @@ class ChildConnection:
         else:
             with self._timed() as deadline:
                 kind, payload = wire.receive(called, kinds, limit, deadline, self._bytes_left)
-        self._bytes_left -= len(payload)
+        if kind != frames.ASK:
+            self._bytes_left -= len(payload)
         return kind, payload
 
     @contextmanager

@@ -8,6 +8,7 @@ import signal
 import sys
 from collections.abc import Iterable, Sequence
 
+from server.sandbox.child import library
 from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import (
     describe_foreign_characters,
@@ -165,9 +166,18 @@ def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Fra
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+    if exception != "ModuleNotFoundError" and module == library.NAME and (name := _MISSING_NAME.match(text)):
+        return at_line(line, frames, f"{library.NAME} ne donne pas « {name[1]} » ici. {_NOT_GIVEN}")
     if exception != "ModuleNotFoundError":
         return at_line(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
     return at_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")
+
+
+_MISSING_NAME = re.compile("cannot import name '(.+?)'")
+_NOT_GIVEN = (
+    "Ce module rend vos fonctions des exercices réussis et, pour les autres, celles du cours, sauf ce qu’un contrôle "
+    "en cours ou cet exercice demande d’écrire : écrivez la fonction dans ce fichier, ou vérifiez son nom."
+)
 
 
 def _module_advice(module: str) -> str:

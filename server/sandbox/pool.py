@@ -10,11 +10,12 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Self
+from typing import Self, TypeVar
 
 from server.sandbox import messages
 from server.sandbox.cgroups import ControlGroupPool, usable_hierarchies
 from server.sandbox.child.walls import WALLS
+from server.sandbox.course_process import CourseCalls, CourseProcess
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import IMPORT_SETS, import_set_of
 from server.sandbox.launch import KitFiles, TemplateConfig
@@ -24,6 +25,7 @@ from server.sandbox.session import Session
 from server.sandbox.values import LIBRARY_MENTION, CallBatch, Kit
 
 _log = logging.getLogger(__name__)
+Opened = TypeVar("Opened")
 #: Number of recently used policies for which a template keeps spare children.
 _SPARE_POLICIES = 3
 #: Maximum number of children prepared for one submission.
@@ -125,22 +127,24 @@ class Sandbox:
         _check_source(source, policy)
         imports = import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=drawing)
 
+        if kit is not None and kit.course_functions and LIBRARY_MENTION in source:
+            self._prepare(_course_import_set(kit), policy, 2)
+
         def load(session: Session) -> None:
+            if kit is not None and kit.course_functions:
+                start = partial(self._start_course_process, kit, policy)
+                session.course_calls = CourseCalls(lambda: _try_twice(start))
             session.load(source, filename, kit, echo_last=echo_last, deferred=deferred, first_calls=first_calls)
 
-        try:
-            return self._open_session(imports, policy, load)
-        except TemplateFault as first:
-            _log.warning("a template failed and is replaced: %s", first)
-        try:
-            return self._open_session(imports, policy, load)
-        except TemplateFault as error:
-            raise SandboxFault(str(error)) from error
+        return _try_twice(lambda: self._open_session(imports, policy, load))
 
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
         """Order spare children for a file that is about to be opened `children` times, without waiting for them."""
-        policy = policy or self.policy
-        slot = self._slots[import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=False)]
+        imports = import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=False)
+        self._prepare(imports, policy or self.policy, children)
+
+    def _prepare(self, imports: str, policy: Policy, children: int) -> None:
+        slot = self._slots[imports]
         with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
             waiting = slot.spares.setdefault(policy, deque())
             while slot.template is not None and len(waiting) < min(children, _MAX_PREPARED):
@@ -177,6 +181,18 @@ class Sandbox:
             session.close()
             raise
         return session
+
+    def _start_course_process(self, kit: Kit, policy: Policy) -> CourseProcess:
+        imports = _course_import_set(kit)
+        template, child = self._take_child(imports, policy)
+        process = CourseProcess(child, policy)
+        try:
+            process.hold(kit)
+        except TemplateFault:
+            self._discard_failed(imports, template)
+            process.close()
+            raise
+        return process
 
     def _take_child(self, imports: str, policy: Policy) -> tuple[TemplateProcess, Child]:
         slot = self._slots[imports]
@@ -312,6 +328,18 @@ def _pop_living(waiting: deque[Child] | None) -> Child | None:
     return None
 
 
+def _try_twice(action: Callable[[], Opened]) -> Opened:
+    """Do it again if a template failed, which is replaced. Raises SandboxFault when the next one fails too."""
+    try:
+        return action()
+    except TemplateFault as first:
+        _log.warning("a template failed and is replaced: %s", first)
+    try:
+        return action()
+    except TemplateFault as error:
+        raise SandboxFault(str(error)) from error
+
+
 def _run_logged(action: Callable[..., None], *arguments: object) -> None:
     """Run a background action and log its failure."""
     try:
@@ -323,7 +351,12 @@ def _run_logged(action: Callable[..., None], *arguments: object) -> None:
 def _importable_sources(source: bytes, kit: Kit | None) -> Iterator[bytes]:
     """Yield the earlier files that a source may run."""
     if kit is not None and LIBRARY_MENTION in source:
-        yield from (shelf.source for shelf in kit.library)
+        yield from (file.source for file in kit.own_files)
+
+
+def _course_import_set(kit: Kit) -> str:
+    """Return the import set of the process that holds the course's functions."""
+    return import_set_of(b"".join(file.source for file in kit.sealed_files))
 
 
 def _check_source(source: bytes, policy: Policy) -> None:

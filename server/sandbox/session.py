@@ -16,11 +16,11 @@ from server.sandbox.answer_shape import NO_VALUES
 from server.sandbox.batch import NO_FAULT_LIMIT, Batch, BatchGroup, group_batches, random_token, split_into_batches
 from server.sandbox.child import codec, drawing, frames, tracer
 from server.sandbox.child.codec import Array, Value
-from server.sandbox.connection import EXIT_SECONDS, ChildConnection
+from server.sandbox.connection import EXIT_SECONDS, ChildConnection, encode_configuration
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child
-from server.sandbox.values import CallBatch, Kit, Replies, Reply, TraceResult, Usage, encode_library_file
+from server.sandbox.values import CallBatch, Kit, Replies, Reply, TraceResult, Usage, encode_library
 
 #: Index of a request, and one or more of its answers that arrived together.
 AnswerBlock = tuple[int, Sequence[Reply | ProgramFault]]
@@ -33,15 +33,6 @@ _MAX_TRACE_PIECES = 2 * tracer.STEPS + len(tracer.REASONS)
 def _require_not_dropped(batch: Batch) -> None:
     if batch.dropped:
         raise SandboxFault("other questions have been sent since")
-
-
-def _encode_configuration(kit: Kit | None) -> bytes:
-    question: dict[str, Value] = {
-        "kit": kit.module if kit else None,
-        "parameters": dict(kit.parameters) if kit else {},
-        "without": kit.without if kit else (),
-    }
-    return codec.encode(question, frames.QUESTION_LIMITS)
 
 
 class Session(ChildConnection):
@@ -77,7 +68,7 @@ class Session(ChildConnection):
         more = group_batches(first_calls)
         first = next(more, BatchGroup((), 0))
         self._send_setup(
-            frames.pack_frame(configure, frames.CONFIGURE, _encode_configuration(kit))
+            frames.pack_frame(configure, frames.CONFIGURE, encode_configuration(kit))
             + frames.pack_frame(load, frames.LOAD, self._encode_file(source, kit, shows_last=echo_last, waits=deferred))
             + first.payload(None)
         )
@@ -95,7 +86,8 @@ class Session(ChildConnection):
             "filename": self._filename,
             "shows_last": shows_last,
             "waits": waits,
-            "library": tuple(map(encode_library_file, kit.library if kit else ())),
+            "library": encode_library(kit.own_files if kit else ()),
+            "course_functions": kit.course_functions if kit else (),
             "wall": self._seconds_left,
         }
         return codec.encode(question, frames.QUESTION_LIMITS)
@@ -111,6 +103,8 @@ class Session(ChildConnection):
         if not self._closed:
             self._closed = True
             self._child.kill()
+            if self.course_calls:
+                self.course_calls.close()
             self._final_stdout, self._final_truncated = self._child.output.text(), self._child.output.is_truncated()
             self._child.close()
 

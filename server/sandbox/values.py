@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import marshal
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import NamedTuple, overload
 
 import numpy as np
@@ -20,27 +19,22 @@ LIBRARY_MENTION = library.NAME.encode()
 
 @dataclass(frozen=True)
 class LibraryFile:
-    """An earlier file from which a program may import `functions`; `label` is short, and unique in the library.
+    """An earlier file, which provides `functions`; `label` is short, and unique among those of its kind.
 
-    A file that the program's author may not read is sent `compiled`, without its text: it must be ours.
+    A `sealed` file is the course's: it runs in a process of its own, where only other sealed files import from it, and
+    a program may have its functions called there if they are `offered`. Others are the student's, and run in theirs.
     """
 
     label: str
     functions: tuple[str, ...]
     source: bytes
-    compiled: bool = False
+    sealed: bool = False
+    offered: bool = True
 
 
-@lru_cache(maxsize=64)
-def _compile_library(source: bytes) -> bytes:
-    """Compile a file of ours, without its comments and docstrings."""
-    return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
-
-
-def encode_library_file(shelf: LibraryFile) -> Value:
-    """Encode the file for the question that loads a program."""
-    file = _compile_library(shelf.source) if shelf.compiled else shelf.source
-    return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
+def encode_library(files: Iterable[LibraryFile]) -> Value:
+    """Encode files for the question that loads a program which runs them."""
+    return tuple((file.label, file.functions, np.frombuffer(file.source, dtype=np.uint8)) for file in files)
 
 
 @dataclass(frozen=True)
@@ -54,6 +48,20 @@ class Kit:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     library: tuple[LibraryFile, ...] = ()
+
+    @property
+    def own_files(self) -> tuple[LibraryFile, ...]:
+        """The files that run in the program's process."""
+        return tuple(file for file in self.library if not file.sealed)
+
+    @property
+    def sealed_files(self) -> tuple[LibraryFile, ...]:
+        return tuple(file for file in self.library if file.sealed)
+
+    @property
+    def course_functions(self) -> tuple[str, ...]:
+        """The functions of the course that the program may have called."""
+        return tuple(name for file in self.library if file.sealed and file.offered for name in file.functions)
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,14 +27,17 @@ class LibraryFileData(_Frozen):
     label: str
     functions: tuple[str, ...]
     source: Bytes
-    compiled: bool
+    sealed: bool
+    offered: bool
 
     @classmethod
     def from_file(cls, file: LibraryFile) -> LibraryFileData:
-        return cls(label=file.label, functions=file.functions, source=file.source, compiled=file.compiled)
+        return cls(
+            label=file.label, functions=file.functions, source=file.source, sealed=file.sealed, offered=file.offered
+        )
 
     def to_file(self) -> LibraryFile:
-        return LibraryFile(self.label, self.functions, self.source, self.compiled)
+        return LibraryFile(self.label, self.functions, self.source, self.sealed, self.offered)
 
 
 class CellTraceRequest(_Frozen):

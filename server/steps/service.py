@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Collection
 from dataclasses import asdict, dataclass
 from typing import Protocol
 
@@ -15,7 +15,7 @@ from server.base.settings import Settings
 from server.base.validation import encode_bounded
 from server.course import Course, Exercise
 from server.course.reuse import Own, shelves
-from server.database import Database
+from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.gradebook import service as gradebook
 from server.identity.models import Account
@@ -75,8 +75,9 @@ class StepService:
                 raise WrongMoment(IN_TEST.format(title=tests[0].title))
             sittings.require_no_tested_imports(db, account.id, source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
+            tested = sittings.load_tested_exercises(db, account.id, utc_now())
             return CallTraceRequest(
-                exercise=exercise.id, source=source, library=self._library(exercise.id, own), call=new.call
+                exercise=exercise.id, source=source, library=self._library(exercise.id, own, tested), call=new.call
             )
 
         return await self._trace_with_token(account, address, build)
@@ -104,10 +105,12 @@ class StepService:
             assert check.counterexample is not None
             sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files(db, self.course, submission)
+            tested = importable_files.load_tested_exercises(db, self.course, submission)
+            tested |= sittings.load_tested_exercises(db, account.id, utc_now())
             return ReplayTraceRequest(
                 exercise=exercise.id,
                 source=submission.source,
-                library=self._library(exercise.id, own),
+                library=self._library(exercise.id, own, tested),
                 check=check.id,
                 inputs=check.counterexample.inputs,
                 seed=verdict.seed,
@@ -126,8 +129,8 @@ class StepService:
     def _reused_exercises(self, exercise: str) -> list[str]:
         return [reused.id for reused in self.course.reused(exercise)]
 
-    def _library(self, exercise: str, own: Own) -> tuple[LibraryFileData, ...]:
-        return tuple(map(LibraryFileData.from_file, shelves(self.course, exercise, own)))
+    def _library(self, exercise: str, own: Own, tested: Collection[str]) -> tuple[LibraryFileData, ...]:
+        return tuple(map(LibraryFileData.from_file, shelves(self.course, exercise, own, tested)))
 
     async def _trace_with_token(
         self, account: Account, address: str, build: Callable[[Session], TraceRequest]

@@ -93,7 +93,7 @@ def test_ones_own_call_goes_with_what_the_program_may_import(site: Site, process
     (asked,) = process.asked
     assert isinstance(asked, CallTraceRequest)
     assert (asked.exercise, asked.call) == (exercise.id, "f(1, (2, pi))")
-    assert {one.label: one.compiled for one in asked.library}["poses"] is True
+    assert {one.label: one.sealed for one in asked.library}["poses"] is True
 
 
 @pytest.mark.parametrize(

@@ -110,7 +110,9 @@ def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: JobEven
     grader = SandboxGrader(course, sandbox)
 
     def grade(sent: GradingInput) -> Judgement:
-        return grader.grade(sent.exercise, sent.source, sent.seed, submission=sent.submission_id, own=sent.own)
+        return grader.grade(
+            sent.exercise, sent.source, sent.seed, submission=sent.submission_id, own=sent.own, tested=sent.tested
+        )
 
     sandbox.warm("numpy")
     with closing(Database(settings.url)) as database:

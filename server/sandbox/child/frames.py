@@ -11,6 +11,9 @@ TOGETHER is several questions, taken in whole before the first is answered. Once
 dropped; so is a batch that calls what the file does not define.
 
 TRACE is a call that is followed line by line: its answer comes after as many STEP as there are, which carry its token.
+
+ASK is a program's call of a function of the course, sent before the answer whose token it carries. The trusted side
+passes it unread to the process that holds the functions (HOLD), and the reply back.
 """
 
 from __future__ import annotations
@@ -27,13 +30,17 @@ TOKEN_BYTES = 8
 _SHARED = struct.Struct("<?Id")
 
 #: From the trusted side. SHARED, TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
-CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED = 1, 2, 3, 4, 5, 6, 7, 8, 9
+CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED, HOLD = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
+#: From a program, by way of the trusted side, to the process that holds the course's functions.
+ASK = 32
 
 #: Questions come from the trusted side: these bounds catch our own mistakes.
 QUESTION_LIMITS = ValueLimits(size=1 << 28, depth=64, items=10_000_000)
 FAULT_LIMITS = ValueLimits(size=1 << 16, depth=8, items=1000)
+#: Bounds of one call of a function of the course, and of its reply.
+ASK_LIMITS = ValueLimits(size=1 << 24, depth=32, items=1_000_000)
 #: Bounds of one step: all variables of a call, each within the bounds of `value_descriptions`.
 STEP_LIMITS = ValueLimits(size=1 << 20, depth=24, items=150_000)
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from . import drawing, last_expression, library, report
+from . import course_calls, drawing, last_expression, library, report
 from .codec import UnsendableValue, Value, ValueLimits, ValueTooBig, encode, encode_returned
 from .frames import FAULT_LIMITS
 from .kits import KitModules, expose_kit
@@ -53,6 +53,8 @@ class Program:
         self._globals: dict[str, Any] = {}
         self._functions: frozenset[str] = frozenset()
         self._deferred_code: list[CodeType] = []
+        self._course_functions: ModuleType = library.EarlierFunctions((), {})
+        self._offered: frozenset[str] = frozenset()
 
     def set_answer_limits(self, limits: ValueLimits) -> None:
         """Set the bounds of answers."""
@@ -66,10 +68,13 @@ class Program:
         echo_last: bool = False,
         deferred: bool = False,
         library_files: Sequence[library.EarlierFile] = (),
+        course_functions: Sequence[str] = (),
+        ask: course_calls.Ask | None = None,
     ) -> bytes:
         """Run the file's top level; return the encoded names of the callables that it defines.
 
-        With `echo_last`, the value of a last expression is printed. With `deferred`, only `trace` runs it.
+        With `echo_last`, the value of a last expression is printed. With `deferred`, only `trace` runs it. `ask` calls
+        the functions of the course that the file may import.
         """
         codes = self._compile(source, filename, last_expression.split_last_expression if echo_last else _compile_whole)
         if echo_last:
@@ -77,7 +82,7 @@ class Program:
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module
-        library.install_library(library_files, self._injected)
+        library.install_library(library.EarlierFunctions(library_files, self._injected, course_functions, ask))
         self._globals = module.__dict__
         self._deferred_code = codes
         if not deferred:
@@ -87,6 +92,23 @@ class Program:
         names = self._defined_names()
         self._functions = frozenset(names)
         return encode(names, self._limits)
+
+    def hold_course_functions(self, files: Sequence[library.EarlierFile], offered: Sequence[str]) -> None:
+        """Hold the course's functions instead of a program, for `answer_call`.
+
+        What they draw at random is independent of what the program draws from an equal seed.
+        """
+        for value in self._injected.values():
+            if isinstance(value, np.random.Generator):
+                generator: Any = value.bit_generator
+                generator.state = type(generator)(int(value.integers(2**63))).state
+        self._course_functions = library.EarlierFunctions(files, self._injected)
+        library.install_library(self._course_functions)
+        self._offered = frozenset(offered)
+
+    def answer_call(self, question: bytes) -> bytes:
+        """Call a function of the course for a program; return the reply (see `course_calls`)."""
+        return course_calls.answer_call(question, self._course_functions, self._offered)
 
     def defines(self, function: str) -> bool:
         """Whether `load` returned this name."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import faulthandler
 import os
 import signal
+import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -14,7 +15,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import codec, frames, inner, library, orders
+from . import codec, course_calls, frames, inner, library, orders
 from .codec import Value
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import pack_frame as _framed
@@ -26,6 +27,8 @@ from .streams import BoundedBytes, BoundedText
 #: Minimum of a timer: zero seconds would disable it.
 _MIN_TIMER_SECONDS = 0.001
 _RETRY_TIMER_SECONDS = 0.01
+#: Bytes that are read at least, if they are there.
+_READ_AHEAD = 4096
 
 
 def run_fork(walls: inner.ForkWalls, seats: int, child: ForkServer) -> NoReturn:
@@ -67,6 +70,7 @@ class ForkServer:
         redirect_output(self._stream)
         self._cpu_seconds = 0.0
         self._wire = inner.WIRE
+        self._unread = b""
         self._token = 0
         self._running_student_code, self._sending = False, False
         self._wall = 0.0
@@ -117,6 +121,10 @@ class ForkServer:
             self._trace(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.LOAD:
             return self._load(codec.decode(payload, QUESTION_LIMITS))
+        elif kind == frames.ASK:
+            self._answer_call(payload)
+        elif kind == frames.HOLD:
+            self._hold(codec.decode(payload, QUESTION_LIMITS))
         else:
             self._configure(codec.decode(payload, QUESTION_LIMITS))
         return True
@@ -139,10 +147,41 @@ class ForkServer:
                 echo_last=question["shows_last"],
                 deferred=question["waits"],
                 library_files=library.decode_library(question["library"]),
+                course_functions=question["course_functions"],
+                ask=self._ask,
             ),
         )
         self.send(self._token, outcome, names)
         return outcome == frames.VALUE
+
+    def _hold(self, question: Any) -> None:
+        """Hold the course's functions; their processor time is limited as a program's is."""
+        signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
+        self._program.hold_course_functions(library.decode_library(question["library"]), question["offered"])
+        self.send(self._token, frames.CONFIGURED, b"")
+
+    def _answer_call(self, question: bytes) -> None:
+        self._running_student_code = True
+        outcome, reply = self._outcome(partial(self._program.answer_call, question))
+        self._running_student_code = False
+        self.send(self._token, outcome, reply)
+
+    def _ask(self, name: str, arguments: tuple[object, ...], named: Mapping[str, object]) -> object:
+        """Have a function of the course called for the program; the clock of the program stands still meanwhile."""
+        question = course_calls.encode_call(name, arguments, named)
+        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
+        self._sending = True  # the processor's timer waits
+        try:
+            self.send(self._token, frames.ASK, question)
+            length, _, _ = frames.HEADER.unpack(self._read(frames.HEADER.size))
+            reply = self._read(length)
+        finally:
+            self._sending = False
+            signal.setitimer(signal.ITIMER_REAL, left)
+        try:
+            return course_calls.read_reply(reply)
+        except course_calls.TimeExpired:
+            self._end_with_timeout("wall", sys._getframe())
 
     def _trace(self, question: Any) -> None:
         """Answer a traced call; each step is sent before its line runs."""
@@ -219,25 +258,30 @@ class ForkServer:
                 signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _RETRY_TIMER_SECONDS
             )
         elif self._running_student_code:
-            self._running_student_code = False
-            fault = self._program.timeout_fault(frame)
-            fault["detail"] = "cpu" if number == signal.SIGPROF else "wall"
-            self.send(self._token, frames.FAULT, codec.encode(fault, FAULT_LIMITS))
-            os._exit(0)
+            self._end_with_timeout("cpu" if number == signal.SIGPROF else "wall", frame)
         elif number == signal.SIGPROF:  # between two calls: the next one will be told
             signal.setitimer(signal.ITIMER_PROF, _RETRY_TIMER_SECONDS)
+
+    def _end_with_timeout(self, timer: str, frame: FrameType | None) -> NoReturn:
+        """Report that time ran out at `frame`, and end the process."""
+        self._running_student_code = False
+        fault = self._program.timeout_fault(frame)
+        fault["detail"] = timer
+        self.send(self._token, frames.FAULT, codec.encode(fault, FAULT_LIMITS))
+        os._exit(0)
 
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
         _write(self._wire, _framed(token, kind, payload) + then)
 
     def _read(self, length: int) -> bytes:
-        pieces = bytearray()
-        while len(pieces) < length:
-            piece = os.read(inner.WIRE, length - len(pieces))
+        """Return the next bytes of the wire; none once it is closed. A short frame comes in by one system call."""
+        while len(self._unread) < length:
+            piece = os.read(inner.WIRE, max(length - len(self._unread), _READ_AHEAD))
             if not piece:
                 return b""
-            pieces += piece
-        return bytes(pieces)
+            self._unread += piece
+        taken, self._unread = self._unread[:length], self._unread[length:]
+        return taken
 
 
 class _BatchArguments:
@@ -275,7 +319,7 @@ def sample_configure() -> bytes:
 
 def sample_load(source: bytes) -> bytes:
     load: dict[str, Value] = {"source": np.frombuffer(source, np.uint8), "filename": "solution.py", "wall": 1000.0}
-    load |= {"shows_last": False, "waits": False, "library": ()}
+    load |= {"shows_last": False, "waits": False, "library": (), "course_functions": ()}
     return _framed(3, frames.LOAD, _encoded(load))
 
 

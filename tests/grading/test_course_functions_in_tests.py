@@ -1,0 +1,126 @@
+"""A test keeps its answers: no program of somebody who sits it gets the course's functions that it asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import datetime, timedelta
+from typing import Any
+
+import pytest
+
+from graders.core.contract.outcomes import Outcome
+from server.assignments import sitting_repository, sittings
+from server.assignments.models import EndedBy, Mode
+from server.course import Course
+from server.database import utc_now
+from server.grading.grading_task import GradingInput
+from server.grading.sandbox_grader import SandboxGrader
+from server.identity.models import Role
+from server.sandbox import Sandbox
+from tests.support.classes import assign, new_class, person, seat
+from tests.support.service import Site
+
+POSES, GRAPH, METRICS = "l20/poses", "l20/slam_graphe", "l20/metriques"
+SPELLINGS = [
+    "import importlib\nm = importlib.import_module('mes_' + 'fonctions')",
+    "m = __import__(''.join(('mes', '_fonc', 'tions')))",
+    "m = eval(bytes(reversed(b')\"snoitcnof\" \"_sem\"(__tropmi__')).decode())",
+    "import sys\nm = sys.modules['snoitcnof_sem'[::-1]]",
+    "import gc, types\nm = [o for o in gc.get_objects() if isinstance(o, types.ModuleType)"
+    " and o.__name__[:4] == 'mes' + chr(95)][0]",
+    "exec('from mes_' 'fonctions import ' '*')\nm = type('M', (), {'composer': staticmethod(composer)})",
+]  # fmt: skip
+PRINTS = "\nprint(m.composer((1, 2, 0), (1, 0, 0)))\n"
+
+
+@pytest.fixture(scope="module")
+def sandbox(course: Course) -> Iterator[Sandbox]:
+    with Sandbox(course.kits) as sandbox:
+        yield sandbox
+
+
+class Pupil:
+    """A student of a class with a test of `poses`, whose programs are graded in the sandbox."""
+
+    def __init__(self, site: Site, course: Course, sandbox: Sandbox) -> None:
+        self.site, self.who = site, person(site)
+        made = new_class(site.database, person(site, Role.teacher).account)
+        seat(site.database, made, self.who.account)
+        self.test = assign(site.database, made, POSES, mode=Mode.test)
+        self.inputs: list[GradingInput] = []
+        grader = SandboxGrader(course, sandbox)
+
+        def grade(work: GradingInput) -> Any:
+            self.inputs.append(work)
+            return grader.grade(work.exercise, work.source, work.seed, own=work.own, tested=work.tested)
+
+        self.worker = site.worker_with(grade)
+
+    def begin(self, at: datetime | None = None) -> None:
+        with self.site.database.write() as db:
+            sittings.begin_sitting(db, self.test, self.who.id, (), at or utc_now())
+
+    def hand_in(self) -> None:
+        with self.site.database.write() as db:
+            sitting = sitting_repository.load_sitting(db, self.test.id, self.who.id)
+            assert sitting is not None
+            sitting_repository.end_sitting(db, sitting, utc_now(), EndedBy.student)
+
+    def submit(self, code: str, exercise: str = GRAPH) -> dict[str, Any]:
+        body = {"exercise": exercise, "code": code}
+        sent = self.site.client.post("/api/v1/submissions", json=body, headers=self.who.headers)
+        assert sent.status_code == 202, sent.text
+        self.worker.run_one()
+        answer = self.site.client.get(sent.json()["url"], headers=self.who.headers).json()
+        verdict: dict[str, Any] = answer["verdict"]
+        return verdict
+
+
+@pytest.fixture
+def pupil(site: Site, course: Course, sandbox: Sandbox) -> Pupil:
+    return Pupil(site, course, sandbox)
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_no_spelling_gets_what_a_running_test_asks_for(pupil: Pupil, spelling: str) -> None:
+    before = pupil.submit(spelling + PRINTS)["stdout"]
+    assert before.startswith("[2. 2. 0.]") or "gc" in spelling or "sys" in spelling
+    pupil.begin()
+    during = pupil.submit("# en plein contrôle\n" + spelling + PRINTS)
+    assert during["stdout"] == ""
+    assert during["outcome"] in (Outcome.IMPORT_ERROR, Outcome.RUNTIME_ERROR)
+    pupil.hand_in()
+    assert pupil.submit("# après\n" + spelling + PRINTS)["stdout"] == before
+
+
+def test_an_attempt_sent_before_the_sitting_is_graded_as_it_was_when_it_was_sent(pupil: Pupil) -> None:
+    """Also if it waits for its grading, or is graded anew, while its author sits the test."""
+    code = "from mes_fonctions import composer\nprint(composer((1, 2, 0), (1, 0, 0)))\n"
+    body = {"exercise": GRAPH, "code": code}
+    sent = pupil.site.client.post("/api/v1/submissions", json=body, headers=pupil.who.headers)
+    pupil.begin(utc_now() + timedelta(milliseconds=1))
+    pupil.worker.run_one()
+    answer = pupil.site.client.get(sent.json()["url"], headers=pupil.who.headers).json()
+    assert answer["verdict"]["stdout"] == "[2. 2. 0.]\n"
+    assert pupil.inputs[0].tested == frozenset()
+
+
+def test_what_a_test_does_not_ask_for_stays_available(pupil: Pupil) -> None:
+    pupil.begin()
+    code = "import importlib\nprint(importlib.import_module('mes_' + 'fonctions').kabsch.__name__)\n"
+    assert pupil.submit(code, METRICS)["stdout"] == "kabsch\n"
+    assert pupil.inputs[0].tested == {POSES}
+
+
+def test_an_exercise_that_reuses_nothing_costs_no_query(pupil: Pupil) -> None:
+    pupil.begin()
+    assert pupil.submit("x = 1\n", "l20/odometrie")["outcome"] == Outcome.MISSING_FUNCTION
+    assert pupil.inputs[0].tested == frozenset()
+
+
+@pytest.mark.parametrize("exercise", ["l20/defi_kidnappe"])
+def test_the_courses_answer_to_an_exercise_is_not_on_its_own_shelf(pupil: Pupil, exercise: str) -> None:
+    """It asks for functions of the same names as an earlier exercise, whose solution would earn marks."""
+    verdict = pupil.submit("from mes_fonctions import initialiser, pas_mcl, estimer\n", exercise)
+    assert (verdict["outcome"], verdict["score"]) == (Outcome.IMPORT_ERROR, 0.0)
+    assert "mes_fonctions ne donne pas" in verdict["checks"][0]["message"]
