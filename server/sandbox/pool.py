@@ -7,22 +7,22 @@ import logging
 import threading
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Self, TypeVar
 
-from server.sandbox import messages
+from server.sandbox import sources
 from server.sandbox.cgroups import ControlGroupPool, usable_hierarchies
 from server.sandbox.child.walls import WALLS
 from server.sandbox.course_process import CourseCalls, CourseProcess
-from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
-from server.sandbox.install import IMPORT_SETS, import_set_of
+from server.sandbox.faults import NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
+from server.sandbox.install import IMPORT_SETS
 from server.sandbox.launch import KitFiles, TemplateConfig
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
-from server.sandbox.values import LIBRARY_MENTION, CallBatch, Kit
+from server.sandbox.values import CallBatch, Kit
 
 _log = logging.getLogger(__name__)
 Opened = TypeVar("Opened")
@@ -124,11 +124,11 @@ class Sandbox:
         `Session.trace` runs it.
         """
         policy = policy or self.policy
-        _check_source(source, policy)
-        imports = import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=drawing)
+        sources.require_text(source, policy)
+        imports = sources.import_set_of_program(source, kit, drawing=drawing)
 
-        if kit is not None and kit.course_functions and LIBRARY_MENTION in source:
-            self._prepare(_course_import_set(kit), policy, 2)
+        if kit is not None and sources.may_call_course(source, kit):
+            self._prepare(sources.import_set_of_course(kit), policy, 2)
 
         def load(session: Session) -> None:
             if kit is not None and kit.course_functions:
@@ -140,7 +140,7 @@ class Sandbox:
 
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
         """Order spare children for a file that is about to be opened `children` times, without waiting for them."""
-        imports = import_set_of(b"".join((source, *_importable_sources(source, kit))), drawing=False)
+        imports = sources.import_set_of_program(source, kit)
         self._prepare(imports, policy or self.policy, children)
 
     def _prepare(self, imports: str, policy: Policy, children: int) -> None:
@@ -183,7 +183,7 @@ class Sandbox:
         return session
 
     def _start_course_process(self, kit: Kit, policy: Policy) -> CourseProcess:
-        imports = _course_import_set(kit)
+        imports = sources.import_set_of_course(kit)
         template, child = self._take_child(imports, policy)
         process = CourseProcess(child, policy)
         try:
@@ -346,26 +346,3 @@ def _run_logged(action: Callable[..., None], *arguments: object) -> None:
         action(*arguments)
     except Exception:
         _log.exception("%s failed", action.__name__)
-
-
-def _importable_sources(source: bytes, kit: Kit | None) -> Iterator[bytes]:
-    """Yield the earlier files that a source may run."""
-    if kit is not None and LIBRARY_MENTION in source:
-        yield from (file.source for file in kit.own_files)
-
-
-def _course_import_set(kit: Kit) -> str:
-    """Return the import set of the process that holds the course's functions."""
-    return import_set_of(b"".join(file.source for file in kit.sealed_files))
-
-
-def _check_source(source: bytes, policy: Policy) -> None:
-    if len(source) > policy.source_bytes:
-        message = messages.source_too_big(len(source), policy)
-        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
-    if b"\0" in source:
-        line = source[: source.index(b"\0")].count(b"\n") + 1
-        message = messages.syntax_error(messages.null_byte(), "", line)
-        raise ProgramFault(
-            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True
-        )

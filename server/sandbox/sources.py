@@ -1,0 +1,38 @@
+"""What a source needs before it is opened: that it is text, and the libraries that its processes import."""
+
+from __future__ import annotations
+
+from server.sandbox import messages
+from server.sandbox.faults import FaultKind, ProgramFault
+from server.sandbox.install import import_set_of
+from server.sandbox.policy import Policy
+from server.sandbox.values import LIBRARY_MENTION, Kit
+
+
+def import_set_of_program(source: bytes, kit: Kit | None, *, drawing: bool = False) -> str:
+    """Return the import set of a program: the smallest that its source and earlier files need."""
+    earlier = kit.own_files if kit is not None and LIBRARY_MENTION in source else ()
+    return import_set_of(b"".join((source, *(file.source for file in earlier))), drawing=drawing)
+
+
+def import_set_of_course(kit: Kit) -> str:
+    """Return the import set of the process that holds the course's functions."""
+    return import_set_of(b"".join(file.source for file in kit.sealed_files))
+
+
+def may_call_course(source: bytes, kit: Kit) -> bool:
+    """Whether a program is likely to have functions of the course called."""
+    return bool(kit.course_functions) and LIBRARY_MENTION in source
+
+
+def require_text(source: bytes, policy: Policy) -> None:
+    """Raise ProgramFault for a source that is too big, or no text."""
+    if len(source) > policy.source_bytes:
+        message = messages.source_too_big(len(source), policy)
+        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
+    if b"\0" in source:
+        line = source[: source.index(b"\0")].count(b"\n") + 1
+        message = messages.syntax_error(messages.null_byte(), "", line)
+        raise ProgramFault(
+            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True
+        )
