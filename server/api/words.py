@@ -17,10 +17,24 @@ ROUTES: dict[tuple[str, str], str] = {
     ("get", "/api/v1/classes/{class_id}/students"): "Les élèves de la classe, dans l’ordre d’une liste de noms.",
     ("put", "/api/v1/classes/{class_id}/marks/{student}/{module}/{slug}"): (
         "Modifie la note d’un élève à un exercice : des points sur 20, ou une dispense, avec le motif, que l’élève "
-        "lit. La note automatique est gardée à côté."
+        "lit. La note automatique est gardée à côté. Avec `assignment`, elle vaut dans ce devoir seulement ; sinon, "
+        "dans tous ceux qui demandent l’exercice."
     ),
     ("delete", "/api/v1/classes/{class_id}/marks/{student}/{module}/{slug}"): (
-        "Retire la note modifiée : la note automatique vaut de nouveau."
+        "Retire la note modifiée de cette portée : ce qu’elle remplaçait vaut de nouveau."
+    ),
+    ("put", "/api/v1/classes/{class_id}/assignments/{aid}/decisions/{student}"): (
+        "Dit d’un devoir entier d’un élève : absent, dispensé, ou 0. Ce qu’il a envoyé reste, et ne compte plus."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/assignments/{aid}/decisions/{student}"): (
+        "Retire cette décision : ce qui a été envoyé compte de nouveau."
+    ),
+    ("get", "/api/v1/classes/{class_id}/marking"): (
+        "Comment comptent dans les moyennes de la classe ce qui n’est pas rendu, un retard refusé, une absence."
+    ),
+    ("patch", "/api/v1/classes/{class_id}/marking"): (
+        "Choisit comment ils comptent : 0 (`zero`), ou pas du tout (`ignore`). Les notes restent, les moyennes sont "
+        "refaites."
     ),
     ("get", "/api/v1/classes/{class_id}/gradebook"): (
         "Le carnet de notes : JSON, CSV pour un Excel français, XLSX, ou CSV à importer dans Moodle. Celui de Moodle "
@@ -157,14 +171,20 @@ PARAMETERS: dict[str, str] = {
     "reason": "le motif, que le journal de la classe garde : d’une note, l’élève le lit ; d’un aménagement, non",
     "regrade_id": "l’identifiant de la recorrection (`id`)",
     "policy": "ce qui compte une fois appliqué : la meilleure des deux corrections, ou la nouvelle",
-    "assignment": "seulement ce qui peut compter dans ce devoir (son `id`)",
+    "assignment": "seulement ce devoir (son `id`) ; sans lui, tous",
+    "not_handed_in": "un devoir non rendu",
+    "late_refused": "un devoir refusé en retard",
+    "absent": "une absence",
+    "unanswered": "un exercice sans réponse, d’un devoir rendu",
+    "version": "la version que vous avez lue : 409 si elle a changé depuis",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",
     "thread_id": "l’identifiant du fil (`id`)",
     "text": "le message, 4000 caractères au plus ; `…` y marque du code",
     "lines": "la première ligne et la dernière, à partir de 1",
     "check": "la vérification du verdict, par son `id`",
     "thread": "le fil auquel on répond, par son `id`",
-    "state": "`settled` : il n’y a plus rien à dire ; `open` : si",
+    "state": "d’un fil, `settled` : il n’y a plus rien à dire, ou `open` ; d’un devoir ou d’une note, absent "
+    "(`absent`), dispensé (`excused`), 0 (`zero`), non rendu (`not_handed_in`)",
     "name": "le nom de la figure, tel que le verdict le donne (`figure`)",
     "exercise": "l’exercice : `module/nom`",
     "code": "le fichier entier, 64 Kio au plus ; pour entrer dans une classe, le code de celle-ci",

@@ -28,6 +28,14 @@ class AuditAction(StrEnum):
     student_admitted = "student_admitted"
     mark_overridden = "mark_overridden"
     override_withdrawn = "override_withdrawn"
+    state_decided = "state_decided"
+    decision_withdrawn = "decision_withdrawn"
+    marking_changed = "marking_changed"
+    column_made = "column_made"
+    column_changed = "column_changed"
+    column_deleted = "column_deleted"
+    column_restored = "column_restored"
+    column_mark_changed = "column_mark_changed"
     regrade_applied = "regrade_applied"
     regrade_undone = "regrade_undone"
     name_given = "name_given"
@@ -46,6 +54,14 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.student_admitted: "élève admis dans la classe",
     AuditAction.mark_overridden: "note modifiée",
     AuditAction.override_withdrawn: "note modifiée retirée",
+    AuditAction.state_decided: "absence, dispense ou zéro",
+    AuditAction.decision_withdrawn: "absence, dispense ou zéro retirés",
+    AuditAction.marking_changed: "règles de la moyenne modifiées",
+    AuditAction.column_made: "colonne créée",
+    AuditAction.column_changed: "colonne modifiée",
+    AuditAction.column_deleted: "colonne supprimée",
+    AuditAction.column_restored: "colonne rétablie",
+    AuditAction.column_mark_changed: "note d’une colonne modifiée",
     AuditAction.regrade_applied: "recorrection appliquée",
     AuditAction.regrade_undone: "recorrection annulée",
     AuditAction.name_given: "erreur nommée",
@@ -61,6 +77,9 @@ STUDENT_ACTIONS = frozenset(
         AuditAction.student_admitted,
         AuditAction.mark_overridden,
         AuditAction.override_withdrawn,
+        AuditAction.state_decided,
+        AuditAction.decision_withdrawn,
+        AuditAction.column_mark_changed,
     }
 )
 

@@ -28,6 +28,17 @@ FIELDS: Mapping[str, str] = {
     "excused": "dispense",
     "label": "groupe",
     "points": "points",
+    "state": "état",
+    "not_handed_in": "non rendu",
+    "late_refused": "refusé (retard)",
+    "absent": "absent",
+    "unanswered": "exercice sans réponse",
+    "out_of": "sur",
+    "taken_on": "date",
+    "bonus": "bonus",
+    "published_at": "publiée le",
+    "position": "place",
+    "comment": "remarque",
     "role": "rôle",
     "name": "nom",
     "explanation": "explication",
@@ -35,7 +46,10 @@ FIELDS: Mapping[str, str] = {
 }
 SHOWN = {"usual": "comme d’habitude", "after_due": "après la date de rendu", "after_close": "après la fermeture",
          "never": "jamais"}  # fmt: skip
+COUNTED = {"ignore": "ne compte pas", "zero": "compte 0"}
 VALUES: Mapping[str, Mapping[str, str]] = {
+    "state": {"absent": "absent", "excused": "dispensé", "zero": "0", "not_handed_in": "non rendu"},
+    **dict.fromkeys(("not_handed_in", "late_refused", "absent", "unanswered"), COUNTED),
     "mode": {"practice": "entraînement", "test": "contrôle"},
     "late": {"refuse": "refusé", "accept": "accepté, signalé", "penalty": "accepté, avec des points en moins"},
     "counts": {"best": "le meilleur", "last": "le dernier", "best_before_due": "le meilleur avant la date de rendu"},

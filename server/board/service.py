@@ -33,7 +33,7 @@ from server.classes.models import SchoolClass
 from server.course import Course
 from server.gradebook.histories import load_attempts, load_revisions
 from server.identity.models import Account
-from server.marks.repository import load_overrides
+from server.marks.repository import load_exercise_overrides
 from server.marks.schemas import ActiveOverride
 from server.rights import service as rights
 from server.rights.models import Right
@@ -111,7 +111,7 @@ def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: 
 
 
 def load_inputs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> BoardInputs:
-    return BoardInputs(load_progress(db, course, school_class, now), load_overrides(db, school_class.id))
+    return BoardInputs(load_progress(db, course, school_class, now), load_exercise_overrides(db, school_class.id))
 
 
 def load_progress(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from server.marks.states import ClassMarking
 from server.web.news import NewsView
 
 
@@ -132,11 +133,12 @@ class EditionChoice:
 
 @dataclass(frozen=True)
 class SettingsPage:
-    """The settings of a class; `editions`: those of its module, from its own on."""
+    """The settings of a class; `editions`: those of its module, from its own on; `marking`: what its means count."""
 
     head: ClassHead
     approval: bool
     version: str
+    marking: ClassMarking
     staff: tuple[StaffRow, ...]
     code: JoinCodeView | None
     editions: tuple[EditionChoice, ...]

@@ -39,6 +39,7 @@ from server.desk.schemas import (
 )
 from server.desk.tabs import visible_tabs
 from server.identity.models import Account
+from server.marks.repository import load_marking
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -235,6 +236,7 @@ def build_settings_page(db: Session, course: Course, access: ClassAccess, accoun
         head=class_head(course, access, "/reglages"),
         approval=school_class.approval,
         version=version_of(settings_texts(school_class.name, school_class.approval)),
+        marking=load_marking(db, school_class.id),
         staff=staff,
         code=join_code_view(school_class, base),
         editions=tuple(

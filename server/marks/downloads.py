@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import date
 from enum import StrEnum
 from uuid import UUID
 
@@ -14,11 +14,11 @@ from server.marks.files import (
     FormatTime,
     MoodleIdentifier,
     file_name,
-    gradebook_json,
     gradebook_sheets,
     marks_sheet,
     moodle_file,
 )
+from server.marks.plain_values import gradebook_json
 from server.marks.schemas import Gradebook
 
 CSV = "text/csv; charset=utf-8"
@@ -73,7 +73,7 @@ def render_download(
 
 def _text_of(value: object) -> str:
     """Return a date or an id as text. Raise TypeError for anything else."""
-    if isinstance(value, datetime):
+    if isinstance(value, date):
         return value.isoformat()
     if isinstance(value, UUID):
         return str(value)

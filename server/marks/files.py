@@ -7,18 +7,26 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import Any
 
-from server.assignments.models import Assignment, Mode
+from server.assignments.models import Assignment
 from server.classes.schemas import StudentRecord
 from server.marks.cells import Cell, Sheet, ascii_slug, escape_formula, plain_csv
-from server.marks.means import format_number, round_points
-from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState, MarkSummary, is_withheld
+from server.marks.means import FORMULA, format_number, round_or_none, round_points
+from server.marks.schemas import (
+    AssignmentMark,
+    ColumnMark,
+    ColumnRecord,
+    ExerciseMark,
+    Gradebook,
+    MarkSummary,
+    StudentMarks,
+    is_withheld,
+)
+from server.marks.states import STATE_WORDS, UNMARKED_STATES, Counting, MarkingRules, MarkState
 
-ABSENT, EXCUSED, AVERAGE = "Abs", "disp.", "Moyenne"
+AVERAGE = "Moyenne"
 FormatTime = Callable[[datetime], str]
 YES = {True: "oui", False: ""}
-STATE_TEXTS = {MarkState.absent: ABSENT, MarkState.excused: EXCUSED}
 
 
 class MoodleIdentifier(StrEnum):
@@ -34,21 +42,44 @@ def file_name(gradebook: Gradebook, contents: str, extension: str) -> str:
 
 
 def mark_cell(mark: AssignmentMark) -> Cell:
-    """Return points, « Abs », « disp. », or None."""
-    if mark.state in STATE_TEXTS:
-        return STATE_TEXTS[mark.state]
-    return _round_or_none(mark.points)
+    """Return points, or the state in words where there are none."""
+    if mark.state in UNMARKED_STATES or mark.points is None:
+        return state_words(mark.state)
+    return round_points(mark.points)
+
+
+def column_cell(mark: ColumnMark) -> Cell:
+    """Return the points out of the column's own scale, or the state in words; None where nothing was typed."""
+    if mark.typed.points is not None:
+        return mark.typed.points
+    return None if mark.typed.state is None else STATE_WORDS[mark.state]
+
+
+def exercise_cell(exercise: ExerciseMark, mark: AssignmentMark) -> Cell:
+    """Return the points of an exercise, or its state in words where there are none."""
+    state = exercise.state_in(mark.state)
+    if state in STATE_WORDS and (exercise.points is None or state in {MarkState.absent, MarkState.excused}):
+        return state_words(state)
+    return round_or_none(exercise.points)
+
+
+def state_words(state: MarkState) -> str:
+    """Return the words of a state; empty for one that has points."""
+    return STATE_WORDS.get(state, "")
 
 
 def unique_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     """Return the titles of assignments, numbered where several have the same."""
+    return _unique([assignment.title for assignment in assignments])
+
+
+def _unique(titles: Sequence[str]) -> tuple[str, ...]:
     counts: Counter[str] = Counter()
-    titles = []
-    for assignment in assignments:
-        title = assignment.title
+    numbered = []
+    for title in titles:
         counts[title] += 1
-        titles.append(title if counts[title] == 1 else f"{title} ({counts[title]})")
-    return tuple(titles)
+        numbered.append(title if counts[title] == 1 else f"{title} ({counts[title]})")
+    return tuple(numbered)
 
 
 def _person(student: StudentRecord) -> tuple[str, str, str, str]:
@@ -61,15 +92,24 @@ PERSON = ("Nom", "Prénom", "Identifiant", "Groupe")
 
 
 def marks_sheet(gradebook: Gradebook) -> Sheet:
-    """Return the table of students × assignments, with the averages."""
+    """Return the table of students × assignments and columns, with the averages."""
     rows = [
-        (*_person(row.member), *(mark_cell(mark) for mark in row.marks), _round_or_none(row.average))
+        (
+            *_person(row.member),
+            *(mark_cell(mark) for mark in row.marks),
+            *(column_cell(mark) for mark in row.columns),
+            round_or_none(row.average),
+        )
         for row in gradebook.rows
     ]
-    return Sheet("Notes", (*PERSON, *unique_titles(gradebook.assignments), AVERAGE), rows, frozen=2)
+    titles = (*unique_titles(gradebook.assignments), *(column.full_title for column in gradebook.columns))
+    return Sheet("Notes", (*PERSON, *_unique(titles), AVERAGE), rows, frozen=2)
 
 
-DETAILS = ("Points", "Note automatique", "Dispensé", "Jours de retard", "Essais", "Note modifiée", "À revoir", "Motif")
+DETAILS = (
+    "Points", "Note automatique", "État", "Jours de retard", "Essais", "Note modifiée", "Portée", "À revoir", "Motif",
+)  # fmt: skip
+SCOPES = {True: "tous les devoirs", False: "ce devoir"}
 
 
 def exercises_sheet(gradebook: Gradebook) -> Sheet:
@@ -85,16 +125,17 @@ def exercises_sheet(gradebook: Gradebook) -> Sheet:
 
 
 def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
-    excused = exercise.excused or mark.state is MarkState.excused
+    state, override = exercise.state_in(mark.state), exercise.override
     return (
-        None if excused else _round_or_none(exercise.points),
-        _round_or_none(exercise.effective.automatic),
-        YES[excused],
+        None if state in {MarkState.excused, MarkState.absent} else round_or_none(exercise.points),
+        round_or_none(exercise.effective.automatic),
+        state_words(state),
         float(exercise.days_late),
         float(exercise.attempts),
-        YES[exercise.override is not None],
+        YES[override is not None],
+        SCOPES[override.assignment_id is None] if override else "",
         YES[exercise.stale],
-        exercise.override.reason if exercise.override else "",
+        override.reason if override else "",
     )
 
 
@@ -107,38 +148,70 @@ def explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> Sheet:
         title, summary = unique_titles(gradebook.assignments)[index], gradebook.summary_of(index)
         texts = (format_time(date) if date else "" for date in dates)
         rows.append((title, assignment.weight, *texts, remark, *_summary_cells(summary)))
+    for index, column in enumerate(gradebook.columns):
+        when = "" if column.taken_on is None else f"{column.taken_on:%d/%m/%Y}"
+        remark = "bonus" if column.bonus else "colonne"
+        remark += "" if column.published_at else ", pas encore publiée aux élèves"
+        summary = gradebook.summary_of_column(index)
+        weight = None if column.bonus else column.weight
+        rows.append((column.full_title, weight, when, "", "", remark, *_summary_cells(summary)))
     rows.append((AVERAGE, None, "", "", "", "", *_summary_cells(gradebook.averages)))
-    notes = (*NOTES, f"Notes du {format_time(gradebook.at)}.")
+    notes = (*mark_notes(gradebook.marking), f"Notes du {format_time(gradebook.at)}.")
     rows += [("",) + (None,) * 8] + [(note, *[None] * 8) for note in notes]
     header = ("Devoir", "Coefficient", "Ouvre", "À rendre", "Ferme", "Remarque", "Copies", "Moyenne", "Médiane")
     return Sheet("Explications", header, rows, frozen=1)
 
 
 def _summary_cells(summary: MarkSummary) -> tuple[Cell, ...]:
-    return float(summary.count), _round_or_none(summary.mean), _round_or_none(summary.median)
+    return float(summary.count), round_or_none(summary.mean), round_or_none(summary.median)
 
 
-NOTES = (
-    "Les notes sont sur 20, arrondies au centième ; les moyennes sont faites sur les points exacts.",
-    f"« {ABSENT} » : le devoir est fini et rien n’a été envoyé ; il compte 0 dans la moyenne de l’élève.",
-    f"« {EXCUSED} » : dispensé ; le devoir ou l’exercice ne compte pas dans la moyenne.",
-    "Un devoir est fini quand plus rien ne peut être envoyé ; s’il ne ferme pas, quand sa date de rendu est passée.",
-    "Fini, un exercice sans essai compte 0. En cours, seuls comptent les exercices envoyés, et le devoir n’entre pas "
-    "encore dans la moyenne de l’élève. Un devoir sans date compte dès le premier envoi, sur ce qui est envoyé.",
-    "La moyenne et la médiane de la classe sont celles des copies envoyées : ni absents, ni dispensés.",
-)
+COUNTED_WORDS = {Counting.zero: "compte 0 dans la moyenne", Counting.ignore: "ne compte pas dans la moyenne"}
+
+
+def mark_notes(marking: MarkingRules) -> tuple[str, ...]:
+    """Return how marks are made in a class, in sentences."""
+    blank = COUNTED_WORDS[marking.unanswered].replace("la moyenne", "sa note")
+    return (
+        f"{FORMULA[0].upper()}{FORMULA[1:]}.",
+        "Les notes sont sur 20, arrondies au centième ; les moyennes sont faites sur les points exacts. Une colonne a "
+        "son propre barème ; un bonus s’ajoute tel quel à la moyenne.",
+        f"« non rendu » : le devoir est fini et rien n’a été envoyé ; il {COUNTED_WORDS[marking.not_handed_in]}.",
+        f"« refusé (retard) » : tout est venu trop tard ; le devoir {COUNTED_WORDS[marking.late_refused]}.",
+        f"« absent » : un enseignant l’a dit ; la note {COUNTED_WORDS[marking.absent]}.",
+        "« dispensé » : le devoir ou l’exercice ne compte pas dans la moyenne. « à venir » : pas encore dû, ne compte "
+        "pas. « 0 » : une note comme une autre.",
+        "Un devoir est fini quand plus rien ne peut être envoyé ; s’il ne ferme pas, quand sa date de rendu est "
+        "passée.",
+        f"D’un devoir rendu, un exercice sans réponse {blank}. En cours, seuls comptent les exercices envoyés, "
+        "et le devoir n’entre pas encore dans la moyenne de l’élève. "
+        "Un devoir sans date compte dès le premier envoi, sur ce qui est envoyé.",
+        "La moyenne et la médiane de la classe sont celles des notes chiffrées : sans les non rendus, les absents ni "
+        "les dispensés.",
+    )
 
 
 def gradebook_sheets(gradebook: Gradebook, format_time: FormatTime) -> tuple[Sheet, ...]:
     return marks_sheet(gradebook), exercises_sheet(gradebook), explanations_sheet(gradebook, format_time)
 
 
-def column_text(gradebook: Gradebook, index: int | None) -> str:
-    """Return the marks at an assignment, or the averages (None): one a line, in the order of the list of names."""
-    cells: list[Cell] = [
-        _round_or_none(row.average) if index is None else mark_cell(row.marks[index]) for row in gradebook.rows
-    ]
+def column_text(gradebook: Gradebook, name: str | None) -> str:
+    """Return the marks of the assignment or column with this id, or the averages (None): one a line, in the order of
+    the list of names."""
+    cells = [_cell_of(gradebook, row, name) for row in gradebook.rows]
     return "\n".join("" if cell is None else cell if isinstance(cell, str) else format_number(cell) for cell in cells)
+
+
+def _cell_of(gradebook: Gradebook, row: StudentMarks, name: str | None) -> Cell:
+    if name is None:
+        return round_or_none(row.average)
+    for column_mark in row.columns:
+        if str(column_mark.column.id) == name:
+            return column_cell(column_mark)
+    (mark,) = (
+        mark for assignment, mark in zip(gradebook.assignments, row.marks, strict=True) if str(assignment.id) == name
+    )
+    return mark_cell(mark)
 
 
 @dataclass(frozen=True)
@@ -156,24 +229,41 @@ class MoodleFile:
 COLUMNS = {MoodleIdentifier.email: "Email address", MoodleIdentifier.id: "ID number"}
 
 
-def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
-    """Return the final marks; an empty cell leaves Moodle's mark as it is.
+REMARKS = "Remarques"
 
-    Tests that are not released are left out, as Moodle would show them; so are students without an identifier of their
-    own.
+
+def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
+    """Return the final marks; an empty cell leaves Moodle's mark as it is, and a last column says its state in words.
+
+    Tests that are not released are left out, as Moodle would show them, and so are columns that are not published;
+    students without an identifier of their own are too.
     """
     titles = unique_titles(gradebook.assignments)
     shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_withheld(assignment, gradebook.at)]
+    published = [n for n, column in enumerate(gradebook.columns) if _is_published(column, gradebook.at)]
+    items = _unique([*(titles[n] for n in shown), *(gradebook.columns[n].full_title for n in published)])
     uses = Counter(_moodle_identity(row.member, identifier) for row in gradebook.rows)
-    rows, left_out = [], []
+    rows: list[tuple[Cell, ...]] = []
+    left_out = []
     for row in gradebook.rows:
         identity = _moodle_identity(row.member, identifier)
         if not identity or uses[identity] > 1 or escape_formula(identity) != identity:
             left_out.append(row.member.name)
-        else:
-            rows.append((identity, *(_final_points(row.marks[index]) for index in shown)))
-    header = (COLUMNS[identifier], *(titles[index] for index in shown))
+            continue
+        marks, columns = [row.marks[n] for n in shown], [row.columns[n] for n in published]
+        points = (*map(_final_points, marks), *(mark.typed.points for mark in columns))
+        states = [*(mark.state for mark in marks), *(mark.state for mark in columns)]
+        remarks = [f"{title} : {state_words(state)}" for title, state in zip(items, states, strict=True)
+                   if state in {*UNMARKED_STATES, MarkState.excused}]  # fmt: skip
+        rows.append((identity, *points, " ; ".join(remarks)))
+    header = (COLUMNS[identifier], *items, REMARKS)
+    if not any(row[-1] for row in rows):
+        header, rows = header[:-1], [row[:-1] for row in rows]
     return MoodleFile(header, tuple(rows), tuple(left_out))
+
+
+def _is_published(column: ColumnRecord, now: datetime) -> bool:
+    return column.published_at is not None and column.published_at <= now
 
 
 def _moodle_identity(student: StudentRecord, identifier: MoodleIdentifier) -> str:
@@ -181,84 +271,4 @@ def _moodle_identity(student: StudentRecord, identifier: MoodleIdentifier) -> st
 
 
 def _final_points(mark: AssignmentMark) -> float | None:
-    cell = mark_cell(mark)
-    return None if isinstance(cell, str) or mark.in_average is None else cell
-
-
-def gradebook_json(gradebook: Gradebook) -> dict[str, Any]:
-    """Return the whole gradebook as plain values (contract, section 6)."""
-    school_class = gradebook.school_class
-    return {
-        "class": {"id": school_class.id, "name": school_class.name, "module": school_class.module},
-        "generated_at": gradebook.at,
-        "assignments": [_assignment_json(gradebook, index) for index in range(len(gradebook.assignments))],
-        "students": [
-            {
-                "id": row.member.id,
-                "name": row.member.name,
-                "groups": list(row.member.groups),
-                "average": _round_or_none(row.average),
-                "marks": [
-                    _assignment_mark_json(assignment, mark)
-                    for assignment, mark in zip(gradebook.assignments, row.marks, strict=True)
-                ],
-            }
-            for row in gradebook.rows
-        ],
-    }
-
-
-def _assignment_json(gradebook: Gradebook, index: int) -> dict[str, Any]:
-    assignment, summary = gradebook.assignments[index], gradebook.summary_of(index)
-    return {
-        "id": assignment.id,
-        "title": assignment.title,
-        "mode": Mode(assignment.mode),
-        "weight": assignment.weight,
-        "opens_at": assignment.opens_at,
-        "due_at": assignment.due_at,
-        "closes_at": assignment.closes_at,
-        "held_back": is_withheld(assignment, gradebook.at),
-        "exercises": [
-            {"exercise": exercise, "weight": weight} for exercise, weight in gradebook.exercises[assignment.id]
-        ],
-        "copies": summary.count,
-        "mean": _round_or_none(summary.mean),
-        "median": _round_or_none(summary.median),
-    }
-
-
-def _assignment_mark_json(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
-    return {
-        "assignment": assignment.id,
-        "state": mark.state,
-        "points": _round_or_none(mark.points),
-        "days_late": mark.days_late,
-        "exercises": [exercise_mark_json(exercise) for exercise in mark.exercises],
-    }
-
-
-def exercise_mark_json(mark: ExerciseMark) -> dict[str, Any]:
-    override = mark.override
-    return {
-        "exercise": mark.exercise,
-        "points": _round_or_none(mark.points),
-        "automatic": _round_or_none(mark.effective.automatic),
-        "excused": mark.excused,
-        "days_late": mark.days_late,
-        "attempts": mark.attempts,
-        "override": None
-        if override is None
-        else {
-            "points": _round_or_none(override.points),
-            "excused": override.excused,
-            "reason": override.reason,
-            "by": override.by or None,
-            "at": override.at,
-            "stale": mark.stale,
-        },
-    }
-
-
-def _round_or_none(points: float | None) -> float | None:
-    return None if points is None else round_points(points)
+    return round_or_none(mark.points) if mark.state is MarkState.done else None

@@ -19,9 +19,21 @@ from server.classes.models import SchoolClass
 from server.classes.schemas import StudentRecord
 from server.course import Course
 from server.gradebook.histories import Revisions, load_attempts, load_revisions
-from server.marks import repository
-from server.marks.marking import AssignmentMarker, mark_exercise
-from server.marks.schemas import ActiveOverride, ExerciseMark, Gradebook, StudentExercise, StudentMarks
+from server.marks import columns_repository, repository
+from server.marks.marking import AssignmentMarker, TeacherChoices, mark_exercise
+from server.marks.schemas import (
+    NEVER_TYPED,
+    ActiveDecision,
+    ActiveOverride,
+    ColumnMark,
+    ColumnRecord,
+    ExerciseMark,
+    Gradebook,
+    OverrideKey,
+    StudentMarks,
+    TypedMark,
+)
+from server.marks.states import ClassMarking
 
 ALL_TITLE = "Exercices du module"
 ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)
@@ -36,7 +48,11 @@ class GradebookInputs:
     now: datetime
     students: Sequence[StudentRecord]
     assigned: ClassAssignments
-    overrides: Mapping[StudentExercise, ActiveOverride]
+    overrides: Mapping[OverrideKey, ActiveOverride]
+    decisions: Mapping[tuple[UUID, UUID], ActiveDecision]
+    marking: ClassMarking
+    columns: Sequence[ColumnRecord]
+    typed: Mapping[tuple[UUID, UUID], TypedMark]
     revisions: Revisions
 
     @cached_property
@@ -56,6 +72,10 @@ class GradebookInputs:
             tuple(self.students),
             self.assigned.version,
             frozenset(self.overrides.items()),
+            frozenset(self.decisions.items()),
+            self.marking,
+            tuple(self.columns),
+            frozenset(self.typed.items()),
             frozenset(self.revisions.items()),
             self._stage,
         )
@@ -78,9 +98,10 @@ def load_gradebook(
 def load_inputs(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
 ) -> GradebookInputs:
-    """Load the inputs in five queries, six where there are tests, whatever the class."""
+    """Load the inputs in eight queries, nine where there are tests, whatever the class."""
     students = classes.list_students(db, school_class.id, only)
     assigned = load_class_assignments(db, school_class.id)
+    columns, typed = columns_repository.load_columns(db, school_class.id, only)
     return GradebookInputs(
         course=course,
         school_class=school_class,
@@ -88,6 +109,10 @@ def load_inputs(
         students=students,
         assigned=assigned if assigned.assignments else _module_as_assignment(course, school_class),
         overrides=repository.load_overrides(db, school_class.id, only),
+        decisions=repository.load_decisions(db, school_class.id, only),
+        marking=repository.load_marking(db, school_class.id),
+        columns=columns,
+        typed=typed,
         revisions=load_revisions(db, [student.id for student in students]),
     )
 
@@ -98,11 +123,17 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
     exercises = {row.exercise for rows in assigned.exercises.values() for row in rows}
     attempts = load_attempts(db, inputs.revisions, exercises, inputs.school_class.archived_at)
     weights = tuple(assignment.weight for assignment in assigned.assignments)
+    marking = inputs.marking.rules
+    choices = TeacherChoices(inputs.overrides, inputs.decisions, marking)
     rows = (
         StudentMarks(
             student,
-            tuple(marker.mark(student.id, attempts, inputs.overrides, inputs.now) for marker in inputs.markers),
+            tuple(marker.mark(student.id, attempts, choices, inputs.now) for marker in inputs.markers),
             weights,
+            tuple(
+                ColumnMark(column, inputs.typed.get((column.id, student.id), NEVER_TYPED), marking)
+                for column in inputs.columns
+            ),
         )
         for student in inputs.students
     )
@@ -115,6 +146,8 @@ def build_gradebook(db: Session, inputs: GradebookInputs) -> Gradebook:
         exercises={
             assignment.id: tuple(assigned.exercises.get(assignment.id, ())) for assignment in assigned.assignments
         },
+        columns=tuple(inputs.columns),
+        marking=marking,
     )
 
 
@@ -142,6 +175,6 @@ def _undated_assignment(school_class: SchoolClass) -> Assignment:
 def load_unassigned_mark(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """Load a student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
     attempts = load_attempts(db, load_revisions(db, [student]), [exercise], school_class.archived_at)
-    override = repository.load_overrides(db, school_class.id, [student], [exercise]).get((student, exercise))
+    override = repository.load_overrides(db, school_class.id, [student], [exercise]).get((student, exercise, None))
     rules = rules_in_force(_undated_assignment(school_class), (), student, ())
     return mark_exercise(exercise, 1.0, attempts.get((student, exercise), ()), rules, AttemptSelection.best, override)

@@ -14,9 +14,24 @@ from server.assignments.models import Assignment, AttemptSelection, Mode, Sittin
 from server.assignments.rules import Rules, rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, AttemptsByPair
-from server.marks.schemas import ActiveOverride, AssignmentMark, ExerciseMark, MarkState, StudentExercise
+from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
+from server.marks.states import DecidedState, MarkingRules, MarkState
 
 ENDED_STAGES = frozenset((SittingStage.over, SittingStage.missed, SittingStage.shown))
+DECIDED: Mapping[DecidedState, MarkState] = {
+    DecidedState.absent: MarkState.absent,
+    DecidedState.excused: MarkState.excused,
+    DecidedState.zero: MarkState.done,
+}
+
+
+@dataclass(frozen=True)
+class TeacherChoices:
+    """What the teachers of a class have set: overrides, decisions by student and assignment, the rules of the mean."""
+
+    overrides: Mapping[OverrideKey, ActiveOverride]
+    decisions: Mapping[tuple[UUID, UUID], ActiveDecision]
+    marking: MarkingRules
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +68,12 @@ class AssignmentMarker:
         self,
         student: UUID,
         attempts: AttemptsByPair,
-        overrides: Mapping[StudentExercise, ActiveOverride],
+        choices: TeacherChoices,
         now: datetime,
     ) -> AssignmentMark:
         """Return the mark of one student."""
         rules, sitting = self.rules[student], self.sittings.get(student)
+        overrides, decision = choices.overrides, choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
         marks = []
         for exercise, weight in self.exercises:
@@ -65,11 +81,15 @@ class AssignmentMarker:
             sent: Attempts = attempts.get(pair, ())
             if is_test:
                 sent = attempts_in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
-            marks.append(mark_exercise(exercise, weight, sent, rules, counts, overrides.get(pair)))
+            override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
+            marks.append(mark_exercise(exercise, weight, sent, rules, counts, override))
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
         ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
-        state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
-        return AssignmentMark(rules, state, tuple(marks), ended)
+        if decision is not None:
+            state = DECIDED[decision.state]
+        else:
+            state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
+        return AssignmentMark(rules, state, tuple(marks), ended, choices.marking, decision)
 
 
 def mark_exercise(
@@ -92,6 +112,7 @@ def mark_exercise(
         sent_at=None if counted is None else counted.sent_at,
         attempts=result.attempts,
         override=override,
+        sent=len(attempts),
     )
 
 
@@ -105,19 +126,23 @@ def mark_state(
 ) -> MarkState:
     """Return the state of an assignment for a student. An override counts as something sent.
 
-    A test is open to a student who has begun it, whatever its dates have become. `ended`: the student can send nothing
-    more, whatever the dates.
+    A test is open to a student who has begun it, whatever its dates have become; once it is over, who has begun it has
+    handed in a copy, perhaps a blank one. `ended`: the student can send nothing more, whatever the dates.
     """
     if rules.excused or (marks and all(mark.excused for mark in marks)):
         return MarkState.excused
-    begun = any(mark.points is not None for mark in marks)
+    over = _state_once_over(marks, has_begun_test=has_begun_test)
     if ended:
-        return MarkState.done if begun else MarkState.absent
+        return over
     if now < rules.opens_at and not has_begun_test:
         return MarkState.upcoming
     end = rules.last_counted_at or rules.due_at
     if end is None:
-        return MarkState.done if begun else MarkState.open
-    if now <= end:
-        return MarkState.open
-    return MarkState.done if begun else MarkState.absent
+        return MarkState.done if any(mark.points is not None for mark in marks) else MarkState.open
+    return MarkState.open if now <= end else over
+
+
+def _state_once_over(marks: Sequence[ExerciseMark], *, has_begun_test: bool) -> MarkState:
+    if has_begun_test or any(mark.points is not None for mark in marks):
+        return MarkState.done
+    return MarkState.late_refused if any(mark.refused for mark in marks) else MarkState.not_handed_in

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
-from enum import StrEnum
+from datetime import date, datetime
 from functools import cached_property
 from uuid import UUID
 
@@ -14,14 +13,34 @@ from server.assignments.models import Assignment, Mode, WeightedExercise
 from server.assignments.rules import Rules
 from server.classes.models import SchoolClass
 from server.classes.schemas import StudentRecord
-from server.marks.means import mean, median, weighted_mean
+from server.marks.means import (
+    FULL_POINTS,
+    MeanTerm,
+    format_number,
+    mean,
+    mean_of_terms,
+    median,
+    weighted_mean,
+)
+from server.marks.states import (
+    DEFAULT_RULES,
+    UNMARKED_STATES,
+    Counting,
+    DecidedState,
+    MarkingRules,
+    MarkState,
+    TypedState,
+)
 
 StudentExercise = tuple[UUID, str]
+#: A student, an exercise, and the assignment in which alone an override holds; None: all that ask the exercise.
+OverrideKey = tuple[UUID, str, UUID | None]
 
 
 @dataclass(frozen=True)
 class ActiveOverride:
-    """An override in force. `by`: the name of its author, empty once the account is gone."""
+    """An override in force. `by`: the name of its author, empty once the account is gone; `assignment_id`: its scope,
+    None for everywhere."""
 
     points: float | None
     excused: bool
@@ -29,6 +48,18 @@ class ActiveOverride:
     by: str
     at: datetime
     based_on: frozenset[str | None]
+    assignment_id: UUID | None = None
+
+
+@dataclass(frozen=True)
+class ActiveDecision:
+    """A decision in force about a student's assignment. `by`: its author's name, empty once the account is gone."""
+
+    id: UUID
+    state: DecidedState
+    reason: str
+    by: str
+    at: datetime
 
 
 @dataclass(frozen=True)
@@ -52,7 +83,7 @@ class ExerciseMark:
     """A student's mark at one exercise of an assignment.
 
     `grading`: the id of the grading that makes the automatic mark, of the attempt sent at `sent_at`; `attempts` counts
-    those within the dates.
+    those within the dates, `sent` all.
     """
 
     exercise: str
@@ -62,6 +93,7 @@ class ExerciseMark:
     sent_at: datetime | None
     attempts: int
     override: ActiveOverride | None
+    sent: int = 0
 
     @cached_property
     def effective(self) -> EffectivePoints:
@@ -76,6 +108,11 @@ class ExerciseMark:
         return self.effective.excused
 
     @property
+    def refused(self) -> bool:
+        """Whether there are attempts, and all came too late to count."""
+        return self.sent > 0 and self.counted is None
+
+    @property
     def stale(self) -> bool:
         """Whether another grading makes the automatic mark than when the override was set."""
         return self.override is not None and self.grading not in self.override.based_on
@@ -85,42 +122,54 @@ class ExerciseMark:
         """Days that the counting attempt is late; 0 where an override is in force."""
         return 0 if self.counted is None or self.override is not None else self.counted.days_late
 
-
-class MarkState(StrEnum):
-    """`upcoming`: not open yet; `open`: work may still be sent; `absent`: it is over and nothing was sent."""
-
-    upcoming = "upcoming"
-    open = "open"
-    done = "done"
-    absent = "absent"
-    excused = "excused"
+    def state_in(self, assignment_state: MarkState) -> MarkState:
+        """Return the state of this exercise in an assignment of that state."""
+        if assignment_state in {MarkState.excused, MarkState.absent}:
+            return assignment_state
+        if self.excused:
+            return MarkState.excused
+        if assignment_state in {MarkState.upcoming, MarkState.open}:
+            return assignment_state
+        if self.points is not None:
+            return MarkState.done
+        return MarkState.late_refused if self.refused else MarkState.not_handed_in
 
 
 @dataclass(frozen=True)
 class AssignmentMark:
     """A student's mark at an assignment. `ended`: it is a test in which the student can send nothing more.
 
-    Once the assignment is over, exercises without an attempt count 0; before, only those with an attempt count. There
-    may be attempts before the opening.
+    Once the assignment is over, an exercise without an attempt counts as the class's rules say; before, only those with
+    an attempt count. There may be attempts before the opening. A decision takes precedence over all.
     """
 
     rules: Rules
     state: MarkState
     exercises: tuple[ExerciseMark, ...]
     ended: bool = False
+    marking: MarkingRules = DEFAULT_RULES
+    decision: ActiveDecision | None = None
 
     @cached_property
     def points(self) -> float | None:
         """The weighted mean of its exercises, excused ones left out; None where nothing counts."""
+        if self.decision is not None and self.decision.state is DecidedState.zero:
+            return 0.0
+        if self.state in UNMARKED_STATES:
+            return self.marking.points_of(self.state)
         if self.state is MarkState.excused:
             return None
-        over = self.state in {MarkState.done, MarkState.absent} and not self.endless
+        over = self.state is MarkState.done and not self.endless
+        blanks_count = over and self.marking.unanswered is Counting.zero
         counted = [
-            exercise for exercise in self.exercises if not exercise.excused and (over or exercise.points is not None)
+            exercise
+            for exercise in self.exercises
+            if not exercise.excused and (blanks_count or exercise.points is not None)
         ]
-        return weighted_mean(
+        points = weighted_mean(
             [(0.0 if exercise.points is None else exercise.points, exercise.weight) for exercise in counted]
         )
+        return 0.0 if points is None and over else points
 
     @property
     def endless(self) -> bool:
@@ -129,8 +178,8 @@ class AssignmentMark:
 
     @property
     def in_average(self) -> float | None:
-        """The points that count in the student's average: None while it is not over."""
-        return self.points if self.state in {MarkState.done, MarkState.absent} else None
+        """The points that count in the student's average: None while it is not over, or by the class's rules."""
+        return None if self.state in {MarkState.open, MarkState.upcoming} else self.points
 
     @cached_property
     def days_late(self) -> int:
@@ -138,26 +187,86 @@ class AssignmentMark:
 
     @cached_property
     def overridden(self) -> bool:
-        return any(exercise.override is not None for exercise in self.exercises)
+        return self.decision is not None or any(exercise.override is not None for exercise in self.exercises)
 
     @cached_property
     def stale(self) -> bool:
-        return any(exercise.stale for exercise in self.exercises)
+        """Whether an override is stale, or something that would count was sent since the decision."""
+        if self.decision is None:
+            return any(exercise.stale for exercise in self.exercises)
+        decided_at = self.decision.at
+        return any(mark.sent_at is not None and mark.sent_at > decided_at for mark in self.exercises)
+
+
+@dataclass(frozen=True)
+class ColumnRecord:
+    """A manual column as it is stored; see `models.ManualColumn`."""
+
+    id: UUID
+    title: str
+    out_of: float
+    taken_on: date | None
+    weight: float
+    bonus: bool
+    published_at: datetime | None
+    version: int
+
+    @property
+    def full_title(self) -> str:
+        """The title with its scale: « Oral /10 »; of a bonus « Participation (bonus) »."""
+        return f"{self.title} (bonus)" if self.bonus else f"{self.title} /{format_number(self.out_of)}"
+
+
+@dataclass(frozen=True)
+class TypedMark:
+    """What a teacher typed for a student in a column: points out of the column's, a state, or neither."""
+
+    points: float | None = None
+    state: TypedState | None = None
+    comment: str = ""
+    version: int = 0
+
+
+NEVER_TYPED = TypedMark()
+
+
+@dataclass(frozen=True)
+class ColumnMark:
+    """A student's mark in a manual column, counted by the rules of the class."""
+
+    column: ColumnRecord
+    typed: TypedMark
+    marking: MarkingRules
+
+    @property
+    def state(self) -> MarkState:
+        if self.typed.state is not None:
+            return MarkState(self.typed.state)
+        return MarkState.upcoming if self.typed.points is None else MarkState.done
+
+    @property
+    def in_average(self) -> float | None:
+        """The points that count, out of 20, of a bonus as they are; None where nothing counts."""
+        if self.typed.points is None:
+            return self.marking.points_of(self.state)
+        return self.typed.points if self.column.bonus else self.typed.points * FULL_POINTS / self.column.out_of
 
 
 @dataclass(frozen=True)
 class StudentMarks:
-    """A student's marks, in the order of the gradebook's assignments."""
+    """A student's marks: at the gradebook's assignments, in order, with their weights, and in its columns."""
 
     member: StudentRecord
     marks: tuple[AssignmentMark, ...]
     weights: tuple[float, ...]
+    columns: tuple[ColumnMark, ...] = ()
 
     @cached_property
     def average(self) -> float | None:
-        """The weighted mean of the assignments that are over, those excused left out."""
-        weighted = [(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
-        return weighted_mean([(points, weight) for points, weight in weighted if points is not None])
+        """The mean of what counts: the assignments that are over and the columns, by their weights, and bonuses."""
+        assignments = [MeanTerm(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
+        columns = [MeanTerm(mark.in_average, mark.column.weight, mark.column.bonus) for mark in self.columns]
+        return mean_of_terms([*assignments, *columns])
 
 
 @dataclass(frozen=True)
@@ -183,16 +292,23 @@ class Gradebook:
     rows: tuple[StudentMarks, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     exercises: Mapping[UUID, tuple[WeightedExercise, ...]] = field(default_factory=dict)
+    columns: tuple[ColumnRecord, ...] = ()
+    marking: MarkingRules = DEFAULT_RULES
 
     def title_of(self, exercise: str) -> str:
         """Return the title of an exercise, or its id once it has left the course."""
         return self.titles.get(exercise, exercise)
 
     def summary_of(self, index: int) -> MarkSummary:
-        """Summarise the marks at one assignment, absent and excused students left out."""
+        """Summarise the marks at one assignment that have points of their own: neither states nor rules count."""
         marks = [row.marks[index] for row in self.rows]
         points_sent = [mark.points for mark in marks if mark.state in {MarkState.done, MarkState.open}]
         return summarise([points for points in points_sent if points is not None])
+
+    def summary_of_column(self, index: int) -> MarkSummary:
+        """Summarise the points typed in one column, out of its own scale."""
+        typed = [row.columns[index].typed.points for row in self.rows]
+        return summarise([points for points in typed if points is not None])
 
     @cached_property
     def averages(self) -> MarkSummary:
@@ -203,53 +319,3 @@ def is_withheld(assignment: Assignment, now: datetime) -> bool:
     """Whether it is a test whose results are not released yet."""
     released = assignment.released_at
     return assignment.mode == Mode.test and (released is None or released > now)
-
-
-@dataclass(frozen=True)
-class OwnMark:
-    """A mark as its student sees it: None while a test withholds it, or one of its exercises.
-
-    `exercises`: the marks of exercises that are shown all the same.
-    """
-
-    assignment: Assignment
-    rules: Rules
-    mark: AssignmentMark | None
-    exercises: Mapping[str, ExerciseMark] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class OwnMarks:
-    """A student's own marks, in the order of the assignments, and the average of those that are shown."""
-
-    marks: tuple[OwnMark, ...] = ()
-    average: float | None = None
-    titles: Mapping[str, str] = field(default_factory=dict)
-
-    @staticmethod
-    def from_gradebook(gradebook: Gradebook, withheld_exercises: Collection[str]) -> OwnMarks:
-        """Return the marks of the only student of a gradebook, none where it has no row.
-
-        `withheld_exercises`: those of which a test withholds attempts from this student.
-        """
-        if not gradebook.rows:
-            return OwnMarks()
-        (row,) = gradebook.rows
-        visible = [
-            not is_withheld(assignment, gradebook.at)
-            and not any(
-                exercise.exercise in withheld_exercises for exercise in gradebook.exercises.get(assignment.id, ())
-            )
-            for assignment in gradebook.assignments
-        ]
-        visible_row = StudentMarks(
-            row.member,
-            tuple(mark for mark, is_visible in zip(row.marks, visible, strict=True) if is_visible),
-            tuple(weight for weight, is_visible in zip(row.weights, visible, strict=True) if is_visible),
-        )
-        marks = []
-        for assignment, mark, is_visible in zip(gradebook.assignments, row.marks, visible, strict=True):
-            visible_marks = () if is_withheld(assignment, gradebook.at) else mark.exercises
-            exercises = {own.exercise: own for own in visible_marks if own.exercise not in withheld_exercises}
-            marks.append(OwnMark(assignment, mark.rules, mark if is_visible else None, exercises))
-        return OwnMarks(tuple(marks), visible_row.average, gradebook.titles)

@@ -21,14 +21,19 @@ from server.database import utc_now
 from server.gradebook import standings
 from server.gradebook.service import load_withholding_times
 from server.identity.models import Account
-from server.marks import repository
+from server.marks import columns_repository, repository
 from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
-from server.marks.schemas import EffectivePoints, ExerciseMark, OwnMarks, StudentExercise
+from server.marks.own import OwnMarks
+from server.marks.schemas import EffectivePoints, ExerciseMark, StudentExercise
 from server.text.lines import character_problem, tidy_lines
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
+NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
+NOT_IN_ASSIGNMENT = "Ce devoir ne demande pas cet exercice."
+EVERYWHERE = "dans tous les devoirs"
+IN_ASSIGNMENT = "dans le devoir « {title} » seulement"
 NOTHING_SET = "Cette note n’est pas modifiée, ou ne l’est plus."
 ONE_OF = "Donnez des points, ou dispensez de l’exercice : l’un des deux."
 OUT_OF_RANGE = "Les points vont de 0 à 20."
@@ -46,7 +51,7 @@ def load_effective_points(
     """
     totals_by_pair = standings.load_standings(db, students, exercises)
     points = {pair: EffectivePoints(FULL_POINTS * totals.best_score) for pair, totals in totals_by_pair.items()}
-    for pair, override in repository.load_overrides(db, class_id, students, exercises).items():
+    for pair, override in repository.load_exercise_overrides(db, class_id, students, exercises).items():
         points[pair] = EffectivePoints(points[pair].automatic if pair in points else None, override)
     return points
 
@@ -90,13 +95,18 @@ def set_override(
     points: float | None,
     excused: bool,
     reason: str,
+    assignment_id: UUID | None = None,
 ) -> None:
-    """Set a mark in place of the automatic one, or of an earlier override. Raise NotFound, Conflict or Invalid."""
+    """Set a mark in place of the automatic one, or of an earlier override of this scope.
+
+    `assignment_id`: the only assignment in which it holds; None: all that ask the exercise, now and later. Raise
+    NotFound, Conflict or Invalid.
+    """
     if (points is None) is not excused:
         raise Invalid(ONE_OF)
     points, reason = None if points is None else _check_points(points), parse_reason(reason)
-    earlier = _lock_override(db, course, school_class, student, exercise)
-    marks = load_exercise_marks(db, course, school_class, student, exercise)
+    earlier, scope = _lock_override(db, course, school_class, student, exercise, assignment_id)
+    marks = load_exercise_marks(db, course, school_class, student, exercise, assignment_id)
     now = utc_now()
     if earlier is not None:
         earlier.withdrawn_at = now
@@ -105,6 +115,7 @@ def set_override(
         class_id=school_class.id,
         account_id=student,
         exercise=exercise,
+        assignment_id=assignment_id,
         points=points,
         excused=excused,
         reason=reason,
@@ -119,7 +130,7 @@ def set_override(
         by.id,
         AuditAction.mark_overridden,
         student=student,
-        about=exercise_title(course, exercise),
+        about=f"{exercise_title(course, exercise)}, {scope}",
         before=_automatic_values(marks) if earlier is None else _override_values(earlier),
         after=_override_values(override),
         reason=reason,
@@ -128,13 +139,24 @@ def set_override(
 
 
 def withdraw_override(
-    db: Session, course: Course, school_class: SchoolClass, by: Account, student: UUID, exercise: str, reason: str = ""
+    db: Session,
+    course: Course,
+    school_class: SchoolClass,
+    by: Account,
+    student: UUID,
+    exercise: str,
+    reason: str = "",
+    *,
+    assignment_id: UUID | None = None,
 ) -> None:
-    """Put the automatic mark in force again, if it is not already. Raise NotFound or Conflict."""
-    override = _lock_override(db, course, school_class, student, exercise)
+    """Withdraw the override of this scope, if there is one: see `set_override`. Raise NotFound or Conflict.
+
+    In an assignment, an override that holds everywhere is then in force again, else the automatic mark.
+    """
+    override, scope = _lock_override(db, course, school_class, student, exercise, assignment_id)
     if override is None:
         return
-    marks = load_exercise_marks(db, course, school_class, student, exercise)
+    marks = load_exercise_marks(db, course, school_class, student, exercise, assignment_id)
     override.withdrawn_at = utc_now()
     audit.record_event(
         db,
@@ -142,7 +164,7 @@ def withdraw_override(
         by.id,
         AuditAction.override_withdrawn,
         student=student,
-        about=exercise_title(course, exercise),
+        about=f"{exercise_title(course, exercise)}, {scope}",
         before=_override_values(override),
         after=_automatic_values(marks),
         reason=parse_reason(reason) if reason.strip() else "",
@@ -151,17 +173,32 @@ def withdraw_override(
 
 
 def _lock_override(
-    db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str
-) -> Override | None:
-    """Return the override in force, and lock the overrides of the class until the commit."""
+    db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str, assignment_id: UUID | None
+) -> tuple[Override | None, str]:
+    """Return the override in force of this scope, and the scope in words; lock those of the class until the commit."""
+    lock_student(db, school_class, student)
+    if assignment_id is None:
+        if not _belongs_to_class(db, course, school_class, exercise):
+            raise NotFound(NO_SUCH_EXERCISE)
+        scope = EVERYWHERE
+    else:
+        assigned = load_class_assignments(db, school_class.id)
+        assignment = next((each for each in assigned.assignments if each.id == assignment_id), None)
+        if assignment is None:
+            raise NotFound(NO_SUCH_ASSIGNMENT)
+        if all(row.exercise != exercise for row in assigned.exercises[assignment_id]):
+            raise NotFound(NOT_IN_ASSIGNMENT)
+        scope = IN_ASSIGNMENT.format(title=assignment.title)
+    return repository.find_override(db, school_class.id, student, exercise, assignment_id), scope
+
+
+def lock_student(db: Session, school_class: SchoolClass, student: UUID) -> None:
+    """Lock what teachers decide in an open class until the commit. Raise NotFound for anyone but an active student."""
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     membership = classes.find_membership(db, school_class.id, student)
     if membership is None or membership.role != ClassRole.student or membership.status != Status.active:
         raise NotFound(NOT_A_MEMBER)
-    if not _belongs_to_class(db, course, school_class, exercise):
-        raise NotFound(NO_SUCH_EXERCISE)
-    return repository.find_override(db, school_class.id, student, exercise)
 
 
 def _belongs_to_class(db: Session, course: Course, school_class: SchoolClass, exercise: str) -> bool:
@@ -174,12 +211,23 @@ def _belongs_to_class(db: Session, course: Course, school_class: SchoolClass, ex
 
 
 def load_exercise_marks(
-    db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str
+    db: Session,
+    course: Course,
+    school_class: SchoolClass,
+    student: UUID,
+    exercise: str,
+    assignment_id: UUID | None = None,
 ) -> list[ExerciseMark]:
-    """Load a student's marks at an exercise, one for each assignment that asks it; where none does, of all attempts."""
+    """Load a student's marks at an exercise: one for each assignment that asks it, or that of one of them; where none
+    asks it, that of all attempts."""
     gradebook = load_gradebook(db, course, school_class, utc_now(), only=[student])
-    all_marks = [exercise_mark for row in gradebook.rows for mark in row.marks for exercise_mark in mark.exercises]
-    marks = [mark for mark in all_marks if mark.exercise == exercise]
+    marks = [
+        exercise_mark
+        for row in gradebook.rows
+        for assignment, mark in zip(gradebook.assignments, row.marks, strict=True)
+        for exercise_mark in mark.exercises
+        if exercise_mark.exercise == exercise and assignment_id in {None, assignment.id}
+    ]
     return marks or [load_unassigned_mark(db, school_class, student, exercise)]
 
 
@@ -207,6 +255,9 @@ def load_own_marks(db: Session, course: Course, school_class: SchoolClass, stude
     return OwnMarks.from_gradebook(gradebook, load_withholding_times(db, student))
 
 
-def adopt_overrides(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Move a guest's overrides to the account that the same person has opened."""
-    repository.move_overrides(db, guest_id, account_id, utc_now())
+def adopt_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Move what teachers set for a guest to the account that the same person has opened."""
+    now = utc_now()
+    repository.move_overrides(db, guest_id, account_id, now)
+    repository.move_decisions(db, guest_id, account_id, now)
+    columns_repository.move_marks(db, guest_id, account_id)

@@ -122,11 +122,12 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("submission", "grading", "standing", "deal", "poll_answer", "regrade_item"),
     ),
     lambda _: Row(
-        "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées",
+        "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées, absences et dispenses, notes "
+        "tapées par les enseignants",
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("sitting", "saved_work", "exemption", "mark_override"),
+        ("sitting", "saved_work", "exemption", "mark_override", "mark_decision", "manual_mark"),
     ),
     lambda _: Row(
         "Messages et mots ; phrases d’un enseignant",
@@ -143,7 +144,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("membership",),
     ),
     lambda _: Row(
-        "Classes, devoirs, corrigés ouverts, recorrections",
+        "Classes, devoirs, colonnes et règles du carnet, corrigés ouverts, recorrections",
         CLASS,
         "avec la classe, dans la base de données",
         (),
@@ -151,6 +152,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
             "school_class",
             "assignment",
             "assigned_exercise",
+            "manual_column",
+            "marking_policy",
             "class_opening",
             "solution_opening",
             "regrade",

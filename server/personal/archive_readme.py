@@ -6,8 +6,8 @@ READ_ME = """Vos données sur Balise
 compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, ce qui y est noté de vous, les aménagements en vigueur pour vous
-notes.json       les notes que des enseignants ont modifiées, et ce que les journaux des classes
-                 disent de vous, ou de ce que vous y avez changé
+notes.json       les notes que des enseignants ont modifiées ou tapées, les absences et les dispenses,
+                 et ce que les journaux des classes disent de vous, ou de ce que vous y avez changé
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
 messages.json    ce que vous avez écrit et ce qu’on vous a écrit sur votre travail,
                  et, pour un enseignant, les phrases que vous gardez

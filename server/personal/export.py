@@ -14,8 +14,6 @@ from server.assignments import feedback, sitting_repository
 from server.assignments import repository as assignments
 from server.assignments.exemption_service import exemption_effects
 from server.assignments.feedback import FeedbackHolds
-from server.audit import repository as audit
-from server.audit.models import AuditAction, AuditEvent
 from server.classes import repository as classes
 from server.comments import service as comments
 from server.comments.schemas import Conversation
@@ -26,10 +24,9 @@ from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
-from server.marks import repository as marks
-from server.marks.models import Override
 from server.personal import repository
 from server.personal.archive_readme import READ_ME
+from server.personal.marks_data import format_time, marks_data
 from server.polls import repository as polls
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
@@ -50,7 +47,7 @@ def export_files(database: Database, course: Course, account_id: UUID) -> Iterat
             return
         yield "compte.json", _json(_account(db, account))
         yield "classes.json", _json(_classes(db, account_id))
-        yield "notes.json", _json(_marks(db, account_id))
+        yield "notes.json", _json(marks_data(db, account_id))
         yield "exercices.json", _json(_exercises(db, account_id))
         yield "messages.json", _json(_messages(db, account_id))
         yield "controles.json", _json(_tests(db, account_id))
@@ -83,15 +80,15 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
     ending = "json" if exercise is not None and exercise.answers is not None else "py"
     yield f"{folder}/reponse.{ending}", submission.source
     about: dict[str, Any] = {"id": str(name), "exercise": submission.exercise}
-    about |= {"sent_at": _time(submission.created_at)} | ({"held_by_a_test": True} if held else {})
+    about |= {"sent_at": format_time(submission.created_at)} | ({"held_by_a_test": True} if held else {})
     yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
 
 
 def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackHolds) -> dict[str, Any]:
     return {
         "counts": grading.id == submission.grading_id,
-        "started_at": _time(grading.started_at),
-        "finished_at": _time(grading.finished_at),
+        "started_at": format_time(grading.started_at),
+        "finished_at": format_time(grading.finished_at),
         "verdict": feedback_rules.redact(Verdict.from_json(grading.verdict)).to_json(),
     }
 
@@ -104,17 +101,20 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "name": account.name,
         "login": account.login,
         "role": account.role,
-        "created_at": _time(account.created_at),
-        "known_browsers": [{"seen_at": _time(device.seen_at)} for device in identity.load_devices(db, account.id)],
+        "created_at": format_time(account.created_at),
+        "known_browsers": [
+            {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
+        ],
         "sessions": [
-            {"created_at": _time(session.created_at), "expires_at": _time(session.expires_at)} for session in sessions
+            {"created_at": format_time(session.created_at), "expires_at": format_time(session.expires_at)}
+            for session in sessions
         ],
         "api_tokens": [
             {
                 "label": token.label,
-                "created_at": _time(token.created_at),
-                "expires_at": _time(token.expires_at),
-                "last_used_at": _time(token.last_used_at),
+                "created_at": format_time(token.created_at),
+                "expires_at": format_time(token.expires_at),
+                "last_used_at": format_time(token.last_used_at),
             }
             for token in tokens
         ],
@@ -141,7 +141,7 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
             for name, standing in sorted(sums.items())
         ],
         "deals": [
-            {"exercise": variant.exercise, "seed": variant.seed, "created_at": _time(variant.created_at)}
+            {"exercise": variant.exercise, "seed": variant.seed, "created_at": format_time(variant.created_at)}
             for variant in repository.variants_of(db, account_id)
         ],
         "lesson_answers": [
@@ -150,17 +150,17 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
                 "first": poll_answer.answer,
                 "last": poll_answer.last,
                 "tries": poll_answer.tries,
-                "answered_at": _time(poll_answer.answered_at),
-                "last_at": _time(poll_answer.last_at),
+                "answered_at": format_time(poll_answer.answered_at),
+                "last_at": format_time(poll_answer.last_at),
             }
             for poll_answer in polls.load_answers(db, account_id)
         ],
         "solutions_opened": [
-            {"exercise": opening.exercise, "opened_at": _time(opening.opened_at)}
+            {"exercise": opening.exercise, "opened_at": format_time(opening.opened_at)}
             for opening in repository.solution_openings_by(db, account_id)
         ],
         "solutions_opened_to_classes": [
-            {"exercise": opening.exercise, "class": name, "opened_at": _time(opening.opened_at)}
+            {"exercise": opening.exercise, "class": name, "opened_at": format_time(opening.opened_at)}
             for opening, name in repository.class_openings_by(db, account_id)
         ],
     }
@@ -176,8 +176,8 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
         "sittings": [
             {
                 "title": title,
-                "began_at": _time(sitting.began_at),
-                "handed_in_at": _time(sitting.handed_in_at),
+                "began_at": format_time(sitting.began_at),
+                "handed_in_at": format_time(sitting.handed_in_at),
                 "ended_by": sitting.ended_by,
             }
             for sitting, title in sitting_repository.load_account_sittings(db, account_id)
@@ -185,7 +185,7 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
         "saved": [
             {
                 "exercise": work.exercise,
-                "saved_at": _time(work.saved_at),
+                "saved_at": format_time(work.saved_at),
                 "text": work.source.decode(errors="replace"),
             }
             for work in sitting_repository.load_all_saved_work(db, account_id)
@@ -204,9 +204,9 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
             "given_name": joined_class.membership.given_name,
             "email": joined_class.membership.email,
             "groups": joined_class.membership.groups,
-            "joined_at": _time(joined_class.membership.joined_at),
-            "left_at": _time(joined_class.membership.left_at),
-            "last_seen_at": _time(joined_class.membership.last_seen_at),
+            "joined_at": format_time(joined_class.membership.joined_at),
+            "left_at": format_time(joined_class.membership.left_at),
+            "last_seen_at": format_time(joined_class.membership.last_seen_at),
             "exemptions": [
                 {"assignment": title, **{name: _plain(value) for name, value in exemption_effects(exemption).items()}}
                 for title, exemption in assignments.load_student_exemptions(
@@ -223,7 +223,7 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
     return {
         "threads": [_thread(talk) for talk in own.conversations],
         "written_on_work_of_others": [
-            {"exercise": exercise, "text": message.text, "at": _time(message.created_at)}
+            {"exercise": exercise, "text": message.text, "at": format_time(message.created_at)}
             for message, exercise in own.staff_messages
         ],
         "phrases": [
@@ -240,13 +240,13 @@ def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
                 "exercise": note_copy.note.exercise,
                 "text": note_copy.note.text,
                 "link": note_copy.note.link,
-                "at": _time(note_copy.note.created_at),
-                "seen_at": _time(note_copy.seen_at),
+                "at": format_time(note_copy.note.created_at),
+                "seen_at": format_time(note_copy.seen_at),
             }
             for note_copy in own.received_notes
         ],
         "words_of_yours": [
-            {"exercise": note.exercise, "text": note.text, "link": note.link, "at": _time(note.created_at)}
+            {"exercise": note.exercise, "text": note.text, "link": note.link, "at": format_time(note.created_at)}
             for note in own.sent_notes
         ],
     }
@@ -261,79 +261,20 @@ def _thread(talk: Conversation) -> dict[str, Any]:
         "lines": None if talk.lines is None else [talk.lines.first, talk.lines.last],
         "check": thread.check_id,
         "state": thread.state,
-        "seen_at": _time(thread.seen_at),
+        "seen_at": format_time(thread.seen_at),
         "messages": [
             {
                 "by": "staff" if said.message.as_staff else "you",
                 "text": said.text,
-                "at": _time(said.message.created_at),
+                "at": format_time(said.message.created_at),
             }
             for said in talk.messages
         ],
     }
 
 
-#: Their reason is for the staff alone: who may read it is asked of the school.
-PRIVATE = frozenset({AuditAction.exemption_made, AuditAction.exemption_revoked})
-OF_MARKS = frozenset(
-    {
-        AuditAction.mark_overridden,
-        AuditAction.override_withdrawn,
-        AuditAction.regrade_applied,
-        AuditAction.regrade_undone,
-    }
-)
-
-
-def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
-    """Events say in words what they are about: while a test holds anything, none is told of any mark from then on."""
-    held = gradebook.load_withholding_times(db, account_id)
-    since = min(held.values(), default=None)
-    about = [
-        {**_event(event, name), "reason": _reason(event)}
-        for event, name in audit.load_events_about(db, account_id)
-        if since is None or event.at < since or event.what not in OF_MARKS
-    ]
-    by = [{**_event(event, name), "reason": event.reason} for event, name in audit.load_events_by(db, account_id)]
-    return {
-        "overrides": [
-            _override(override, name)
-            for override, name in marks.list_overrides_on(db, account_id)
-            if override.exercise not in held or override.at < held[override.exercise]
-        ],
-        "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
-        "changes_about_you": about,
-        "changes_you_made": by,
-    }
-
-
-def _override(override: Override, name: str) -> dict[str, Any]:
-    return {
-        "class": name,
-        "exercise": override.exercise,
-        "points": override.points,
-        "excused": override.excused,
-        "reason": override.reason,
-        "at": _time(override.at),
-        "withdrawn_at": _time(override.withdrawn_at),
-    }
-
-
-def _event(event: AuditEvent, name: str) -> dict[str, Any]:
-    change = {"what": event.what, "about": event.about, "before": event.before, "after": event.after}
-    return {"class": name, "at": _time(event.at), **change}
-
-
-def _reason(event: AuditEvent) -> str:
-    return "" if event.what in PRIVATE else event.reason
-
-
 def _plain(value: Any) -> Any:
-    return _time(value) if isinstance(value, datetime) else value
-
-
-def _time(when: datetime | None) -> str | None:
-    return None if when is None else when.isoformat()
+    return format_time(value) if isinstance(value, datetime) else value
 
 
 def _json(content: Any) -> bytes:

@@ -23,6 +23,6 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
     exemption_service.adopt(db, guest_id, account_id)
-    marks.adopt_overrides(db, guest_id, account_id)
+    marks.adopt_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

@@ -20,6 +20,8 @@ from server.base.files import TEMPLATES
 from server.base.http import SAFE_METHODS
 from server.course import Course, Module
 from server.identity.models import Account
+from server.marks import means
+from server.marks.own import column_mark_text
 from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
@@ -43,12 +45,20 @@ def jinja_environment() -> Environment:
         lstrip_blocks=True,
     )
     jinja.filters.update(
-        french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken
-    )
+        french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken,
+        iso_moment=words.iso_moment, short_moment=words.short_moment, decimal=means.format_number,
+        points_or_dash=points_or_dash,
+    )  # fmt: skip
     jinja.globals.update(
-        static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone
-    )
+        static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone,
+        mean_formula=means.FORMULA, column_mark_text=column_mark_text,
+    )  # fmt: skip
     return jinja
+
+
+def points_or_dash(points: float | None) -> str:
+    """Points rounded to the hundredth, « — » for none."""
+    return "—" if points is None else means.format_points(points)
 
 
 def ticks(message: str) -> Markup:

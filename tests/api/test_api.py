@@ -433,6 +433,8 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
         "/api/v1/classes/{class_id}/names/{module}/{slug}/{group}",
         "/api/v1/classes/{class_id}/dashboard", "/api/v1/classes/{class_id}/events",
         "/api/v1/classes/{class_id}/assignments", "/api/v1/classes/{class_id}/assignments/{aid}",
+        "/api/v1/classes/{class_id}/assignments/{aid}/decisions/{student}",
+        "/api/v1/classes/{class_id}/marking",
         "/api/v1/classes/{class_id}/assignments/{aid}/exceptions",
         "/api/v1/classes/{class_id}/assignments/{aid}/exceptions/{eid}",
         "/api/v1/classes/{class_id}/assignments/{aid}/rules",

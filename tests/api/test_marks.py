@@ -45,7 +45,7 @@ def test_a_mark_is_set_read_looked_at_again_and_withdrawn(site: Site, term: Term
     assert (override["reason"], override["by"], override["stale"]) == ("à l’oral", "Mme Martin", False)
     term.send(ada, POSES, 6, DUE)
     made = call(site, martin, "GET", f"{term.made.id}/gradebook").json()
-    assert made.keys() == {"class", "generated_at", "assignments", "students"}
+    assert made.keys() == {"class", "generated_at", "marking", "assignments", "columns", "students"}
     (column,), (row,) = made["assignments"], made["students"]
     assert [one["weight"] for one in column["exercises"]] == [2, 1]
     assert (column["copies"], column["mean"], column["median"]) == (1, 7.33, 7.33)
@@ -107,7 +107,7 @@ def test_files_say_what_the_json_says(site: Site, term: Term, martin: Person) ->
 
     made = file("json").json()
     known = [[one["points"] for one in row["marks"]] + [row["average"]] for row in made["students"]]
-    assert known == [[12.5, 13.33, 13.06], [0, 0, 0]]
+    assert known == [[12.5, 13.33, 13.06], [None, None, None]]
 
     sheet = file("csv")
     assert sheet.headers["content-disposition"].startswith('attachment; filename="balise-mpsi-2-notes-20')
@@ -116,13 +116,13 @@ def test_files_say_what_the_json_says(site: Site, term: Term, martin: Person) ->
     assert header == ["Nom", "Prénom", "Identifiant", "Groupe", "'=DM; 1", "DM 2", "Moyenne"]
     assert first[:2] == ["Lovelace", "Ada"]
     assert first[4:] == [format_number(one) for one in known[0]] == ["12,5", "13,33", "13,06"]
-    assert second[4:] == ["Abs", "Abs", "0"]
+    assert second[4:] == ["non rendu", "non rendu", ""]
 
     xlsx = file("xlsx")
     book = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(xlsx.content))
     assert book.sheet_names == ["Notes", "Exercices", "Explications"]
     notes = book.get_sheet_by_name("Notes").to_python()
-    assert (notes[0][4], notes[1][4:], notes[2][4:]) == ("=DM; 1", known[0], ["Abs", "Abs", 0])
+    assert (notes[0][4], notes[1][4:], notes[2][4:]) == ("=DM; 1", known[0], ["non rendu", "non rendu", ""])
     weights = [row[:2] for row in book.get_sheet_by_name("Explications").to_python()[1:3]]
     assert weights == [["=DM; 1", 1], ["DM 2", 2]]
 

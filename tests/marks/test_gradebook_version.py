@@ -10,7 +10,7 @@ from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
-from uuid import UUID
+from uuid import UUID, uuid4
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -35,7 +35,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.marks.loading import GradebookInputs, build_gradebook, load_inputs
-from server.marks.models import Override
+from server.marks.models import ManualColumn, ManualMark, MarkingPolicy, Override, StateDecision
 from server.marks.schemas import Gradebook, is_withheld
 from server.personal.guest_adoption import adopt_guest_data
 from server.submissions.models import Submission
@@ -74,7 +74,7 @@ def contents(gradebook: Gradebook) -> list[object]:
     columns = Assignment.__table__.columns.keys()
     assignments = [[getattr(one, name) for name in columns] for one in gradebook.assignments]
     withheld = [is_withheld(one, gradebook.at) for one in gradebook.assignments]
-    return [assignments, withheld, gradebook.rows, gradebook.titles, gradebook.exercises]
+    return [assignments, withheld, gradebook.rows, gradebook.titles, gradebook.exercises, gradebook.columns]
 
 
 def forget() -> None:
@@ -119,6 +119,19 @@ def test_every_change_is_shown_at_once(database: Database, course: Course) -> No
             row = {"class_id": term.made.id, "reason": "oral", "based_on": [], "by": martin.id}
             db.add(Override(account_id=ada.id, exercise=POSES, points=18.0, **row))
 
+    def marked_in(assignment: UUID) -> None:
+        with database.write() as db:
+            row = {"class_id": term.made.id, "reason": "oral", "based_on": []}
+            db.add(Override(account_id=ada.id, exercise=POSES, assignment_id=assignment, points=19.0, **row))
+
+    def decided() -> None:
+        with database.write() as db:
+            db.add(StateDecision(assignment_id=given.id, account_id=ada.id, state="absent"))
+
+    rules = dict.fromkeys(("not_handed_in", "late_refused", "absent", "unanswered"), "zero")
+    zeroes = MarkingPolicy(class_id=term.made.id, **rules)
+    oral = ManualColumn(id=uuid4(), class_id=term.made.id, title="Oral", out_of=10.0, position=1)
+
     def listed(**values: Any) -> Callable[[], None]:
         return setting(Membership, Membership.class_id == term.made.id, Membership.account_id == alan.id, **values)
 
@@ -139,7 +152,16 @@ def test_every_change_is_shown_at_once(database: Database, course: Course) -> No
         "marked": marked,
         "who marked is called otherwise": setting(Account, Account.id == martin.id, name="Mme Roy"),
         "who marked has gone": doing(lambda db: db.execute(delete(Account).where(Account.id == martin.id))),
+        "marked in one assignment": lambda: marked_in(given.id),
         "mark withdrawn": setting(Override, withdrawn_at=AFTER),
+        "absent": decided,
+        "absent no more": setting(StateDecision, withdrawn_at=AFTER),
+        "zero for what is missing": doing(lambda db: db.add(zeroes)),
+        "column": doing(lambda db: db.add(oral)),
+        "typed": doing(lambda db: db.add(ManualMark(column_id=oral.id, account_id=ada.id, points=7.0))),
+        "typed anew": setting(ManualMark, points=None, state="absent"),
+        "column renamed": setting(ManualColumn, title="Exposé"),
+        "column deleted": setting(ManualColumn, deleted_at=AFTER),
         "exempt": exempt,
         "exempt by a label": exempt_a_group,
         "revoked": setting(Exemption, Exemption.label == "TP1", revoked_at=AFTER),

@@ -19,7 +19,8 @@ from server.marks import service
 from server.marks.files import MoodleIdentifier, column_text, moodle_file
 from server.marks.loading import load_gradebook
 from server.marks.models import Override
-from server.marks.schemas import AssignmentMark, Gradebook, MarkState
+from server.marks.schemas import AssignmentMark, Gradebook
+from server.marks.states import MarkState
 from tests.support.caches import clear_caches
 from tests.support.classes import seat
 from tests.support.counting import Counted
@@ -52,7 +53,7 @@ def change(term: Term, course: Course, student: Account, exercise: str = POSES, 
 def test_missing_exercises_count_zero_once_the_assignment_is_over(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0, ODOMETRY: 3.0})
     ada = term.student("Ada", "Lovelace")
-    assert (only(term, course).state, only(term, course).points) == (MarkState.absent, 0)
+    assert (only(term, course).state, only(term, course).points) == (MarkState.not_handed_in, None)
     assert only(term, course, OPENS - DAY).state is MarkState.upcoming
     assert (only(term, course, OPENS).state, only(term, course, OPENS).points) == (MarkState.open, None)
     term.send(ada, POSES, 13)
@@ -80,7 +81,7 @@ def test_a_test_is_over_once_handed_in_whatever_its_dates(term: Term, course: Co
     assert before["Blaise Pascal"] == (MarkState.open, None, None)
     with term.database.write() as db:
         db.merge(test).released_at = AFTER - DAY
-    assert told() == {**before, "Blaise Pascal": (MarkState.absent, 0.0, 0.0)}
+    assert told() == {**before, "Blaise Pascal": (MarkState.not_handed_in, None, None)}
 
 
 def test_exemptions_of_a_student_change_their_marks(term: Term, course: Course) -> None:
@@ -221,7 +222,9 @@ def test_column_text_and_moodle_file(term: Term, course: Course) -> None:
     term.send(zola, POSES, 12.5)
     change(term, course, hopper, excused=True)
     found = made(term, course)
-    assert column_text(found, 0) == "Abs\nAbs\ndisp.\nAbs\nAbs\n12,5"
+    assert (
+        column_text(found, str(found.assignments[0].id)) == "non rendu\nnon rendu\ndispensé\nnon rendu\nnon rendu\n12,5"
+    )
     assert [row.member.family_name for row in found.rows] == [
         "Deux",
         "Éluard",
@@ -232,7 +235,8 @@ def test_column_text_and_moodle_file(term: Term, course: Course) -> None:
     ]
     moodle = moodle_file(found, MoodleIdentifier.email)
     assert b"".join(moodle.lines()).decode() == (
-        '"Email address","DM"\r\n"eluard@example.org",""\r\n"hopper@example.org",""\r\n"zola@example.org","12.5"\r\n'
+        '"Email address","DM","Remarques"\r\n"eluard@example.org","","DM : non rendu"\r\n'
+        '"hopper@example.org","","DM : dispensé"\r\n"zola@example.org","12.5",""\r\n'
     )
     assert set(moodle.left_out) == {"Ada Lovelace", "Bob Un", "Bob Deux"}
 
@@ -252,4 +256,4 @@ def test_a_gradebook_takes_as_many_queries_for_a_bigger_class(term: Term, course
         student = term.student("Ada", f"n° {number}")
         term.send(student, POSES, 4)
         change(term, course, student, points=4.0)
-    assert statements() == few <= 6
+    assert statements() == few <= 9

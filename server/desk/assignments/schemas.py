@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 from server.desk.assignments.late_line import LateLine
 from server.desk.schemas import ClassHead, OwnMembership, ReleaseView, StaffRow
+from server.marks.own import OwnMarks
+from server.marks.schemas import ActiveDecision
 
 
 @dataclass(frozen=True)
@@ -247,7 +249,7 @@ class OwnTestStatus:
 class OwnAssignment:
     """An assignment with the rules in force for who looks; `exercises` is None while they are not told.
 
-    `mark`: points out of 20 once it is over and they are told.
+    `mark`: in words, once it is over, or decided, and told; `decision`: of a teacher, about the whole assignment.
     """
 
     id: str
@@ -266,6 +268,7 @@ class OwnAssignment:
     differs: bool
     test: OwnTestStatus | None = None
     mark: str = ""
+    decision: ActiveDecision | None = None
 
 
 @dataclass(frozen=True)
@@ -283,7 +286,7 @@ class NextStep:
 class OwnClassPage:
     """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes.
 
-    `done`: what is open still, with nothing left to do there.
+    `done`: what is open still, with nothing left to do there; `marks`: None for somebody who is not in yet.
     """
 
     head: ClassHead
@@ -295,6 +298,7 @@ class OwnClassPage:
     past: tuple[OwnAssignment, ...]
     next: NextStep | None
     average: str
+    marks: OwnMarks | None
     zone: str
     watched: str = ""
     watched_href: str = ""

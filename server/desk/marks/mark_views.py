@@ -1,27 +1,32 @@
-"""The page of one student's mark at one assignment."""
+"""The pages of one student's mark at one assignment, and of one student's average."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from server.base.errors import NotFound
 from server.course import Course
-from server.desk.marks.schemas import ExerciseView, MarkPage, OverrideView
-from server.desk.marks.views import UNKNOWN, assignment_cell, points_text
+from server.desk.marks.cells import assignment_cell, cell_text, points_text
+from server.desk.marks.schemas import AveragePage, ExerciseView, MarkPage
+from server.desk.marks.views import UNKNOWN
 from server.desk.views import class_head
-from server.marks.files import EXCUSED, unique_titles
-from server.marks.means import format_number, round_points
-from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
+from server.marks.files import exercise_cell, state_words, unique_titles
+from server.marks.own import list_terms
+from server.marks.schemas import AssignmentMark, Gradebook
+from server.marks.states import MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
-from server.web.words import iso_moment, plural, short_moment
+from server.web.words import plural, short_moment
 
-STATES = {
+#: What is said beside the mark itself, which says the state where there are no points.
+STATE_DETAILS: Mapping[MarkState, str] = {
     MarkState.upcoming: "pas encore ouvert",
     MarkState.open: "en cours",
     MarkState.done: "fini",
-    MarkState.absent: "fini, rien n’a été envoyé",
-    MarkState.excused: "dispensé",
+    MarkState.not_handed_in: "fini, rien n’a été envoyé",
+    MarkState.late_refused: "fini, tout est venu trop tard",
 }
-SENT_AHEAD = ", et déjà travaillé"
+SENT_AHEAD = "pas encore ouvert, et déjà travaillé"
 
 
 def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignment_id: str) -> MarkPage:
@@ -31,50 +36,54 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         raise NotFound(UNKNOWN)
     index = ids.index(assignment_id)
     (row,) = gradebook.rows
-    mark = row.marks[index]
-    sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
+    mark, titles = row.marks[index], unique_titles(gradebook.assignments)
+    may_change = access.has(Right.change_marks) and access.school_class.archived_at is None
+    is_assignment = gradebook.assignments[index].id != access.school_class.id
+    asking: dict[str, list[str]] = {}
+    for title, assignment in zip(titles, gradebook.assignments, strict=True):
+        for exercise in gradebook.exercises[assignment.id]:
+            if assignment.id != gradebook.assignments[index].id:
+                asking.setdefault(exercise.exercise, []).append(title)
     return MarkPage(
         head=class_head(course, access, "/carnet"),
         student=row.member.name,
-        assignment=unique_titles(gradebook.assignments)[index],
-        mark=assignment_cell(mark, ""),
-        state=STATES[mark.state] + (SENT_AHEAD if sent_ahead else ""),
-        notes=_dates(mark),
-        exercises=tuple(_exercise(gradebook, exercise) for exercise in mark.exercises),
-        may_change=access.has(Right.change_marks) and access.school_class.archived_at is None,
+        assignment=titles[index],
+        cell=assignment_cell(mark, ""),
+        mark=mark,
+        notes=_notes(mark),
+        exercises=tuple(
+            ExerciseView(
+                title=gradebook.title_of(exercise.exercise),
+                points=cell_text(exercise_cell(exercise, mark)),
+                state=state_words(exercise.state_in(mark.state)),
+                mark=exercise,
+                others=tuple(asking.get(exercise.exercise, ())),
+            )
+            for exercise in mark.exercises
+        ),
+        may_change=may_change,
+        may_decide=may_change and is_assignment,
     )
 
 
-def _dates(mark: AssignmentMark) -> tuple[str, ...]:
-    """Return the dates in force for this student, and how late the work is."""
+def _notes(mark: AssignmentMark) -> tuple[str, ...]:
+    """Return the state in full, the dates in force for this student, and how late the work is."""
+    sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
+    detail = SENT_AHEAD if sent_ahead else STATE_DETAILS.get(mark.state, "")
     dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
     texts = [f"{word} le {short_moment(date)}" for word, date in dates if date is not None]
-    late = [plural(mark.days_late, "jour de retard", "jours de retard")] if mark.days_late else []
-    return (*texts, *late)
+    late = plural(mark.days_late, "jour de retard", "jours de retard") if mark.days_late else ""
+    return tuple(text for text in (detail, *texts, late) if text)
 
 
-def _exercise(gradebook: Gradebook, mark: ExerciseMark) -> ExerciseView:
-    counted, sent_at = mark.counted, mark.sent_at
-    return ExerciseView(
-        exercise=mark.exercise,
-        title=gradebook.title_of(mark.exercise),
-        weight=format_number(mark.weight),
-        points=EXCUSED if mark.excused else points_text(mark.points),
-        automatic=points_text(mark.effective.automatic),
-        late=0 if counted is None else counted.days_late,
-        attempts=mark.attempts,
-        attempt="" if counted is None else f"/soumissions/{counted.attempt}",
-        sent="" if sent_at is None else iso_moment(sent_at),
-        sent_text="" if sent_at is None else short_moment(sent_at),
-        override=_override(mark),
-    )
-
-
-def _override(mark: ExerciseMark) -> OverrideView | None:
-    override = mark.override
-    if override is None:
-        return None
-    text = "dispense" if override.points is None else f"{format_number(round_points(override.points))} / 20"
-    return OverrideView(
-        text, override.by, iso_moment(override.at), short_moment(override.at), override.reason, mark.stale
+def average_page(course: Course, access: ClassAccess, gradebook: Gradebook) -> AveragePage:
+    """Build « Pourquoi cette moyenne ? » from a gradebook of one student. Raise NotFound where there is none."""
+    if not gradebook.rows:
+        raise NotFound(UNKNOWN)
+    (row,) = gradebook.rows
+    return AveragePage(
+        head=class_head(course, access, "/carnet"),
+        student=row.member.name,
+        average=points_text(row.average),
+        terms=list_terms(row, unique_titles(gradebook.assignments)),
     )

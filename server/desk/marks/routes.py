@@ -1,6 +1,8 @@
 """The gradebook of a class: its table, one mark and its override, and downloads."""
 
+from dataclasses import replace
 from typing import Annotated
+from uuid import UUID
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
@@ -10,13 +12,13 @@ from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.marks.mark_views import mark_page
+from server.desk.marks.mark_views import average_page, mark_page
 from server.desk.marks.schemas import MarkForm
 from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
 from server.desk.requests import UNKNOWN_ACTION, GroupQuery, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.marks import repository, service
+from server.marks import decisions, repository, service
 from server.marks.copies import archive_files, list_copies
 from server.marks.downloads import GradebookFormat, render_download
 from server.marks.files import MoodleIdentifier, file_name
@@ -35,6 +37,8 @@ router = APIRouter(include_in_schema=False)
 Name = Annotated[str, Query(max_length=300)]
 PageNumber = Annotated[int, Query(ge=1, le=10**6)]
 EMPTY = MarkForm()
+#: The value of the field `portee` of an override that holds in all assignments.
+EVERYWHERE = "partout"
 
 
 @router.get("/classes/{class_id}/carnet")
@@ -81,6 +85,18 @@ def download_copies(
     return StreamingResponse(stream_zip(files, gradebook.at), media_type="application/zip", headers=headers)
 
 
+@router.get("/classes/{class_id}/carnet/{student}")
+def show_average(request: Request, class_id: str, student: str, reader: CurrentReader) -> Response:
+    """« Pourquoi cette moyenne ? », for the teachers of a student."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
+    only = [parse_uuid(student, UNKNOWN)]
+    gradebook = load_gradebook(reader.db, reader.course, access.school_class, utc_now(), only)
+    view = average_page(reader.course, access, gradebook)
+    return render_page(request, "classes/average.html", reader.account, page=view)
+
+
 @router.get("/classes/{class_id}/carnet/{student}/{assignment_id}")
 def show_mark(request: Request, class_id: str, student: str, assignment_id: str, reader: CurrentReader) -> Response:
     if reader.account is None:
@@ -102,28 +118,41 @@ def _mark_page(
 @router.post("/classes/{class_id}/carnet/{student}/{assignment_id}")
 def change_mark(
     request: Request, class_id: str, student: str, assignment_id: str, account: SignedIn, db: Db, course: CourseOf,
-    action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "",
+    action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "", portee: Field = "",
+    etat: Field = "",
 ) -> Response:  # fmt: skip
-    """Set, keep or withdraw an override."""
+    """Set, keep or withdraw an override, or a decision about the whole assignment."""
     access = rights.require_right(db, account, Right.change_marks, class_id)
+    school_class = access.school_class
+    form = MarkForm(exercice, points, motif, portee == EVERYWHERE)
+    target = parse_uuid(student, UNKNOWN), parse_uuid(assignment_id, UNKNOWN)
     try:
-        _apply_change(db, course, access, account, student, action, MarkForm(exercice, points, motif))
+        if action == "decider":
+            decisions.decide_state(db, school_class, account, *target, etat, motif)
+        elif action == "annuler":
+            decisions.withdraw_decision(db, school_class, account, *target)
+        else:
+            _change_override(db, course, access, account, *target, action, form)
     except Invalid as refused:
-        form = MarkForm(exercice, points, motif, refused.detail)
+        form = replace(form, problem=refused.detail)
         return _mark_page(request, account, db, course, access, student, assignment_id, form, status=422)
-    return redirect(f"{request.url.path}#{exercice.rpartition('/')[2]}")
+    return redirect(f"{request.url.path}#{exercice.rpartition('/')[2] or 'etat'}")
 
 
-def _apply_change(
-    db: Db, course: CourseOf, access: ClassAccess, account: Account, student: str, action: str, form: MarkForm
-) -> None:
-    """Raise NotFound, Conflict or Invalid."""
-    student_id, school_class = parse_uuid(student, UNKNOWN), access.school_class
+def _change_override(
+    db: Db, course: CourseOf, access: ClassAccess, account: Account, student: UUID, assignment: UUID, action: str,
+    form: MarkForm,
+) -> None:  # fmt: skip
+    """Raise NotFound, Conflict or Invalid. Overrides in the bare module of a class, no assignment, hold everywhere."""
+    school_class = access.school_class
+    scope = None if form.everywhere or assignment == school_class.id else assignment
     if action == "retirer":
-        return service.withdraw_override(db, course, school_class, account, student_id, form.exercise, form.reason)
+        return service.withdraw_override(
+            db, course, school_class, account, student, form.exercise, form.reason, assignment_id=scope
+        )
     points, excused, reason = None, action == "dispenser", form.reason
     if action == "garder":
-        override = repository.find_override(db, school_class.id, student_id, form.exercise)
+        override = repository.find_override(db, school_class.id, student, form.exercise, scope)
         if override is None:
             raise NotFound(service.NOTHING_SET)
         points, excused, reason = override.points, override.excused, override.reason
@@ -131,7 +160,15 @@ def _apply_change(
         points = service.parse_points(form.points)
     elif not excused:
         raise NotFound(UNKNOWN_ACTION)
-    service.set_override(
-        db, course, school_class, account, student_id, form.exercise, points=points, excused=excused, reason=reason
+    return service.set_override(
+        db,
+        course,
+        school_class,
+        account,
+        student,
+        form.exercise,
+        points=points,
+        excused=excused,
+        reason=reason,
+        assignment_id=scope,
     )
-    return None

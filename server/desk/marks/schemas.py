@@ -8,11 +8,14 @@ from markupsafe import Markup
 
 from server.audit.wording import ValueChange
 from server.desk.schemas import ClassHead
+from server.marks.own import AverageTerm
+from server.marks.schemas import AssignmentMark, ExerciseMark
 
 
 @dataclass(frozen=True)
 class MarkCell:
-    """A mark in the table. `late`: days; `pending`: work may still be sent; `href` is empty where there is no link."""
+    """A mark in the table. `late`: days; `pending`: work may still be sent; `href` is empty where there is no link;
+    `state`: a `MarkState`, empty for a mean; `counts`: how a state counts in the mean, where it does."""
 
     text: str
     href: str = ""
@@ -20,6 +23,8 @@ class MarkCell:
     changed: bool = False
     stale: bool = False
     pending: bool = False
+    state: str = ""
+    counts: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,11 @@ class GradebookBody:
 
 @dataclass(frozen=True)
 class GradebookPage:
-    """`assignment`: the title of the one that is detailed; `body`: a rendered `GradebookBody`."""
+    """`assignment`: the title of the one that is detailed; `body`: a rendered `GradebookBody`.
+
+    `rules_unchosen`: no teacher has chosen yet how states count in the mean of this older class; `rules_href` and
+    `columns_href` are empty for those who may not change them.
+    """
 
     head: ClassHead
     at: str
@@ -100,55 +109,56 @@ class GradebookPage:
     assignment: str
     assignment_href: str
     back: str
+    rules_href: str
+    rules_unchosen: bool
+    columns_href: str
     body: Markup
 
 
 @dataclass(frozen=True)
-class OverrideView:
-    text: str
-    by: str
-    at: str
-    at_text: str
-    reason: str
-    stale: bool
-
-
-@dataclass(frozen=True)
 class ExerciseView:
-    """One exercise of an assignment, for one student. `attempt` leads to the attempt that counts."""
+    """One exercise of an assignment, for one student. `others`: the titles of the other assignments that ask it."""
 
-    exercise: str
     title: str
-    weight: str
     points: str
-    automatic: str
-    late: int
-    attempts: int
-    attempt: str
-    sent: str
-    sent_text: str
-    override: OverrideView | None
+    state: str
+    mark: ExerciseMark
+    others: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class MarkPage:
+    """`may_decide`: whether a decision about the whole assignment may be made; none is about a class's bare module."""
+
     head: ClassHead
     student: str
     assignment: str
-    mark: MarkCell
-    state: str
+    cell: MarkCell
+    mark: AssignmentMark
     notes: tuple[str, ...]
     exercises: tuple[ExerciseView, ...]
     may_change: bool
+    may_decide: bool
+
+
+@dataclass(frozen=True)
+class AveragePage:
+    """« Pourquoi cette moyenne ? » of one student, with everything that counts for the teachers."""
+
+    head: ClassHead
+    student: str
+    average: str
+    terms: tuple[AverageTerm, ...]
 
 
 @dataclass(frozen=True)
 class MarkForm:
-    """A refused form, with its fields and the problem."""
+    """A refused form, with its fields and the problem. `everywhere`: the override holds in all assignments."""
 
     exercise: str = ""
     points: str = ""
     reason: str = ""
+    everywhere: bool = False
     problem: str = ""
 
 

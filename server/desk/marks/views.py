@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 from typing import Any
 from urllib.parse import urlencode
 
@@ -14,6 +13,14 @@ from sqlalchemy.orm import Session
 from server.assignments.models import Assignment
 from server.base import school_time
 from server.base.errors import NotFound
+from server.desk.marks.cells import (
+    assignment_cell,
+    assignment_notes,
+    column_mark_cell,
+    column_notes,
+    exercise_mark_cell,
+    points_text,
+)
 from server.desk.marks.schemas import (
     GradebookBody,
     GradebookOption,
@@ -25,25 +32,19 @@ from server.desk.marks.schemas import (
 )
 from server.desk.views import class_head, class_href, count_students_by_label, regrade_href
 from server.marks.files import (
-    ABSENT,
-    EXCUSED,
-    NOTES,
     MoodleIdentifier,
     column_text,
-    mark_cell,
+    mark_notes,
     moodle_file,
     unique_titles,
 )
 from server.marks.loading import GradebookInputs, build_gradebook
-from server.marks.means import format_number, format_points
+from server.marks.means import format_number
 from server.marks.schemas import (
-    AssignmentMark,
-    ExerciseMark,
+    ColumnRecord,
     Gradebook,
-    MarkState,
     MarkSummary,
     StudentMarks,
-    is_withheld,
     summarise,
 )
 from server.rights.models import Right
@@ -52,7 +53,6 @@ from server.web.fragments import FRAGMENTS
 from server.web.rendering import jinja_environment
 from server.web.words import iso_moment, short_moment
 
-NO_POINTS = "—"
 AVERAGE = "moyenne"
 STUDENTS_PER_PAGE = 200
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
@@ -77,10 +77,6 @@ class GradebookQuery:
         return {name: value for name, value in fields.items() if value}
 
 
-def points_text(points: float | None) -> str:
-    return NO_POINTS if points is None else format_points(points)
-
-
 def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
     """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
     assignments = inputs.assigned.assignments
@@ -100,7 +96,8 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         macros: Any = jinja_environment().get_template("classes/gradebook_body.html").module
         return str(macros.body(builder.body()))
 
-    key = ("gradebook", inputs.version, query, access.has(Right.regrade), school_time.time_zone().key)
+    may_change = access.has(Right.change_marks) and access.school_class.archived_at is None
+    key = ("gradebook", inputs.version, query, access.has(Right.regrade), may_change, school_time.time_zone().key)
     home = class_href(access.school_class)
     chosen = next((assignment for assignment in assignments if str(assignment.id) == query.assignment), None)
     about = None if chosen is None else _assignment_link(chosen, access)
@@ -113,6 +110,9 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         assignment=titles.get(query.assignment, ""),
         assignment_href="" if about is None else about[1],
         back=_address(f"{home}/carnet", query, devoir="", tri=""),
+        rules_href=f"{home}/reglages#moyenne" if access.has(Right.configure_class) else "",
+        rules_unchosen=not inputs.marking.is_chosen,
+        columns_href=f"{home}/carnet/colonnes" if may_change else "",
         body=FRAGMENTS.get_or_render(key, render),
     )
 
@@ -150,7 +150,8 @@ class _BodyBuilder:
 
     def body(self) -> GradebookBody:
         query, titles = self._query, self._titles
-        columns = {**titles, AVERAGE: "Moyenne"}
+        manual = {str(column.id): column.full_title for column in self._gradebook.columns}
+        columns = {**titles, **manual, AVERAGE: "Moyenne"}
         copied = query.copied_column
         return GradebookBody(
             href=self._class_href,
@@ -167,12 +168,12 @@ class _BodyBuilder:
             pages=self._pages(),
             assignments=tuple(GradebookOption(name, title, name == query.assignment) for name, title in titles.items()),
             columns=tuple(GradebookOption(name, title, name == copied) for name, title in columns.items()),
-            column=column_text(self._gradebook, self._index_of.get(copied)) if copied in columns else None,
+            column=column_text(self._gradebook, None if copied == AVERAGE else copied) if copied in columns else None,
             moodle=tuple(
                 (identifier.value, label, moodle_file(self._everyone, identifier).left_out)
                 for identifier, label in IDENTIFIED_BY.items()
             ),
-            notes=NOTES,
+            notes=mark_notes(self._gradebook.marking),
         )
 
     def _href(self, **changes: str) -> str:
@@ -193,22 +194,31 @@ class _BodyBuilder:
                 title,
                 gradebook.summary_of(index),
                 href=self._href(devoir=name, tri=""),
-                notes=_notes(assignment, gradebook.at),
+                notes=assignment_notes(assignment, gradebook.at),
                 about=_assignment_link(assignment, self._place),
             )
             for index, (assignment, (name, title)) in enumerate(
                 zip(gradebook.assignments, self._titles.items(), strict=True)
             )
         ]
-        columns.append(self._column(AVERAGE, "Moyenne", gradebook.averages))
         scores = {name: _assignment_score(index) for name, index in self._index_of.items()}
+        for index, column in enumerate(gradebook.columns):
+            name, summary = str(column.id), gradebook.summary_of_column(index)
+            href, notes = self._column_href(column), column_notes(column)
+            columns.append(self._column(name, column.full_title, summary, notes=notes, about=("saisir, régler", href)))
+            scores[name] = _column_score(index)
+        columns.append(self._column(AVERAGE, "Moyenne", gradebook.averages))
         rows = self._sorted_rows({**scores, AVERAGE: lambda row: row.average})
         return self._table("Notes des devoirs", columns, [(row, self._assignment_cells(row)) for row in rows])
 
     def _assignment_cells(self, row: StudentMarks) -> tuple[MarkCell, ...]:
         marks = zip(row.marks, self._gradebook.assignments, strict=True)
         cells = [assignment_cell(mark, self._mark_href(row, assignment)) for mark, assignment in marks]
-        return (*cells, MarkCell(points_text(row.average)))
+        cells += [column_mark_cell(mark, f"{self._column_href(mark.column)}#e-{row.member.id}") for mark in row.columns]
+        return (*cells, MarkCell(points_text(row.average), f"{self._class_href}/carnet/{row.member.id}"))
+
+    def _column_href(self, column: ColumnRecord) -> str:
+        return f"{self._class_href}/carnet/colonnes/{column.id}"
 
     def _mark_href(self, row: StudentMarks, assignment: Assignment) -> str:
         return f"{self._class_href}/carnet/{row.member.id}/{assignment.id}"
@@ -241,7 +251,7 @@ class _BodyBuilder:
                 (
                     row,
                     (
-                        *(_exercise_cell(exercise_mark, mark, href) for exercise_mark in mark.exercises),
+                        *(exercise_mark_cell(exercise_mark, mark, href) for exercise_mark in mark.exercises),
                         assignment_cell(mark, href),
                     ),
                 )
@@ -296,29 +306,9 @@ def _assignment_score(index: int) -> Score:
     return lambda row: row.marks[index].points
 
 
+def _column_score(index: int) -> Score:
+    return lambda row: row.columns[index].typed.points
+
+
 def _exercise_score(index: int, exercise_index: int) -> Score:
     return lambda row: row.marks[index].exercises[exercise_index].points
-
-
-def _notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
-    notes = [f"coefficient {format_number(assignment.weight)}"]
-    if assignment.due_at is not None:
-        notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
-    if is_withheld(assignment, now):
-        notes.append("contrôle, pas encore rendu aux élèves")
-    return tuple(notes)
-
-
-def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
-    value = mark_cell(mark)
-    text = value if isinstance(value, str) else NO_POINTS if value is None else format_number(value)
-    pending = mark.state in {MarkState.open, MarkState.upcoming} and value is not None
-    excused = mark.state is MarkState.excused
-    return MarkCell(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
-
-
-def _exercise_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> MarkCell:
-    if exercise.excused or mark.state is MarkState.excused:
-        return MarkCell(EXCUSED, href, changed=exercise.override is not None, stale=exercise.stale)
-    text = ABSENT if mark.state is MarkState.absent else points_text(exercise.points)
-    return MarkCell(text, href, exercise.days_late, exercise.override is not None, exercise.stale)

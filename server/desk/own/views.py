@@ -30,7 +30,9 @@ from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.marks import service as marks
 from server.marks.means import format_points
-from server.marks.schemas import ActiveOverride, ExerciseMark, OwnMark
+from server.marks.own import OwnMark, OwnMarks, mark_text
+from server.marks.schemas import ActiveDecision, ActiveOverride, ExerciseMark
+from server.marks.states import STATE_WORDS, UNMARKED_STATES, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
@@ -51,7 +53,6 @@ class _StudentWork:
     marks: Mapping[UUID, OwnMark]
     sittings: Mapping[UUID, Sitting]
     sent: Mapping[str, int]
-    average: float | None
     now: datetime
     watched: bool
 
@@ -88,9 +89,10 @@ def _build_page(
         if may_see
         else ()
     )
+    own_marks = marks.load_own_marks(db, course, access.school_class, seat.account_id, now) if may_see else None
     known = (
-        _load_student_work(db, course, access, seat.account_id, found, now, watched=watched is not None)
-        if found
+        _load_student_work(db, seat.account_id, found, own_marks, now, watched=watched is not None)
+        if own_marks is not None and found
         else None
     )
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
@@ -108,7 +110,8 @@ def _build_page(
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
         next=_next_step(running),
-        average="" if known is None or known.average is None else format_points(known.average),
+        average="" if own_marks is None or own_marks.average is None else format_points(own_marks.average),
+        marks=own_marks,
         zone=school_time.time_zone_name(),
         watched=watched.name if watched else "",
         watched_href=f"{views.class_href(access.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
@@ -117,16 +120,14 @@ def _build_page(
 
 def _load_student_work(
     db: Session,
-    course: Course,
-    access: ClassAccess,
     account_id: UUID,
     found: Sequence[StudentAssignment],
+    own: OwnMarks,
     now: datetime,
     *,
     watched: bool,
 ) -> _StudentWork:
     """What a student may know, asked of their account whoever looks: who watches sees no more."""
-    own = marks.load_own_marks(db, course, access.school_class, account_id, now)
     held = gradebook.load_withholding_times(db, account_id)
     sat = (
         sitting_repository.load_account_sittings(db, account_id)
@@ -137,7 +138,6 @@ def _load_student_work(
         marks={mark.assignment.id: mark for mark in own.marks},
         sittings={sitting.assignment_id: sitting for sitting, _ in sat},
         sent=gradebook.count_attempts_since(db, account_id, held) if held else {},
-        average=own.average,
         now=now,
         watched=watched,
     )
@@ -185,14 +185,24 @@ def _own_assignment(course: Course, assigned: StudentAssignment, known: _Student
         done=done,
         differs=bool(assigned.exemptions),
         test=test.for_viewer(watched=known.watched) if test else None,
-        mark=_final_mark_text(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
+        mark=_final_mark_text(known.marks.get(assignment.id), over=stage.kind == "closed"),
+        decision=_decision(known.marks.get(assignment.id)),
     )
 
 
-def _final_mark_text(found: OwnMark | None) -> str:
-    """Of an assignment that is over; empty where there is none to tell."""
-    points = None if found is None or found.mark is None else found.mark.points
-    return "" if points is None else format_points(points)
+def _final_mark_text(found: OwnMark | None, *, over: bool) -> str:
+    """Return the mark of an assignment that is over, or decided, in words; empty where there is none to tell."""
+    mark = None if found is None else found.mark
+    if mark is None or not (over or mark.decision is not None):
+        return ""
+    text = mark_text(mark)
+    if mark.state not in UNMARKED_STATES:
+        return text
+    return f"{text} ({'compte 0' if mark.in_average is not None else 'ne compte pas'} dans la moyenne)"
+
+
+def _decision(found: OwnMark | None) -> ActiveDecision | None:
+    return None if found is None or found.mark is None else found.mark.decision
 
 
 def _late_policy_text(rules: Rules) -> str:
@@ -232,13 +242,16 @@ def _override_standing(found: ActiveOverride) -> tuple[str, str, str]:
 
 def withheld_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
     """The same, of an exercise of which a test holds back what was found."""
-    return ("sent", "•", "envoyé") if sent else ("new", "○", "pas fait" if over else "à faire")
+    words = STATE_WORDS[MarkState.not_handed_in] if over else "à faire"
+    return ("sent", "•", "envoyé") if sent else ("new", "○", words)
 
 
 def exercise_standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
     """A name for the style, a sign, words."""
     if not found.attempts:
-        return "new", "○", "pas fait" if over else "à faire"
+        if found.refused:
+            return "refused", "✗", STATE_WORDS[MarkState.late_refused]
+        return "new", "○", STATE_WORDS[MarkState.not_handed_in] if over else "à faire"
     counted = found.counted
     if counted is None:  # the best before the due date, where all came after it
         return "begun", "½", "rien avant la date de remise"

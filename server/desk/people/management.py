@@ -11,7 +11,7 @@ from server.assignments import editing as assignments
 from server.audit.members import recording_membership_changes
 from server.base import school_time
 from server.base.app_services import SettingsOf
-from server.base.errors import Invalid, NotFound, ServiceError
+from server.base.errors import Conflict, Invalid, NotFound, ServiceError
 from server.base.root_path import service_url
 from server.classes import copying, service, slips
 from server.classes.dependencies import ClassServiceOf
@@ -24,6 +24,8 @@ from server.desk.people import date_shift
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
+from server.marks import decisions
+from server.marks.states import Counting, MarkingRules
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -41,6 +43,8 @@ ACTIONS = {
     "grouper": "group", "degrouper": "ungroup",
 }  # fmt: skip
 SETTINGS = "Ce réglage de la classe"
+CHOOSE_ALL = "Dites de chaque cas s’il compte 0 ou ne compte pas."
+MAX_VERSION_DIGITS = 10
 NOBODY = "Cochez d’abord des élèves."
 NO_LIST = "Collez une liste, ou choisissez un fichier."
 STAFF_ROLES = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
@@ -177,6 +181,25 @@ def update_settings(
     return redirect(f"{views.class_href(access.school_class)}/reglages")
 
 
+@router.post("/classes/{class_id}/reglages/moyenne")
+def choose_marking(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, non_rendu: Field = "",
+    retard: Field = "", absence: Field = "", sans_reponse: Field = "", version: Field = "",
+) -> Response:  # fmt: skip
+    """Choose how what has no points counts in the means of the class."""
+    access = rights.require_right(db, account, Right.configure_class, class_id)
+    try:
+        chosen = [Counting(value) for value in (non_rendu, retard, absence, sans_reponse)]
+        seen = int(version) if version.isdecimal() and len(version) < MAX_VERSION_DIGITS else None
+    except ValueError:
+        raise Invalid(CHOOSE_ALL) from None
+    try:
+        decisions.choose_rules(db, access.school_class, account, MarkingRules(*chosen), seen)
+    except Conflict as refused:
+        return _render_settings(request, account, db, course, access, refused)
+    return redirect(f"{views.class_href(access.school_class)}/reglages#moyenne")
+
+
 @router.post("/classes/{class_id}/code")
 def change_join_code(
     class_id: str, account: SignedIn, db: Db, action: Field = "renouveler", duree: Field = DEFAULT_CODE_LIFETIME
@@ -233,6 +256,7 @@ def copy_class(
             partial(editions.exercise_in_edition, course, module=module),
         )
         assignments.copy_assignments(db, access.school_class, made, account.id, moved, there)
+        decisions.copy_rules(db, access.school_class, made)
     except Invalid as refused:
         return _render_settings(request, account, db, course, access, refused)
     return redirect(views.class_href(made))

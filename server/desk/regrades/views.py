@@ -142,7 +142,7 @@ class _ClassNames:
 def build_regrade_page(db: Session, course: Course, access: ClassAccess, regrade: Regrade) -> RegradePage:
     found = service.preview_regrade(db, regrade)
     names = _ClassNames(db, course, regrade.class_id)
-    set_by_hand = marks.load_overrides(
+    set_by_hand = marks.load_exercise_overrides(
         db, regrade.class_id, [mark_change.student for mark_change in found.changes], [regrade.exercise]
     )
     names.overridden = frozenset(student for student, _ in set_by_hand)

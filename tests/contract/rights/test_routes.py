@@ -56,6 +56,8 @@ JSON: dict[str, Any] = {
     "POST /api/v1/classes": {"name": "PSI", "module": "l20"},
     "POST /api/v1/classes/join": {"code": "{code}"},
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
+    "PUT /api/v1/classes/{class_id}/assignments/{aid}/decisions/{student}": {"state": "absent"},
+    "PATCH /api/v1/classes/{class_id}/marking": {"absent": "zero"},
     "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
     "PUT /api/v1/classes/{class_id}/names/{module}/{slug}/{group}": {"title": "Une erreur", "explanation": "Ainsi."},
     "POST /api/v1/classes/{class_id}/assignments": {"title": "DM", "exercises": [{"exercise": EXERCISE}]},
@@ -72,6 +74,9 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
     "POST /classes/{class_id}/reglages": {"name": "PSI"},
+    "POST /classes/{class_id}/reglages/moyenne": dict.fromkeys(
+        ("non_rendu", "retard", "absence", "sans_reponse"), "zero"
+    ),
     "POST /classes/{class_id}/equipe": {"login": "{stranger}", "role": "assistant"},
     "POST /classes/{class_id}/copier": {"name": "PSI"},
     "POST /classes/{class_id}/archiver": {"archiver": "true"},

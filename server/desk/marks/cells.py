@@ -1,0 +1,70 @@
+"""Marks as the cells of the gradebook's pages."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from server.assignments.models import Assignment
+from server.desk.marks.schemas import MarkCell
+from server.marks.cells import Cell
+from server.marks.files import column_cell, exercise_cell, mark_cell
+from server.marks.means import format_number, format_points
+from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_withheld
+from server.marks.states import UNMARKED_STATES, MarkState
+from server.web.words import short_moment
+
+NO_POINTS = "—"
+COUNTS_ZERO = "compte 0"
+
+
+def points_text(points: float | None) -> str:
+    return NO_POINTS if points is None else format_points(points)
+
+
+def assignment_notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
+    notes = [f"coefficient {format_number(assignment.weight)}"]
+    if assignment.due_at is not None:
+        notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
+    if is_withheld(assignment, now):
+        notes.append("contrôle, pas encore rendu aux élèves")
+    return tuple(notes)
+
+
+def column_notes(column: ColumnRecord) -> tuple[str, ...]:
+    notes = ["s’ajoute à la moyenne" if column.bonus else f"coefficient {format_number(column.weight)}"]
+    if column.taken_on is not None:
+        notes.append(f"du {column.taken_on:%d/%m/%Y}")
+    if column.published_at is None:
+        notes.append("pas encore publiée aux élèves")
+    return tuple(notes)
+
+
+def cell_text(cell: Cell) -> str:
+    """Return a cell as pages show it: points in French, a state in words, « — » for nothing."""
+    return NO_POINTS if cell in {None, ""} else cell if isinstance(cell, str) else format_number(cell or 0.0)
+
+
+def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
+    pending = mark.state in {MarkState.open, MarkState.upcoming} and mark.points is not None
+    return MarkCell(
+        text=cell_text(mark_cell(mark)),
+        href=href,
+        late=0 if mark.state in {MarkState.excused, MarkState.absent} else mark.days_late,
+        changed=mark.overridden,
+        stale=mark.stale,
+        pending=pending,
+        state=mark.state,
+        counts=COUNTS_ZERO if mark.state in UNMARKED_STATES and mark.points is not None else "",
+    )
+
+
+def exercise_mark_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> MarkCell:
+    state = exercise.state_in(mark.state)
+    late = 0 if state in {MarkState.excused, MarkState.absent} else exercise.days_late
+    text = cell_text(exercise_cell(exercise, mark))
+    return MarkCell(text, href, late, exercise.override is not None, exercise.stale, state=state)
+
+
+def column_mark_cell(mark: ColumnMark, href: str) -> MarkCell:
+    counts = COUNTS_ZERO if mark.state in UNMARKED_STATES and mark.in_average is not None else ""
+    return MarkCell(cell_text(column_cell(mark)), href, state=mark.state, counts=counts)

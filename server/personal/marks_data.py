@@ -1,0 +1,116 @@
+"""A person's marks as plain values: what teachers set and typed, and the logs of their classes."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments.models import Assignment
+from server.audit import repository as audit
+from server.audit.models import AuditAction, AuditEvent
+from server.database import utc_now
+from server.gradebook import service as gradebook
+from server.marks import columns_repository
+from server.marks import repository as marks
+from server.marks.models import ManualColumn, ManualMark, Override, StateDecision
+from server.marks.schemas import is_withheld
+
+#: Their reason is for the staff alone: who may read it is asked of the school.
+PRIVATE = frozenset({AuditAction.exemption_made, AuditAction.exemption_revoked})
+#: Their column may not be published: the marks of those that are stand under `columns`.
+UNTOLD = frozenset({AuditAction.column_mark_changed})
+OF_MARKS = frozenset(
+    {
+        AuditAction.mark_overridden,
+        AuditAction.override_withdrawn,
+        AuditAction.state_decided,
+        AuditAction.decision_withdrawn,
+        AuditAction.regrade_applied,
+        AuditAction.regrade_undone,
+    }
+)
+
+
+def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
+    """Events say in words what they are about: while a test holds anything, none is told of any mark from then on."""
+    held = gradebook.load_withholding_times(db, account_id)
+    since = min(held.values(), default=None)
+    about = [
+        {**_event(event, name), "reason": _reason(event)}
+        for event, name in audit.load_events_about(db, account_id)
+        if event.what not in UNTOLD and (since is None or event.at < since or event.what not in OF_MARKS)
+    ]
+    by = [{**_event(event, name), "reason": event.reason} for event, name in audit.load_events_by(db, account_id)]
+    return {
+        "overrides": [
+            _override(override, name)
+            for override, name in marks.list_overrides_on(db, account_id)
+            if override.exercise not in held or override.at < held[override.exercise]
+        ],
+        "decisions": [
+            _decision(decision, assignment, name)
+            for decision, assignment, name in marks.list_decisions_on(db, account_id)
+            if not is_withheld(assignment, utc_now())
+        ],
+        "columns": [
+            _column_mark(mark, column, name)
+            for mark, column, name in columns_repository.list_marks_of(db, account_id)
+            if column.published_at is not None and column.deleted_at is None
+        ],
+        "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
+        "changes_about_you": about,
+        "changes_you_made": by,
+    }
+
+
+def _override(override: Override, name: str) -> dict[str, Any]:
+    return {
+        "class": name,
+        "exercise": override.exercise,
+        "assignment": None if override.assignment_id is None else str(override.assignment_id),
+        "points": override.points,
+        "excused": override.excused,
+        "reason": override.reason,
+        "at": format_time(override.at),
+        "withdrawn_at": format_time(override.withdrawn_at),
+    }
+
+
+def _decision(decision: StateDecision, assignment: Assignment, name: str) -> dict[str, Any]:
+    return {
+        "class": name,
+        "assignment": assignment.title,
+        "state": decision.state,
+        "reason": decision.reason,
+        "at": format_time(decision.at),
+        "withdrawn_at": format_time(decision.withdrawn_at),
+    }
+
+
+def _column_mark(mark: ManualMark, column: ManualColumn, name: str) -> dict[str, Any]:
+    return {
+        "class": name,
+        "column": column.title,
+        "out_of": column.out_of,
+        "taken_on": None if column.taken_on is None else column.taken_on.isoformat(),
+        "points": mark.points,
+        "state": mark.state,
+        "comment": mark.comment,
+        "at": format_time(mark.at),
+    }
+
+
+def _event(event: AuditEvent, name: str) -> dict[str, Any]:
+    change = {"what": event.what, "about": event.about, "before": event.before, "after": event.after}
+    return {"class": name, "at": format_time(event.at), **change}
+
+
+def _reason(event: AuditEvent) -> str:
+    return "" if event.what in PRIVATE else event.reason
+
+
+def format_time(when: datetime | None) -> str | None:
+    return None if when is None else when.isoformat()

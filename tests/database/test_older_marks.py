@@ -1,0 +1,72 @@
+"""Classes and overrides of before states had rules: their numbers and their scope stay until a teacher chooses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import pytest
+import sqlalchemy as sa
+from sqlalchemy import select
+
+from server.classes.models import SchoolClass
+from server.database import Database, utc_now
+from server.database.engine import writing_engine
+from server.database.migrate import upgrade
+from server.identity.models import Account
+from server.marks.models import Override
+from server.marks.repository import load_marking, load_overrides
+from server.marks.states import Counting, MarkingRules
+
+BEFORE = "0024"
+TIME, UUID_TYPE = sa.DateTime(timezone=True), sa.Uuid()
+TYPES: dict[str, Any] = dict.fromkeys(("id", "class_id", "account_id"), UUID_TYPE)
+TYPES |= {"based_on": sa.JSON(), "at": TIME, "created_at": TIME}
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def older(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Database]:
+    url = f"sqlite:///{tmp_path / 'older.sqlite3'}"
+    if request.param == "postgresql":
+        base = request.getfixturevalue("postgres_url")
+        engine = sa.create_engine(base, isolation_level="AUTOCOMMIT")
+        with engine.connect() as connection:
+            connection.execute(sa.text("DROP SCHEMA IF EXISTS older_marks CASCADE"))
+            connection.execute(sa.text("CREATE SCHEMA older_marks"))
+        engine.dispose()
+        url = f"{base}{'&' if '?' in base else '?'}options=-csearch_path%3Dolder_marks"
+    with closing(Database(url)) as database:
+        upgrade(database.engine, BEFORE)
+        yield database
+
+
+def test_an_older_class_keeps_its_numbers_and_its_overrides(older: Database) -> None:
+    account_id, class_id, override_id = uuid4(), uuid4(), uuid4()
+    with writing_engine(older.engine).begin() as connection:
+
+        def insert(table: str, **values: Any) -> None:
+            columns = [sa.column(name, TYPES.get(name)) for name in values]
+            connection.execute(sa.insert(sa.table(table, *columns)).values(values))
+
+        now = utc_now()
+        insert("account", id=account_id, role="student", name="Ada", created_at=now)
+        insert("school_class", id=class_id, name="MPSI", module="l20", created_at=now, approval=False)
+        insert(
+            "mark_override", id=override_id, class_id=class_id, account_id=account_id, exercise="l20/poses",
+            points=12.0, excused=False, reason="oral", based_on=[None], at=now,
+        )  # fmt: skip
+    upgrade(older.engine)
+    with older.write() as db:
+        marking = load_marking(db, class_id)
+        assert (marking.rules, marking.is_chosen) == (MarkingRules(*[Counting.zero] * 4), False)
+        new = SchoolClass(name="PSI", module="l20")
+        db.add(new)
+        db.flush()
+        assert (load_marking(db, new.id).rules, load_marking(db, new.id).is_chosen) == (MarkingRules(), True)
+        assert db.execute(select(Override.id, Override.assignment_id)).all() == [(override_id, None)]
+        ((_, exercise, scope),) = load_overrides(db, class_id)
+        assert (exercise, scope) == ("l20/poses", None)
+        assert db.get(Account, account_id) is not None
