@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
@@ -22,29 +23,28 @@ VAGUE_CLASSES = {
 }  # fmt: skip
 
 
+#: A class statement; a line of a docstring that begins with the word goes on otherwise.
+CLASS = re.compile(r"^\s*class (\w+)\s*[(:]", re.MULTILINE)
+
+
 @cache
-def modules() -> dict[str, ast.Module]:
-    """The syntax tree of each module, by its path."""
+def sources() -> dict[str, str]:
+    """The text of each module, by its path."""
     paths = (path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py")))
     return {
-        str(path.relative_to(ROOT)): ast.parse(path.read_text(encoding="utf-8"))
+        str(path.relative_to(ROOT)): path.read_text(encoding="utf-8")
         for path in paths
         if not LEFT_OUT.intersection(path.parts)
     }
-
-
-def nodes() -> Iterator[tuple[str, ast.AST]]:
-    for path, tree in modules().items():
-        yield from ((path, node) for node in ast.walk(tree))
 
 
 @cache
 def classes() -> dict[str, list[str]]:
     """Where each class is defined, by its name without leading underscores."""
     places = defaultdict(list)
-    for path, node in nodes():
-        if isinstance(node, ast.ClassDef):
-            places[node.name.lstrip("_")].append(f"{path}:{node.lineno}")
+    for path, text in sources().items():
+        for match in CLASS.finditer(text):
+            places[match[1].lstrip("_")].append(f"{path}:{text.count(chr(10), 0, match.start(1)) + 1}")
     return places
 
 
@@ -54,8 +54,18 @@ def is_variable_named_one(node: ast.AST) -> bool:
     )
 
 
+def nodes_that_may_be_named_one() -> Iterator[tuple[str, ast.AST]]:
+    for path, text in sources().items():
+        if re.search(r"\bone\b", text):
+            yield from ((path, node) for node in ast.walk(ast.parse(text)))
+
+
 def test_few_variables_are_named_one() -> None:
-    places = [f"{path}:{node.lineno}" for path, node in nodes() if is_variable_named_one(node)]  # type: ignore[attr-defined]
+    places = [
+        f"{path}:{node.lineno}"  # type: ignore[attr-defined]
+        for path, node in nodes_that_may_be_named_one()
+        if is_variable_named_one(node)
+    ]
     assert len(places) <= MAX_VARIABLES_NAMED_ONE, places
 
 
@@ -68,4 +78,4 @@ def test_no_name_of_a_class_is_vague() -> None:
 
 
 def test_no_module_is_named_by_a_vague_participle() -> None:
-    assert [path for path in modules() if Path(path).stem in VAGUE_MODULES] == []
+    assert [path for path in sources() if Path(path).stem in VAGUE_MODULES] == []

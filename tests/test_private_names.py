@@ -36,8 +36,11 @@ def is_private(name: str) -> bool:
 def private_uses(tree: ast.Module) -> Iterator[str]:
     """Yield each import of a private or internal name, and each private attribute of an imported module or name."""
     imported: dict[str, str] = {}
+    accesses: list[ast.Attribute] = []
     for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
+        if isinstance(node, ast.Attribute):
+            accesses.append(node)
+        elif isinstance(node, ast.Import):
             for alias in node.names:
                 imported[alias.asname or alias.name.partition(".")[0]] = alias.name
                 if any(map(is_private, alias.name.split("."))):
@@ -49,14 +52,14 @@ def private_uses(tree: ast.Module) -> Iterator[str]:
                 private = any(map(is_private, (*module.split("."), alias.name)))
                 if private or (module, alias.name) in INTERNAL:
                     yield f"{node.lineno}: from {module} import {alias.name}"
-    for node in ast.walk(tree):
+    for node in accesses:
         root, *attributes = dotted_name(node)
         if root in imported and attributes:
             private = [position for position, name in enumerate(attributes) if is_private(name)]
             if private:
-                yield f"{getattr(node, 'lineno', 0)}: {'.'.join((root, *attributes[: private[0] + 1]))}"
+                yield f"{node.lineno}: {'.'.join((root, *attributes[: private[0] + 1]))}"
             elif (imported[root], attributes[0]) in INTERNAL:
-                yield f"{getattr(node, 'lineno', 0)}: {root}.{attributes[0]}"
+                yield f"{node.lineno}: {root}.{attributes[0]}"
 
 
 def dotted_name(node: ast.AST) -> tuple[str, ...]:

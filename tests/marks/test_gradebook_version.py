@@ -72,8 +72,8 @@ def inside(db: Session, term: Term, course: Course, now: datetime = AFTER) -> li
 
 def contents(gradebook: Gradebook) -> list[object]:
     columns = Assignment.__table__.columns.keys()
-    assignments = [[getattr(one, name) for name in columns] for one in gradebook.assignments]
-    withheld = [is_withheld(one, gradebook.at) for one in gradebook.assignments]
+    assignments = [[getattr(assignment, name) for name in columns] for assignment in gradebook.assignments]
+    withheld = [is_withheld(assignment, gradebook.at) for assignment in gradebook.assignments]
     return [assignments, withheld, gradebook.rows, gradebook.titles, gradebook.exercises, gradebook.columns]
 
 
@@ -271,10 +271,10 @@ def give(term: Term, wanted: dict[str, Any], students: list[Account]) -> None:
     penalty = 2.0 if wanted["late"] is LatePolicy.penalty else None
     rules = {"late": wanted["late"], "late_per_day": penalty, "mode": wanted["mode"]}
     more = {"duration_minutes": wanted["minutes"], "released_at": at(wanted["released"])}
-    one = term.assignment("Un devoir", {POSES: 1.0}, **dates, **rules, **more)
+    assignment = term.assignment("Un devoir", {POSES: 1.0}, **dates, **rules, **more)
     values = {"time_factor": 1.5, "excused": True}
     if wanted["exempt"] is not None:
-        term.exempt(one, students[0], **{wanted["exempt"]: values.get(wanted["exempt"], at(wanted["to"]))})
+        term.exempt(assignment, students[0], **{wanted["exempt"]: values.get(wanted["exempt"], at(wanted["to"]))})
     began = at(wanted["sits"])
     if wanted["mode"] is Mode.test and began is not None:
         ended = None if wanted["ended"] is None else began + wanted["ended"] * HOUR / 2
@@ -282,30 +282,45 @@ def give(term: Term, wanted: dict[str, Any], students: list[Account]) -> None:
         with term.database.write() as db:
             for student in students[:2]:
                 row = {"began_at": began, "handed_in_at": ended, "ended_by": by}
-                db.add(Sitting(assignment_id=one.id, account_id=student.id, **row))
+                db.add(Sitting(assignment_id=assignment.id, account_id=student.id, **row))
     sent_at = at(wanted["sent"])
     if sent_at is not None:
         term.send(students[0], POSES, 11, sent_at)
 
 
+#: Of quarters of an hour after the opening of the earliest: from before all of it to after the longest sitting.
+QUARTERS = range(-1, 42)
+
+
+def quarters(drawn: dict[str, Any]) -> set[int]:
+    """Return the quarters of an hour at which something of this assignment may change."""
+    halves = [drawn[name] for name in ("opens", "due", "closes", "released", "to", "sits", "sent")]
+    found = {2 * half for half in halves if half is not None}
+    if drawn["sits"] is not None:
+        lengths = [30 * (drawn["ended"] or 0), drawn["minutes"] or 0]
+        found |= {2 * drawn["sits"] + int(factor * length) // 15 for length in lengths for factor in (1, 1.5)}
+    return found & {*QUARTERS}
+
+
 @given(st.lists(GIVEN, min_size=1, max_size=3), st.randoms(use_true_random=False))
 @settings(max_examples=12, deadline=None, database=None)
 def test_a_cached_gradebook_is_right_at_every_time(wanted: list[dict[str, Any]], draw: Any) -> None:
-    """At each time on which something may depend, just before it, and just after; in whatever order one looks."""
+    """At each time on which something may depend and at a few others, just before and after; in any order."""
     course = the_course()
     with TemporaryDirectory() as folder, closing(migrated(Settings(data_dir=Path(folder), workers=0))) as database:
         term = Term.begin(database)
         students = [term.student("Ada", "Lovelace"), term.student("Alan", "Turing"), term.student("Emmy", "Noether")]
-        for one in wanted:
-            give(term, one, students)
+        for drawn in wanted:
+            give(term, drawn, students)
         # Times that were extended by a half, of a half hour, fall on quarters.
-        times = [OPENS + place * HOUR / 4 + near * INSTANT for place, near in product(range(-1, 42), (-1, 0, 1))]
+        chosen = sorted({QUARTERS[0], QUARTERS[-1], *draw.sample(QUARTERS, 3)}.union(*map(quarters, wanted)))
+        times = [OPENS + quarter * HOUR / 4 + near * INSTANT for quarter, near in product(chosen, (-1, 0, 1))]
         forget()
         cached = [read(term, course, now) for now in times]
-        mixed = draw.sample(range(len(times)), 40)
-        again = {place: read(term, course, times[place]) for place in mixed}
-        for place, now in enumerate(times):
+        mixed = draw.sample(range(len(times)), len(times) // 3)
+        again = {index: read(term, course, times[index]) for index in mixed}
+        for index, now in enumerate(times):
             forget()
             fresh = read(term, course, now)
-            assert cached[place] == fresh, now
-            assert again.get(place, fresh) == fresh, now
+            assert cached[index] == fresh, now
+            assert again.get(index, fresh) == fresh, now

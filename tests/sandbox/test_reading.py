@@ -47,10 +47,14 @@ def test_mutated_bytes_give_exact_types_or_malformed_and_little_memory() -> None
     source = random.Random(20)
     tracemalloc.start()
     try:
-        values = sum(reading.decode_soundly(mutated(source)) for _ in range(5_000))
+        values = sum(reading.decode_soundly(mutated(source)) for _ in range(2_000))
     finally:
         tracemalloc.stop()
-    assert 0 < values < 5_000
+    assert 0 < values < 2_000
+
+
+#: Values in a crowd: what they take together hides what reading takes at the least.
+CROWD = 4_000
 
 
 @pytest.mark.parametrize(
@@ -59,7 +63,7 @@ def test_mutated_bytes_give_exact_types_or_malformed_and_little_memory() -> None
 def test_a_crowd_of_the_smallest_values_stays_within_the_bound_of_memory(smallest: bytes) -> None:
     tracemalloc.start()
     try:
-        assert reading.decode_soundly(b"l" + struct.pack("<I", 9_000) + smallest * 9_000)
+        assert reading.decode_soundly(b"l" + struct.pack("<I", CROWD) + smallest * CROWD)
     finally:
         tracemalloc.stop()
 

@@ -1,4 +1,8 @@
-"""The course, as `balise check` proves it: all of it in one slow test, a few cases of each exercise in the others."""
+"""The course, as `balise check` proves it: all of it in one slow test.
+
+The fast suite proves of each exercise that its reference passes, that its starter does not, that every mistake of its
+catalogue is caught, and that one of them is named in the sandbox.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 
+from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
+from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from server.base.files import ROOT
 from server.cli import check
@@ -62,7 +69,7 @@ def test_every_text_holds_together_and_every_formula_is_drawn() -> None:
 def test_the_reference_passes_and_a_mistake_is_named(name: str, course: Course, grader: SandboxGrader) -> None:
     exercise = course.exercises[name]
     examined = [examine(grader, exercise, case, SEED) for case in fast_cases(exercise)]
-    assert [one for one in examined if one.fault] == []
+    assert [examination for examination in examined if examination.fault] == []
 
 
 @pytest.mark.parametrize("name", CODE)
@@ -70,6 +77,22 @@ def test_the_starter_does_not_pass(name: str, course: Course) -> None:
     verdict = checked(name, course.exercises[name].starter, SEED).verdict
     assert verdict.outcome.counts
     assert verdict.outcome is not Outcome.OK
+
+
+@pytest.mark.parametrize("name", CODE)
+def test_every_known_mistake_is_caught(name: str) -> None:
+    """By a check, the first of those that fail: in this process, without simplifying or naming it."""
+    grader = CODE[name]
+    with np.errstate(all="ignore"):
+        passing = [mistake.id for mistake in grader.misconceptions if not is_caught(grader, mistake)]
+    assert passing == []
+
+
+def is_caught(grader: CodeGrader, mistake: Misconception) -> bool:
+    """Whether a check fails; those of the mistake's own functions are asked first, alone before together."""
+    own = {*mistake.functions}
+    checks = sorted(grader.checks, key=lambda check: (own.isdisjoint(check.functions), len(check.functions)))
+    return grader.first_failed(mistake.source.encode(), LOCAL, seed=SEED, checks=checks) is not None
 
 
 @pytest.mark.slow
@@ -87,10 +110,12 @@ def test_what_never_ends_is_ended_by_the_limit_of_its_exercise(course: Course, g
     known = [(exercise, case) for exercise in course.exercises.values() for case in cases(exercise) if case.endless]
     assert known
     examined = [examine(grader, exercise, replace(case, endless=False), SEED) for exercise, case in known]
-    assert [one for one in examined if one.fault] == []
+    assert [examination for examination in examined if examination.fault] == []
 
 
 def test_every_exercise_knows_several_mistakes(course: Course) -> None:
     least = {"code": 6, "answers": 3}
-    known = {name: len(one.grader.mistake_ids()) - least[one.kind] for name, one in course.exercises.items()}
+    known = {
+        name: len(exercise.grader.mistake_ids()) - least[exercise.kind] for name, exercise in course.exercises.items()
+    }
     assert min(known.values()) >= 0, known
