@@ -13,8 +13,8 @@ from server.audit.models import AuditAction
 from server.classes import repository
 from server.classes.models import ClassRole, Status
 
-RoleAndStatus = tuple[str, str]
-NO_MEMBERSHIP: RoleAndStatus = (ClassRole.student, Status.left)
+RoleAndStatus = tuple[str, str, bool]
+NO_MEMBERSHIP: RoleAndStatus = (ClassRole.student, Status.left, False)
 
 
 @contextmanager
@@ -30,12 +30,15 @@ def recording_membership_changes(db: Session, class_id: UUID, by: UUID) -> Itera
 
 def _load_roles(db: Session, class_id: UUID) -> Mapping[UUID, RoleAndStatus]:
     members = repository.load_members(db, class_id)
-    return {member.id: (member.membership.role, member.membership.status) for member in members}
+    rows = ((member.id, member.membership) for member in members)
+    return {account_id: (row.role, row.status, row.is_confirmed) for account_id, row in rows}
 
 
 def _record(db: Session, class_id: UUID, by: UUID, account_id: UUID, old: RoleAndStatus, new: RoleAndStatus) -> None:
-    (old_role, old_status), (new_role, new_status) = old, new
-    if old == new:
+    (old_role, old_status, was_confirmed), (new_role, new_status, is_confirmed) = old, new
+    if is_confirmed and not was_confirmed and old_status == new_status != Status.left:
+        audit.record_event(db, class_id, by, AuditAction.student_confirmed, student=account_id)
+    if old[:2] == new[:2]:
         return
     if {old_role, new_role} != {ClassRole.student}:
         before = {"role": old_role if old_status == Status.active else None}

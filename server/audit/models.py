@@ -26,6 +26,7 @@ class AuditAction(StrEnum):
     staff_changed = "staff_changed"
     student_removed = "student_removed"
     student_admitted = "student_admitted"
+    student_confirmed = "student_confirmed"
     mark_overridden = "mark_overridden"
     override_withdrawn = "override_withdrawn"
     state_decided = "state_decided"
@@ -52,6 +53,7 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.staff_changed: "équipe modifiée",
     AuditAction.student_removed: "élève sorti de la classe",
     AuditAction.student_admitted: "élève admis dans la classe",
+    AuditAction.student_confirmed: "élève confirmé, qui a le nom d’un autre",
     AuditAction.mark_overridden: "note modifiée",
     AuditAction.override_withdrawn: "note modifiée retirée",
     AuditAction.state_decided: "absence, dispense ou zéro",
@@ -75,6 +77,7 @@ STUDENT_ACTIONS = frozenset(
         AuditAction.exemption_revoked,
         AuditAction.student_removed,
         AuditAction.student_admitted,
+        AuditAction.student_confirmed,
         AuditAction.mark_overridden,
         AuditAction.override_withdrawn,
         AuditAction.state_decided,

@@ -67,7 +67,7 @@ class Membership(Base):
     email: Mapped[str] = mapped_column(String(EMAIL_LENGTH), default="")
     groups: Mapped[list[str]] = mapped_column(JSON, default=list)
     created_by_list: Mapped[bool] = mapped_column("made_here", key="created_by_list", default=False)
-    is_confirmed: Mapped[bool] = mapped_column(default=False)
+    is_confirmed: Mapped[bool] = mapped_column(default=True)
     left_voluntarily: Mapped[bool] = mapped_column("went", key="left_voluntarily", default=False)
     joined_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     left_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

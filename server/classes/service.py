@@ -103,7 +103,8 @@ def change_students(
 ) -> int:
     """Apply an action to students, and return how many it changed. Raises Conflict, NotFound or Invalid.
 
-    `action` is `accept` or `refuse` for pending students, `remove`, `take_back`, `group` or `ungroup`.
+    `action` is `accept` or `refuse` for pending students, `remove`, `take_back`, `confirm` that they are who they say,
+    `group` or `ungroup`.
     """
     require_open(school_class)
     labels = parse_groups(group)
@@ -133,6 +134,9 @@ def _apply_action(membership: Membership, action: str, labels: Sequence[str]) ->
             membership.status = Status.left
             membership.left_at = utc_now() if action == "remove" else None  # a refused student never was in the class
         return True
+    if action == "confirm":
+        was_confirmed, membership.is_confirmed = membership.is_confirmed, True
+        return not was_confirmed
     remaining = [label for label in membership.groups if label not in labels]
     groups = parse_groups("|".join([*membership.groups, *labels])) if action == "group" else tuple(remaining)
     changed = list(groups) != membership.groups
@@ -294,7 +298,9 @@ def _add_student(db: Session, school_class: SchoolClass, account: Account, named
     status = Status.pending if school_class.approval else Status.active
     membership = repository.find_membership(db, school_class.id, account.id)
     if membership is None:
-        membership = Membership(class_id=school_class.id, account_id=account.id, status=status, joined_at=utc_now())
+        membership = Membership(
+            class_id=school_class.id, account_id=account.id, status=status, joined_at=utc_now(), is_confirmed=False
+        )
         db.add(membership)
     elif membership.status == Status.left:
         membership.role, membership.status, membership.left_at = ClassRole.student, status, None

@@ -84,6 +84,7 @@ class MemberRow:
     seen_text: str
     guest: bool
     without_password: bool
+    doubtful: bool
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from datetime import datetime
 from functools import lru_cache, partial
 from urllib.parse import urlencode
+from uuid import UUID
 
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
 from server.assignments import editing
-from server.classes import repository
+from server.classes import namesakes, repository
 from server.classes.codes import format_code
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
@@ -161,12 +162,13 @@ def build_people_page(
     students = [member for member in everyone if member.role is ClassRole.student]
     active = [member for member in students if member.status is Status.active]
     labels = count_students_by_label(member.groups for member in active)
+    doubtful = namesakes.filter_doubtful(everyone)
     return PeoplePage(
         head=class_head(course, access, "/eleves"),
         staff=staff_rows(everyone, access, account),
         code=join_code_view(school_class, base) if access.has(Right.see_code) else None,
         may_hand_passwords=access.has(Right.hand_out_passwords) and school_class.archived_at is None,
-        students=member_rows(member for member in active if not group or group in member.groups),
+        students=member_rows((member for member in active if not group or group in member.groups), doubtful),
         total=len(active),
         waiting=member_rows(member for member in students if member.status is Status.pending),
         left=member_rows(member for member in students if member.status is Status.left),
@@ -198,7 +200,8 @@ def staff_rows(everyone: Sequence[Member], access: ClassAccess, account: Account
     )
 
 
-def member_rows(members: Iterable[Member]) -> tuple[MemberRow, ...]:
+def member_rows(members: Iterable[Member], doubtful: Collection[UUID] = ()) -> tuple[MemberRow, ...]:
+    """Return the rows of members; `doubtful`: those who have the name of another student (`classes.namesakes`)."""
     return tuple(
         MemberRow(
             id=str(member.id),
@@ -211,6 +214,7 @@ def member_rows(members: Iterable[Member]) -> tuple[MemberRow, ...]:
             seen_text=_format_optional(member.membership.last_seen_at, short_moment),
             guest=member.account.is_guest,
             without_password=_lacks_password(member),
+            doubtful=member.id in doubtful,
         )
         for member in members
     )

@@ -40,7 +40,7 @@ router = APIRouter(include_in_schema=False)
 AccountIds = Annotated[list[UUID] | None, Form()]
 ACTIONS = {
     "accepter": "accept", "refuser": "refuse", "retirer": "remove", "reprendre": "take_back",
-    "grouper": "group", "degrouper": "ungroup",
+    "grouper": "group", "degrouper": "ungroup", "confirmer": "confirm",
 }  # fmt: skip
 SETTINGS = "Ce réglage de la classe"
 CHOOSE_ALL = "Dites de chaque cas s’il compte 0 ou ne compte pas."

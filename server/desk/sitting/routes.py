@@ -3,7 +3,8 @@
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.assignments import service, sittings
+from server.assignments import eligibility, service, sittings
+from server.assignments.feedback import SittingStage
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.requests import redirect_to_login
@@ -42,13 +43,18 @@ def show_sitting(
         with database.write() as db:
             collecting.collect_if_expired(db, test, account.id, now)
     view = build_sitting_page(reader, access, own, account, now)
-    return render_page(request, "classes/sitting.html", account, page=view)
+    refusal = ""
+    if own.stage is SittingStage.may_begin and access.membership is not None:
+        refusal = eligibility.begin_refusal(reader.db, test, account, access.membership)
+    return render_page(request, "classes/sitting.html", account, page=view, refusal=refusal)
 
 
 @router.post(f"{TEST_PATH}/commencer")
 def begin_sitting(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Response:
     access = rights.require_right(db, account, Right.sit_tests, class_id)
     test = sittings.find_test(db, access.school_class.id, assignment_id)
+    if access.membership is not None:
+        eligibility.require_may_begin(db, test, account, access.membership)
     sittings.begin_sitting(db, test, account.id, own_labels(access), utc_now())
     return redirect(sitting_href(test))
 
