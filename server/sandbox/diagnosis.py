@@ -167,7 +167,7 @@ def _message(
         return sentences[kind]()
     if of_result:
         return _result_message(kind, text, detail, policy)
-    return messages.runtime_error(exception or "Erreur", text, line, frames)
+    return messages.runtime_error(exception or "Erreur", text, line, frames, detail, file_lines)
 
 
 def _result_message(kind: FaultKind, culprit: str, detail: str, policy: Policy) -> str:

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from server.sandbox.child import library
+from server.sandbox.explanations import explain_error, explain_import
 from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import (
     describe_foreign_characters,
@@ -159,7 +160,18 @@ _SYSTEM = {
 _IN_FRENCH = {"EOF when reading a line": "fin de l’entrée"}
 
 
-def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+def runtime_error(
+    exception: str,
+    text: str,
+    line: int | None,
+    frames: tuple[Frame, ...],
+    values: str = "",
+    file_lines: Sequence[str] = (),
+) -> str:
+    """Return the sentence of an exception; `values` tells the names on its line, `file_lines` are the file's."""
+    explained = explain_error(exception, text, values, frames, file_lines) if text else None
+    if explained:
+        return at_line(line, frames, f"{explained} [{exception} : {text.split(chr(10), 1)[0]}]")
     sentence = f"{exception} ({_IN_FRENCH.get(text, text)})" if text else exception
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
     return at_line(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
@@ -168,6 +180,8 @@ def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Fra
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     if exception != "ModuleNotFoundError" and module == library.NAME and (name := _MISSING_NAME.match(text)):
         return at_line(line, frames, f"{library.NAME} ne donne pas « {name[1]} » ici. {_NOT_GIVEN}")
+    if explained := explain_import(exception, module, text):
+        return at_line(line, frames, f"{explained} [{exception}]")
     if exception != "ModuleNotFoundError":
         return at_line(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
     return at_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")

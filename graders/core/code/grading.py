@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from graders.core.code.bench import Bench
+from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.code.checks import Check
+from graders.core.code.decimal_commas import decimal_comma_diagnosis
 from graders.core.code.diagnosis import combine_diagnoses, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
@@ -72,9 +74,10 @@ class CodeGrader:
         try:
             findings = self._findings(runner, kit, seed, source)
             checked = time.perf_counter()
-            diagnosis = self._diagnosis(findings, runner, kit, seed)
+            diagnosis = self._diagnosis(findings, runner, kit, seed, source)
         finally:
             runner.close()
+        findings = tell_once(tell_signatures(findings, self.solution))
         ended = time.perf_counter()
         timings = {"checks_ms": (started, checked), "diagnosis_ms": (checked, ended), "total_ms": (started, ended)}
         verdict = make_verdict(
@@ -122,11 +125,15 @@ class CodeGrader:
         finally:
             runner.close()
 
-    def _diagnosis(self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int) -> Diagnosis | None:
+    def _diagnosis(
+        self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int, source: bytes
+    ) -> Diagnosis | None:
         """Name the mistake: by the probes, else by re-enactment for functions without probes, else as a slip."""
         pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
+        if (comma := decimal_comma_diagnosis(source)) is not None:
+            return comma
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         ids, last, follow = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()

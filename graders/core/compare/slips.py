@@ -112,6 +112,13 @@ SLIPS = {
             "Pourquoi arrondir avant d'avoir fini le calcul ?",
         ),
         Slip(
+            "virgule_decimale",
+            "Une virgule décimale dans un nombre",
+            "En Python, la virgule sépare deux valeurs : « 0,5 » en fait deux, 0 et 5. Le séparateur décimal est le "
+            "point.",
+            "Combien de valeurs votre fonction renvoie-t-elle ?",
+        ),
+        Slip(
             "sans_retour",
             "La fonction ne renvoie rien",
             "Une fonction sans « return », ou dont le « return » n'est pas atteint, renvoie None. Afficher un résultat "

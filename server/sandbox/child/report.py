@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 from types import CodeType, TracebackType
+from typing import Any
+
+import numpy as np
 
 from .codec import Value
 
-MAX_TEXT, MAX_NAME, MAX_FRAMES, MAX_SOURCE = 600, 80, 8, 200
+MAX_TEXT, MAX_NAME, MAX_FRAMES, MAX_SOURCE, MAX_VALUES = 600, 80, 8, 200, 5
+MAX_INT = 10**15
+_NAME = re.compile(r"(?<![\w.'\"])([^\W\d]\w{0,40})(\.T\b)?(?![\w(])")
 #: System limits that a program can meet without trying to escape: descriptors, a full folder, a file too big.
 _LIMITS = (errno.EMFILE, errno.ENFILE, errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 #: Libraries whose own system errors mean that a wall refused something.
@@ -24,7 +30,7 @@ def describe(error: BaseException, filename: str, lines: list[str]) -> dict[str,
         "text": _text(error),
         "line": frames[-1][0] if frames else None,
         "frames": tuple(frames),
-        "detail": _detail(error),
+        "detail": _detail(error, filename, lines),
     }
 
 
@@ -108,8 +114,10 @@ def _escapes(path: object) -> bool:
     return isinstance(path, str) and (path.startswith(("/", "~")) or ".." in path.split("/"))
 
 
-def _detail(error: BaseException) -> str:
-    """The name or the path at the heart of the matter."""
+def _detail(error: BaseException, filename: str, lines: list[str]) -> str:
+    """The name or the path at the heart of the matter, or what the names on the guilty line of the file are."""
+    if isinstance(error, (TypeError, ValueError, IndexError)) and not isinstance(error, UnicodeError):
+        return _values_on_line(error.__traceback__, filename, lines)
     for attribute in ("name", "filename"):
         value = getattr(error, attribute, None)
         if isinstance(value, str):
@@ -117,3 +125,43 @@ def _detail(error: BaseException) -> str:
     if isinstance(error, SystemExit):
         return _text(error)
     return ""
+
+
+def _values_on_line(traceback: TracebackType | None, filename: str, lines: list[str]) -> str:
+    """What the first names on the line where the file failed are, in French: numbers, and the shapes of arrays.
+
+    Only exact types of Python and numpy are looked at: no code of the student runs.
+    """
+    innermost = None
+    while traceback is not None:
+        if traceback.tb_frame.f_code.co_filename == filename:
+            innermost = traceback
+        traceback = traceback.tb_next
+    if innermost is None or not 0 < innermost.tb_lineno <= len(lines):
+        return ""
+    frame = innermost.tb_frame
+    described: dict[str, str] = {}
+    for match in _NAME.finditer(lines[innermost.tb_lineno - 1]):
+        name, transposed = match.group(1), match.group(2) or ""
+        value = frame.f_locals.get(name, frame.f_globals.get(name))
+        words = _in_words(value, transposed)
+        if words and len(described) < MAX_VALUES:
+            described[name + transposed] = words
+    return ", ".join(f"{name} {words}" for name, words in described.items())[:MAX_TEXT]
+
+
+def _in_words(value: Any, transposed: str) -> str:
+    kind, words = type(value), ""
+    if kind is np.ndarray:
+        words = f"est un tableau de forme {value.shape[::-1] if transposed else value.shape}"
+    elif transposed:
+        words = ""
+    elif kind in (float, np.float64):
+        words = "vaut " + f"{value:.6g}".replace(".", ",").replace("-", "\u2212")
+    elif kind is int and abs(value) < MAX_INT:
+        words = f"vaut {value}"
+    elif kind is str:
+        words = "est une cha\u00eene de caract\u00e8res"
+    elif kind in (list, tuple):
+        words = f"est {'une liste' if kind is list else 'un tuple'} de longueur {len(value)}"
+    return words

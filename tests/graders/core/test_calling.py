@@ -1,0 +1,40 @@
+"""A function with other parameters than the statement's is told which; one exception is told once."""
+
+from graders.core.code.calling import tell_once, tell_signatures
+from graders.core.contract.findings import Finding
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult
+
+SOLUTION = "def odometrie(pose, ds_g, ds_d, L):\n    pass\n\n\ndef corriger(bel, sigma=0.5):\n    pass\n"
+
+
+def failed(identity: str, message: str, cause: Outcome = Outcome.RUNTIME_ERROR) -> Finding:
+    return Finding(CheckResult(identity, identity.title(), False, 0, 4, message), cause)
+
+
+def messages(findings: list[Finding]) -> list[str | None]:
+    return [finding.result.message for finding in findings]
+
+
+def test_the_signature_of_the_statement_is_told() -> None:
+    few = "TypeError : odometrie() takes 3 positional arguments but 4 were given"
+    more = "TypeError : corriger() missing 1 required positional argument: 'z'"
+    inner = "Ligne 3, dans « f » (odometrie(1)) : odometrie() missing 3 required positional arguments"
+    other = "TypeError : aide() takes 1 positional argument but 2 were given"
+    found = messages(tell_signatures([failed(str(k), it) for k, it in enumerate((few, more, inner, other))], SOLUTION))
+    assert found[0] == f"L’énoncé demande odometrie(pose, ds_g, ds_d, L). {few}"
+    assert found[1] == f"L’énoncé demande corriger(bel, sigma=0.5). {more}"
+    assert found[2:] == [inner, other]
+
+
+def test_the_same_exception_is_told_once_with_its_line() -> None:
+    text = "Ligne 4, dans « f » : les formes ne vont pas ensemble"
+    findings = [failed("un", text), failed("deux", text), failed("trois", "autre"), failed("quatre", text)]
+    assert messages(tell_once(findings)) == [
+        text,
+        "La même erreur que pour « Un » (ligne 4).",
+        "autre",
+        "La même erreur que pour « Un » (ligne 4).",
+    ]
+    wrong = [failed("un", text, Outcome.WRONG_ANSWER), failed("deux", text, Outcome.WRONG_ANSWER)]
+    assert messages(tell_once(wrong)) == [text, text]
