@@ -96,6 +96,11 @@ class Member:
     def groups(self) -> tuple[str, ...]:
         return tuple(self.membership.groups)
 
+    @property
+    def lacks_password(self) -> bool:
+        """Whether a list created the account, and nobody has chosen its password yet."""
+        return self.membership.created_by_list and self.account.password_hash is None
+
 
 @dataclass(frozen=True)
 class JoinedClass:

@@ -318,6 +318,21 @@ class Course:
         last = next(reversed(self.editions(slug)), None)
         return last if last and edition_of(last.slug) > edition_of(slug) else None
 
+    def title_of(self, exercise: str) -> str:
+        """Return the title of an exercise by its id, or the id of one that has left the course."""
+        served = self.exercises.get(exercise)
+        return served.title if served else exercise
+
+    def title_at(self, path: str) -> str:
+        """Return the title of the lesson or exercise at an address, empty where nothing is there any more."""
+        slug, _, rest = path.strip("/").partition("/")
+        kind, _, name = rest.partition("/")
+        module = self.modules.get(slug)
+        pages: Sequence[Exercise | Lesson] = ()
+        if module is not None and kind in {"exercices", "lire"}:
+            pages = module.exercises if kind == "exercices" else module.lessons
+        return next((page.title for page in pages if page.slug == name), "")
+
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
         served = self.exercises.get(exercise)

@@ -3,35 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 
-from server.marks.states import ClassMarking
-from server.web.news import NewsView
-
-
-@dataclass(frozen=True)
-class ClassListRow:
-    """A class in a list; `waiting` counts join requests, `asking` open questions, for its staff."""
-
-    href: str
-    name: str
-    module: str
-    role: str
-    pending: bool
-    students: int
-    waiting: int
-    asking: int = 0
-
-
-@dataclass(frozen=True)
-class ClassesPage:
-    """The list of classes; `news`: unread messages; `modules`: slug and title of those for a new class."""
-
-    news: tuple[NewsView, ...]
-    taught: tuple[ClassListRow, ...]
-    attended: tuple[ClassListRow, ...]
-    archived: tuple[ClassListRow, ...]
-    may_create: bool
-    modules: tuple[tuple[str, str], ...]
+from server.assignments.feedback import SittingStage
+from server.course import Exercise
 
 
 @dataclass(frozen=True)
@@ -66,34 +41,7 @@ class JoinCodeView:
     code: str
     address: str
     svg: str
-    until: str
-    until_text: str
-
-
-@dataclass(frozen=True)
-class MemberRow:
-    """A member of the list. Missing dates are empty; `guest`: without a login, bound to one browser."""
-
-    id: str
-    name: str
-    login: str
-    groups: tuple[str, ...]
-    joined: str
-    joined_text: str
-    seen: str
-    seen_text: str
-    guest: bool
-    without_password: bool
-    doubtful: bool
-
-
-@dataclass(frozen=True)
-class StaffRow:
-    id: str
-    name: str
-    login: str
-    role: str
-    removable: bool
+    until: datetime
 
 
 @dataclass(frozen=True)
@@ -107,109 +55,21 @@ class OwnMembership:
 
 
 @dataclass(frozen=True)
-class PeoplePage:
-    """The members of a class as its staff see them; `students` are those of the label `group` if it is chosen."""
-
-    head: ClassHead
-    staff: tuple[StaffRow, ...]
-    code: JoinCodeView | None
-    may_hand_passwords: bool
-    students: tuple[MemberRow, ...]
-    total: int
-    waiting: tuple[MemberRow, ...]
-    left: tuple[MemberRow, ...]
-    groups: tuple[tuple[str, int], ...]
-    group: str
-    without_password: int
-
-
-@dataclass(frozen=True)
-class EditionChoice:
-    """An edition into which a class may be copied; `without`: assigned exercises that it lacks."""
-
-    slug: str
-    title: str
-    without: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class SettingsPage:
-    """The settings of a class; `editions`: those of its module, from its own on; `marking`: what its means count."""
-
-    head: ClassHead
-    approval: bool
-    version: str
-    marking: ClassMarking
-    staff: tuple[StaffRow, ...]
-    code: JoinCodeView | None
-    editions: tuple[EditionChoice, ...]
-
-
-@dataclass(frozen=True)
-class ImportChangeRow:
-    """A person whom a list adds, changes or leaves out; `note` describes the change."""
-
-    line: str
-    name: str
-    login: str
-    note: str
-
-
-@dataclass(frozen=True)
-class ImportPage:
-    """The preview of a list. `text` is the list, `digest` identifies its changes."""
-
-    head: ClassHead
-    added: tuple[ImportChangeRow, ...]
-    updated: tuple[ImportChangeRow, ...]
-    unchanged: int
-    left: tuple[ImportChangeRow, ...]
-    rejected: tuple[tuple[int, str, str], ...]
-    ignored: tuple[str, ...]
-    text: str
-    digest: str
-
-    @property
-    def changes(self) -> bool:
-        return bool(self.added or self.updated or self.left)
-
-
-@dataclass(frozen=True)
-class PasswordSlipView:
-    name: str
-    login: str
-    link: str
-    svg: str
-
-
-@dataclass(frozen=True)
-class SlipsPage:
-    head: ClassHead
-    slips: tuple[PasswordSlipView, ...]
-    refused: tuple[str, ...]
-    days: int
-    address: str
-
-
-@dataclass(frozen=True)
 class SittingExercise:
-    """An exercise of a test: the number of submissions, and the time of the last saved draft (or empty).
+    """An exercise of a test: the number of submissions, and the time of the last saved draft.
 
     `failed` counts submissions that an internal error left ungraded.
     """
 
-    title: str
-    href: str
-    kind: str
+    exercise: Exercise
     sent: int
     failed: int
-    saved: str
-    saved_text: str
+    saved: datetime | None
 
 
 @dataclass(frozen=True)
 class SittingPage:
-    """A test as its student sees it. Times come as ISO text and in words, empty where there are none.
+    """A test as its student sees it.
 
     `ends`: the end of the sitting; before it, the end if it began now. `now` is the server's time. `extra`: the
     student has extra time. `handed_in`: by the student; otherwise time ended it.
@@ -217,16 +77,13 @@ class SittingPage:
 
     head: ClassHead
     title: str
-    stage: str
-    opens: str
-    opens_text: str
-    closes: str
-    closes_text: str
+    stage: SittingStage
+    opens: datetime
+    closes: datetime | None
     minutes: str
     extra: bool
-    now: str
-    ends: str
-    ends_text: str
+    now: datetime
+    ends: datetime | None
     handed_in: bool
     exercises: tuple[SittingExercise, ...]
     action: str
@@ -234,31 +91,16 @@ class SittingPage:
 
 @dataclass(frozen=True)
 class ReleaseView:
-    """The release of a test's results: the numbers of sittings begun and still running. `released` is empty before.
+    """The release of a test's results, with the numbers of sittings begun and still running.
 
-    `opens` is empty once somebody may have begun: until then there is nothing to release.
+    `opens` is None once somebody may have begun: until then there is nothing to release.
     """
 
     action: str
-    opens: str
-    opens_text: str
-    released: str
-    released_text: str
+    opens: datetime | None
+    released: datetime | None
     begun: int
     sitting: int
-
-
-@dataclass(frozen=True)
-class JoinPage:
-    """The class of a join code. `asks_name`: for visitors and guests; `already`: its address for current members."""
-
-    code: str
-    name: str
-    module: str
-    teachers: tuple[str, ...]
-    approval: bool
-    asks_name: bool
-    already: str
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from datetime import datetime
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from typing import Any
 from urllib.parse import urlencode
-from uuid import UUID
 
 from markupsafe import Markup
 from sqlalchemy.orm import Session
@@ -21,23 +20,8 @@ from server.classes.schemas import Member
 from server.classes.service import valid_code
 from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
-from server.course import Course, Module
-from server.desk.schemas import (
-    ClassesPage,
-    ClassHead,
-    ClassListRow,
-    EditionChoice,
-    ImportChangeRow,
-    ImportPage,
-    JoinCodeView,
-    JoinPage,
-    MemberRow,
-    PasswordSlipView,
-    PeoplePage,
-    SettingsPage,
-    SlipsPage,
-    StaffRow,
-)
+from server.course import Course
+from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
 from server.identity.models import Account
 from server.marks.repository import load_marking
@@ -47,8 +31,6 @@ from server.rights.service import ClassAccess
 from server.text.lines import tidy_line
 from server.web import editions
 from server.web.form_version import version_of
-from server.web.news import news_views
-from server.web.words import iso_moment, short_moment
 
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
 NEW_ACCOUNT_NOTE, EXISTING_ACCOUNT_NOTE = "compte à créer", "a déjà un compte ici"
@@ -71,44 +53,40 @@ def module_name(course: Course, slug: str) -> str:
     return f"Module {module.label}" if module else slug
 
 
-def build_classes_page(db: Session, course: Course, account: Account | None) -> ClassesPage:
+def build_classes_page(db: Session, course: Course, account: Account | None) -> dict[str, Any]:
     seats = [] if account is None else repository.load_visible_classes(db, account)
     counts = repository.count_students(db, [school_class.id for school_class, _ in seats])
     taught = [school_class.id for school_class, seat in seats if _is_staff(seat)]
     asking = comments.count_open_questions_by_class(db, taught) if taught else {}
-    rows = []
+    rows: list[dict[str, Any]] = []
     for school_class, seat in seats:
         students, waiting = counts[school_class.id]
-        row = _class_list_row(course, school_class, seat, students, waiting, asking.get(school_class.id, 0))
-        rows.append((school_class, seat, row))
-    return ClassesPage(
-        news=news_views([] if account is None else comments.load_unread_threads(db, account.id), course),
-        taught=tuple(row for listed, seat, row in rows if listed.archived_at is None and _is_staff(seat)),
-        attended=tuple(row for listed, seat, row in rows if listed.archived_at is None and not _is_staff(seat)),
-        archived=tuple(row for listed, _, row in rows if listed.archived_at is not None),
-        may_create=account is not None and Right.create_class in rights.server_rights(account),
-        modules=tuple((module.slug, f"{module.label} — {module.title}") for module in course.latest),
-    )
+        rows.append(
+            {
+                "listed": school_class,
+                "href": class_href(school_class),
+                "module": module_name(course, school_class.module),
+                "role": "administrateur" if seat is None else ROLES[ClassRole(seat.role)],
+                "is_staff": _is_staff(seat),
+                "pending": seat is not None and seat.status == Status.pending,
+                "students": students,
+                "waiting": waiting if _is_staff(seat) else 0,
+                "asking": asking.get(school_class.id, 0),
+            }
+        )
+    return {
+        "news": [] if account is None else comments.load_unread_threads(db, account.id),
+        "taught": [row for row in rows if row["listed"].archived_at is None and row["is_staff"]],
+        "attended": [row for row in rows if row["listed"].archived_at is None and not row["is_staff"]],
+        "archived": [row for row in rows if row["listed"].archived_at is not None],
+        "may_create": account is not None and Right.create_class in rights.server_rights(account),
+        "modules": course.latest,
+    }
 
 
 def _is_staff(seat: Membership | None) -> bool:
     """Whether the reader is staff; an administrator has no membership."""
     return seat is None or seat.is_staff
-
-
-def _class_list_row(
-    course: Course, school_class: SchoolClass, seat: Membership | None, students: int, waiting: int, asking: int
-) -> ClassListRow:
-    return ClassListRow(
-        href=class_href(school_class),
-        name=school_class.name,
-        module=module_name(course, school_class.module),
-        role="administrateur" if seat is None else ROLES[ClassRole(seat.role)],
-        pending=seat is not None and seat.status == Status.pending,
-        students=students,
-        waiting=waiting if _is_staff(seat) else 0,
-        asking=asking,
-    )
 
 
 def class_head(course: Course, access: ClassAccess, here: str = "") -> ClassHead:
@@ -134,9 +112,7 @@ def join_code_view(school_class: SchoolClass, base: str) -> JoinCodeView | None:
     if code is None or until is None:
         return None
     address = f"{base}/rejoindre/{code}"
-    return JoinCodeView(
-        format_code(code), address, _cached_class_qr_code(address), iso_moment(until), short_moment(until)
-    )
+    return JoinCodeView(format_code(code), address, _cached_class_qr_code(address), until)
 
 
 @lru_cache(maxsize=128)
@@ -153,29 +129,27 @@ def render_qr_code(address: str) -> str:
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 
 
-def build_people_page(
-    db: Session, course: Course, access: ClassAccess, account: Account, base: str, group: str
-) -> PeoplePage:
+def build_people_page(db: Session, course: Course, access: ClassAccess, base: str, group: str) -> dict[str, Any]:
     """Build the page of members; a non-empty `group` filters students by label."""
     school_class = access.school_class
     everyone = repository.load_members(db, school_class.id)
     students = [member for member in everyone if member.role is ClassRole.student]
     active = [member for member in students if member.status is Status.active]
     labels = count_students_by_label(member.groups for member in active)
-    doubtful = namesakes.filter_doubtful(everyone)
-    return PeoplePage(
-        head=class_head(course, access, "/eleves"),
-        staff=staff_rows(everyone, access, account),
-        code=join_code_view(school_class, base) if access.has(Right.see_code) else None,
-        may_hand_passwords=access.has(Right.hand_out_passwords) and school_class.archived_at is None,
-        students=member_rows((member for member in active if not group or group in member.groups), doubtful),
-        total=len(active),
-        waiting=member_rows(member for member in students if member.status is Status.pending),
-        left=member_rows(member for member in students if member.status is Status.left),
-        groups=tuple(labels.items()),
-        group=group if group in labels else "",
-        without_password=sum(_lacks_password(member) for member in active),
-    )
+    return {
+        "head": class_head(course, access, "/eleves"),
+        "staff": active_staff(everyone),
+        "code": join_code_view(school_class, base) if access.has(Right.see_code) else None,
+        "may_hand_passwords": access.has(Right.hand_out_passwords) and school_class.archived_at is None,
+        "students": [member for member in active if not group or group in member.groups],
+        "doubtful": namesakes.filter_doubtful(everyone),
+        "total": len(active),
+        "waiting": [member for member in students if member.status is Status.pending],
+        "left": [member for member in students if member.status is Status.left],
+        "groups": labels,
+        "group": group if group in labels else "",
+        "without_password": sum(member.lacks_password for member in active),
+    }
 
 
 def count_students_by_label(groups: Iterable[Iterable[str]]) -> dict[str, int]:
@@ -184,48 +158,8 @@ def count_students_by_label(groups: Iterable[Iterable[str]]) -> dict[str, int]:
     return dict(sorted(counts.items(), key=lambda count: count[0].casefold()))
 
 
-def staff_rows(everyone: Sequence[Member], access: ClassAccess, account: Account) -> tuple[StaffRow, ...]:
-    staff = [member for member in everyone if member.membership.is_staff and member.status is Status.active]
-    teachers = sum(member.role is ClassRole.teacher for member in staff)
-    may_see_logins = access.has(Right.see_students)
-    return tuple(
-        StaffRow(
-            id=str(member.id),
-            name=member.name,
-            login=member.account.login or "" if may_see_logins else "",
-            role=ROLES[member.role],
-            removable=access.has(Right.configure_class) and (member.role is not ClassRole.teacher or teachers > 1),
-        )
-        for member in staff
-    )
-
-
-def member_rows(members: Iterable[Member], doubtful: Collection[UUID] = ()) -> tuple[MemberRow, ...]:
-    """Return the rows of members; `doubtful`: those who have the name of another student (`classes.namesakes`)."""
-    return tuple(
-        MemberRow(
-            id=str(member.id),
-            name=member.name,
-            login=member.account.login or "",
-            groups=member.groups,
-            joined=iso_moment(member.membership.joined_at),
-            joined_text=short_moment(member.membership.joined_at),
-            seen=_format_optional(member.membership.last_seen_at, iso_moment),
-            seen_text=_format_optional(member.membership.last_seen_at, short_moment),
-            guest=member.account.is_guest,
-            without_password=_lacks_password(member),
-            doubtful=member.id in doubtful,
-        )
-        for member in members
-    )
-
-
-def _format_optional(when: datetime | None, written: Callable[[datetime], str]) -> str:
-    return "" if when is None else written(when)
-
-
-def _lacks_password(member: Member) -> bool:
-    return member.membership.created_by_list and member.account.password_hash is None
+def active_staff(everyone: Sequence[Member]) -> list[Member]:
+    return [member for member in everyone if member.membership.is_staff and member.status is Status.active]
 
 
 def settings_texts(name: str, approval: bool) -> Mapping[str, str]:
@@ -233,81 +167,66 @@ def settings_texts(name: str, approval: bool) -> Mapping[str, str]:
     return {"Nom de la classe": tidy_line(name), "J’accepte chaque entrée": "oui" if approval else "non"}
 
 
-def build_settings_page(db: Session, course: Course, access: ClassAccess, account: Account, base: str) -> SettingsPage:
+def build_settings_page(db: Session, course: Course, access: ClassAccess, base: str) -> dict[str, Any]:
+    """Build the settings; `editions`: those of its module from its own on, with the assigned exercises each lacks."""
     school_class = access.school_class
-    staff = staff_rows(repository.load_staff(db, school_class.id), access, account)
-    return SettingsPage(
-        head=class_head(course, access, "/reglages"),
-        approval=school_class.approval,
-        version=version_of(settings_texts(school_class.name, school_class.approval)),
-        marking=load_marking(db, school_class.id),
-        staff=staff,
-        code=join_code_view(school_class, base),
-        editions=tuple(
-            _edition_choice(db, course, school_class, edition)
-            for edition in editions.later_editions(course, school_class.module)
-        ),
-    )
+    choices = []
+    for edition in editions.later_editions(course, school_class.module):
+        is_in_edition = partial(editions.exercise_in_edition, course, module=edition.slug)
+        same = edition.slug == school_class.module
+        choices.append((edition, () if same else editing.uncopied_exercises(db, school_class, is_in_edition)))
+    return {
+        "head": class_head(course, access, "/reglages"),
+        "approval": school_class.approval,
+        "version": version_of(settings_texts(school_class.name, school_class.approval)),
+        "marking": load_marking(db, school_class.id),
+        "staff": active_staff(repository.load_staff(db, school_class.id)),
+        "roles": ROLES,
+        "code": join_code_view(school_class, base),
+        "editions": choices,
+    }
 
 
-def _edition_choice(db: Session, course: Course, school_class: SchoolClass, edition: Module) -> EditionChoice:
-    is_in_edition = partial(editions.exercise_in_edition, course, module=edition.slug)
-    left = () if edition.slug == school_class.module else editing.uncopied_exercises(db, school_class, is_in_edition)
-    return EditionChoice(
-        slug=edition.slug,
-        title=f"{edition.label} — {edition.title}",
-        without=tuple(f"{_quoted_exercise_title(course, exercise)}, du devoir « {title} »" for title, exercise in left),
-    )
-
-
-def _quoted_exercise_title(course: Course, exercise: str) -> str:
-    served = course.exercises.get(exercise)
-    return f"« {served.title} »" if served else exercise
-
-
-def build_import_page(course: Course, access: ClassAccess, plan: ImportPlan, text: str) -> ImportPage:
-    added = [
-        ImportChangeRow(str(line.line), line.name, line.login or line.email, NEW_ACCOUNT_NOTE) for line in plan.added
-    ]
-    added += [
-        ImportChangeRow(str(line.line), line.name, account.login or "", EXISTING_ACCOUNT_NOTE)
-        for line, account in plan.joining
-    ]
-    return ImportPage(
-        head=class_head(course, access, "/eleves"),
-        added=tuple(sorted(added, key=lambda row: int(row.line))),
-        updated=tuple(
-            ImportChangeRow(str(line.line), line.name, member.account.login or "", UPDATE_NOTES[member.status])
-            for line, member in plan.updated
-        ),
-        unchanged=len(plan.unchanged),
-        left=tuple(ImportChangeRow("", member.name, member.account.login or "", LEAVING_NOTE) for member in plan.left),
-        rejected=tuple((line.line, line.name, line.reason) for line in plan.rejected),
-        ignored=plan.ignored,
-        text=text,
-        digest=plan.digest,
-    )
+def build_import_page(course: Course, access: ClassAccess, plan: ImportPlan, text: str) -> dict[str, Any]:
+    """Build the preview of a list; each change: line number, name, login, and what happens."""
+    added = [(line.line, line.name, line.login or line.email, NEW_ACCOUNT_NOTE) for line in plan.added]
+    added += [(line.line, line.name, account.login or "", EXISTING_ACCOUNT_NOTE) for line, account in plan.joining]
+    return {
+        "head": class_head(course, access, "/eleves"),
+        "plan": plan,
+        "added": sorted(added),
+        "updated": [
+            (line.line, line.name, member.account.login, UPDATE_NOTES[member.status]) for line, member in plan.updated
+        ],
+        "left": [("", member.name, member.account.login, LEAVING_NOTE) for member in plan.left],
+        "text": text,
+    }
 
 
 def build_slips_page(
-    course: Course, access: ClassAccess, given: Sequence[PasswordSlip], refused: Sequence[str], days: int, base: str
-) -> SlipsPage:
-    links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in given]
-    slips = tuple(PasswordSlipView(slip.name, slip.login, link, render_qr_code(link)) for slip, link in links)
-    return SlipsPage(class_head(course, access, "/eleves"), slips, tuple(refused), days, base)
+    course: Course, access: ClassAccess, slips: Sequence[PasswordSlip], refused: Sequence[str], days: int, base: str
+) -> dict[str, Any]:
+    links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in slips]
+    return {
+        "head": class_head(course, access, "/eleves"),
+        "slips": [(slip, link, render_qr_code(link)) for slip, link in links],
+        "refused": refused,
+        "days": days,
+        "address": base,
+    }
 
 
-def build_join_page(db: Session, course: Course, school_class: SchoolClass, account: Account | None) -> JoinPage:
+def build_join_page(db: Session, course: Course, school_class: SchoolClass, account: Account | None) -> dict[str, Any]:
     everyone = repository.load_members(db, school_class.id)
     own = next((member for member in everyone if account is not None and member.id == account.id), None)
-    return JoinPage(
-        code=school_class.join_code or "",
-        name=school_class.name,
-        module=module_name(course, school_class.module),
-        teachers=tuple(
+    return {
+        "code": school_class.join_code or "",
+        "name": school_class.name,
+        "module": module_name(course, school_class.module),
+        "teachers": [
             member.name for member in everyone if member.role is ClassRole.teacher and member.status is Status.active
-        ),
-        approval=school_class.approval,
-        asks_name=account is None or account.is_guest,
-        already=class_href(school_class) if own is not None and own.status is not Status.left else "",
-    )
+        ],
+        "approval": school_class.approval,
+        "asks_name": account is None or account.is_guest,
+        "already": class_href(school_class) if own is not None and own.status is not Status.left else "",
+    }

@@ -13,7 +13,6 @@ from server.base.http import local_path
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
-from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
@@ -180,11 +179,11 @@ def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> R
 
 
 @router.get("/compte/phrases")
-def phrases(request: Request, reader: CurrentReader, course: CourseOf) -> Response:
+def phrases(request: Request, reader: CurrentReader) -> Response:
     """The phrases that one keeps."""
     if reader.account is None:
         return redirect("/connexion?suite=/compte/phrases")
-    kept = talk.phrase_rows(notes_repository.load_all_phrases(reader.db, reader.account.id), course)
+    kept = notes_repository.load_all_phrases(reader.db, reader.account.id)
     return render_page(request, "phrases.html", reader.account, phrases=kept)
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Literal
 
 from markupsafe import Markup
 
 from graders.core.contract.progress import Progress
+from server.course import FunctionSpec
 from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
-from server.web.schemas import ModuleLink, OwnProgress, RenderedVerdict, SolutionSwitchView
+from server.web.schemas import ModuleLink, OwnProgress, SolutionSwitchView, VerdictView
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ class WorkView:
     number: int
     status: Literal["queued", "running", "done"]
     waiting: str
-    verdict: RenderedVerdict | None
+    verdict: VerdictView | None
     page: str
     events: str
     fragment: str
@@ -94,11 +96,10 @@ class WorkView:
 
 @dataclass(frozen=True)
 class HeldView:
-    """Why something is not shown, in a sentence that ends with until when, where that is known (ISO, and in words)."""
+    """Why something is not shown, in a sentence that ends with until when, where that is known."""
 
     text: str
-    until: str
-    until_text: str
+    until: datetime | None = None
 
 
 @dataclass(frozen=True)
@@ -114,12 +115,10 @@ class TestBanner:
     title: str
     href: str
     stage: Literal["may_begin", "running", "over"]
-    now: str
-    ends: str
-    ends_text: str
+    now: datetime
+    ends: datetime | None
     save: str
-    saved: str
-    saved_text: str
+    saved: datetime | None
     restored: bool
     tests: str
     version: str
@@ -150,28 +149,19 @@ class AttemptRow:
 
     number: int
     href: str
-    when: str
-    when_text: str
+    when: datetime
     points: str
     outcome: str
 
 
 @dataclass(frozen=True)
-class FunctionView:
-    signature: str
-    returns: str
-    doc: str
-
-
-@dataclass(frozen=True)
 class ReusedView:
-    """An earlier exercise whose functions may be imported; `when_text` is empty where they are the course's."""
+    """An earlier exercise whose functions may be imported; `when` is None where they are the course's."""
 
     title: str
     href: str
     functions: tuple[str, ...]
-    when: str
-    when_text: str
+    when: datetime | None
 
 
 @dataclass(frozen=True)
@@ -219,7 +209,7 @@ class ExercisePage(ExerciseFrame):
     `examples` are calls to begin from, each with the name of its function.
     """
 
-    functions: tuple[FunctionView, ...]
+    functions: tuple[FunctionSpec, ...]
     reused: tuple[ReusedView, ...]
     starter: str
     code: str
@@ -301,21 +291,7 @@ class AttemptPage:
     exercise_title: str
     exercise_href: str
     take_href: str
-    when: str
-    when_text: str
+    when: datetime
     code: str
     told: tuple[ToldView, ...] | None
     results: Results
-
-
-@dataclass(frozen=True)
-class AttemptsPage:
-    """Some of the attempts; `newer` and `older` are the addresses of the pages beside it, or empty."""
-
-    module: ModuleLink
-    exercise_title: str
-    exercise_href: str
-    attempts: tuple[AttemptRow, ...]
-    total: int
-    newer: str
-    older: str

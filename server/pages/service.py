@@ -21,19 +21,17 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import kits, marks, opening, talk, withheld
 from server.pages.policy import policy_lines
-from server.pages.rendered_verdict import render_verdict
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
-    AttemptsPage,
     ExercisePage,
-    FunctionView,
     Results,
     ReusedView,
     ToldView,
     WorkView,
 )
 from server.pages.waiting import waiting_text
+from server.steps.replayable import can_replay
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress
 from server.web import deadlines, regraded, verdicts
@@ -45,7 +43,7 @@ from server.web.views import (
     module_link,
     own_progress,
 )
-from server.web.words import format_mark, iso_moment, short_moment
+from server.web.words import format_mark
 
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
@@ -69,9 +67,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     kit = kits.file_of(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
         **common_parts(reader, exercise, latest, saved),
-        functions=tuple(
-            FunctionView(function.signature, function.returns, function.doc) for function in exercise.functions
-        ),
+        functions=exercise.functions,
         reused=tuple(_reused(reader, exercise)),
         starter=exercise.starter,
         code=taken if taken is not None else written,
@@ -93,9 +89,8 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
         else {}
     )
     for reused in earlier:
-        functions, when = tuple(function.name for function in reused.functions), own.get(reused.id)
-        moment = ("", "") if when is None else (when.isoformat(), short_moment(when))
-        yield ReusedView(reused.title, exercise_href(reused), functions, *moment)
+        functions = tuple(function.name for function in reused.functions)
+        yield ReusedView(reused.title, exercise_href(reused), functions, own.get(reused.id))
 
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
@@ -160,8 +155,7 @@ def attempt_page(
         exercise_title=exercise.title,
         exercise_href=href,
         take_href=f"{href}?reprendre={submission.id}",
-        when=iso_moment(submission.created_at),
-        when_text=short_moment(submission.created_at),
+        when=submission.created_at,
         code=submission.code,
         told=None if answered is None else tuple(answered),
         results=results(
@@ -179,22 +173,21 @@ def _beside(reader: Reader, attempt: Attempt, number: int) -> AttemptList:
     return AttemptList((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
 
 
-def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPage:
-    """Page `number` of one's attempts, the newest on page 1. Raises NotFound beyond the last."""
+def attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, Any]:
+    """Build page `number` of one's attempts, the newest on page 1. Raise NotFound beyond the last."""
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, ATTEMPTS_A_PAGE, skipped)
     if skipped and not attempts.lines:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
-    href = f"{exercise_href(exercise)}/essais"
-    return AttemptsPage(
-        module=module_link(reader.course.modules[exercise.module]),
-        exercise_title=exercise.title,
-        exercise_href=exercise_href(exercise),
-        attempts=_rows(exercise, attempts),
-        total=attempts.total,
-        newer=f"{href}?page={number - 1}" if number > 2 else href if number == 2 else "",
-        older=f"{href}?page={number + 1}" if skipped + ATTEMPTS_A_PAGE < attempts.total else "",
-    )
+    return {
+        "module": module_link(reader.course.modules[exercise.module]),
+        "exercise_title": exercise.title,
+        "exercise_href": exercise_href(exercise),
+        "attempts": _rows(exercise, attempts),
+        "total": attempts.total,
+        "number": number,
+        "more": skipped + ATTEMPTS_A_PAGE < attempts.total,
+    }
 
 
 def results(
@@ -264,7 +257,16 @@ def _work(
     )
     if verdict is None or attempt.grading is None:
         return work
-    return replace(work, verdict=render_verdict(exercise, verdict, attempt.grading, work))
+    view = verdicts.verdict_view(
+        verdict,
+        f"{href}/figures",
+        None if exercise.answers is None else exercise,
+        exercise.functions,
+        grading=attempt.grading.id,
+        films=(f"{href}/rejeux", attempt.grading.filmed or ()),
+        replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
+    )
+    return replace(work, verdict=view)
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:
@@ -283,8 +285,7 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
     return AttemptRow(
         number=line.number,
         href=f"/soumissions/{line.id}",
-        when=iso_moment(line.sent_at),
-        when_text=short_moment(line.sent_at),
+        when=line.sent_at,
         points="" if line.score is None else format_mark(20 * line.score),
         outcome=(FAILED if line.failed else HELD) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
     )

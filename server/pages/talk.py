@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from server.comments import notes_repository, service
 from server.comments.line_tracking import LineFate, LineRange
-from server.comments.models import Phrase, Thread
-from server.comments.schemas import Conversation, UnreadThread
-from server.course import Course, Exercise
+from server.comments.models import Thread
+from server.comments.schemas import Conversation, ReceivedNote, UnreadThread
+from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
@@ -20,7 +20,6 @@ from server.rights import service as rights
 from server.text.highlight import lines as coloured
 from server.text.plain import visible
 from server.web import verdicts
-from server.web.news import NewsView, WordView, news_views, word_view
 from server.web.schemas import CheckView, ExerciseTexts
 from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer_view
 from server.web.views import Reader, exercise_href, find_exercise
@@ -188,9 +187,9 @@ def _student(reader: Reader, account: Account, author: UUID, exercise: Exercise)
 class ExerciseTalk:
     """What the page of an exercise shows of what is said to this account: nothing, to a visitor."""
 
-    news: tuple[NewsView, ...] = ()
-    words: tuple[WordView, ...] = ()
-    read_words: tuple[WordView, ...] = ()
+    news: Sequence[UnreadThread] = ()
+    words: Sequence[ReceivedNote] = ()
+    read_words: Sequence[ReceivedNote] = ()
     threads: tuple[ThreadView, ...] = ()
     writer: WriterView | None = None
     action: str = ""
@@ -209,16 +208,13 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
     found = [
         UnreadThread(talk.thread, talk.messages[-1].text) for talk in talks if talk.thread.submission_id is not None
     ]
-    told = [
-        word_view(word, reader.course)
-        for word in notes_repository.load_received_notes(reader.db, account.id, exercise.id)
-    ]
+    received = notes_repository.load_received_notes(reader.db, account.id, exercise.id)
     return ExerciseTalk(
-        news=news_views(found, reader.course),
-        words=tuple(word for word in told if not word.read),
-        read_words=tuple(word for word in told if word.read),
+        news=found,
+        words=[note for note in received if note.seen_at is None],
+        read_words=[note for note in received if note.seen_at is not None],
         threads=thread_views(whole, account),
-        writer=WriterView(False, (), href) if asks else None,
+        writer=WriterView(False, href) if asks else None,
         action=f"{href}/questions",
         draft=draft,
         unread=tuple(talk for talk in whole if talk.is_new),
@@ -293,23 +289,3 @@ def _around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND
     html = coloured(visible(code))[first - 1 : last]
     return tuple(LineView(number, Markup(line)) for number, line in enumerate(html, first))
-
-
-@dataclass(frozen=True)
-class PhraseRow:
-    id: str
-    text: str
-    where: str
-    uses: int
-
-
-def phrase_rows(phrases: Sequence[Phrase], course: Course) -> tuple[PhraseRow, ...]:
-    return tuple(PhraseRow(str(phrase.id), phrase.text, _where(phrase, course), phrase.uses) for phrase in phrases)
-
-
-def _where(phrase: Phrase, course: Course) -> str:
-    if phrase.exercise is None:
-        return "partout"
-    exercise = course.exercises.get(phrase.exercise)
-    title = f"« {exercise.title if exercise else phrase.exercise} »"
-    return title if phrase.misconception is None else f"{title}, pour l’erreur {phrase.misconception}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from typing import Literal
 
 from server.assignments import feedback, sittings
@@ -14,7 +13,6 @@ from server.gradebook.schemas import Attempt
 from server.pages import form_state
 from server.pages.schemas import HeldView, TestBanner
 from server.web.views import Reader, exercise_href
-from server.web.words import iso_moment, short_moment
 
 What = Literal["hints", "diagnosis", "solution"]
 IN_TEST: dict[What, str] = {
@@ -41,11 +39,11 @@ def withheld_view(closed: FeedbackHold | None, what: What) -> HeldView | None:
         return None
     if closed.test:
         text = IN_TEST[what].format(title=closed.title)
-        return HeldView(text, "", "") if text else None
+        return HeldView(text) if text else None
     text = FOR_A_TIME[what].format(title=closed.title)
     if closed.until is None:
-        return HeldView(f"{text}.", "", "")
-    return HeldView(f"{text} jusqu’au", iso_moment(closed.until), short_moment(closed.until))
+        return HeldView(f"{text}.")
+    return HeldView(f"{text} jusqu’au", closed.until)
 
 
 def load_holds_of_exercise(reader: Reader, exercise: Exercise) -> FeedbackHolds:
@@ -76,17 +74,11 @@ def test_banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> 
         title=test.title,
         href=test.path,
         stage=SHOWN_STAGES[test.stage],
-        now=iso_moment(utc_now()),
-        ends=_format_or_empty(test.ends_at, text=False),
-        ends_text=_format_or_empty(test.ends_at, text=True),
+        now=utc_now(),
+        ends=test.ends_at,
         save=f"{exercise_href(exercise)}/brouillon" if test.stage is SittingStage.running else "",
-        saved=_format_or_empty(saved.saved_at if saved else None, text=False),
-        saved_text=_format_or_empty(saved.saved_at if saved else None, text=True),
+        saved=saved.saved_at if saved else None,
         restored=saved is not None,
         tests=form_state.running_tests_key(holds),
         version=sittings.version_of(last),
     )
-
-
-def _format_or_empty(when: datetime | None, *, text: bool) -> str:
-    return "" if when is None else short_moment(when) if text else iso_moment(when)

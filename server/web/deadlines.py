@@ -16,7 +16,6 @@ from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.identity.models import Account
-from server.web.words import iso_moment, long_moment
 
 SOON = timedelta(days=7)
 MOST = 5  # lines on a page
@@ -26,14 +25,13 @@ MOST = 5  # lines on a page
 class DueView:
     """An assignment that is due; `late`: its due date has gone by, and until `when` what is sent counts still.
 
-    `left` is how many of its exercises are not solved. Without a date both of `when` are empty. Of a test that is to be
+    `left` is how many of its exercises are not solved. Of a test that is to be
     begun, or that one sits, `when` is its end, and nothing is counted.
     """
 
     title: str
     href: str
-    when: str
-    when_text: str
+    when: datetime | None
     late: bool
     left: int
     test: Literal["", "may_begin", "running"] = ""
@@ -82,8 +80,7 @@ def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
     return DueView(
         title=assigned.assignment.title,
         href=feedback.sitting_path(assigned.assignment.class_id, assigned.assignment.id),
-        when="" if end is None else iso_moment(end),
-        when_text="" if end is None else long_moment(end),
+        when=end,
         late=False,
         left=len(assigned.exercises),
         test="may_begin" if sitting is None else "running",
@@ -108,12 +105,10 @@ def due_for_exercise(db: Session, account: Account | None, exercise: str) -> tup
 
 def _view(assigned: StudentAssignment, progress: Mapping[str, ExerciseProgress]) -> DueView:
     late = assigned.stage is AssignmentStage.late
-    when: datetime | None = assigned.rules.closes_at if late else assigned.rules.due_at
     return DueView(
         title=assigned.assignment.title,
         href=f"/classes/{assigned.assignment.class_id}#devoir-{assigned.assignment.id}",
-        when="" if when is None else iso_moment(when),
-        when_text="" if when is None else long_moment(when),
+        when=assigned.rules.closes_at if late else assigned.rules.due_at,
         late=late,
         left=sum(not progress.get(row.exercise, NOTHING_YET).succeeded for row in assigned.exercises),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -12,15 +13,14 @@ from graders.core.contract.outcomes import Kind as Answered
 from server.regrades import service
 from server.regrades.differences import DifferenceKind, VerdictDifference
 from server.web.verdicts import outcome_title
-from server.web.words import format_mark, format_points, iso_moment, short_moment
+from server.web.words import format_mark, format_points
 
 
 @dataclass(frozen=True)
 class RegradedView:
     """That an attempt was graded anew: when, its points before (empty for an error of ours) and after, and why."""
 
-    when: str
-    when_text: str
+    when: datetime
     before: str
     after: str
     why: tuple[str, ...]
@@ -33,7 +33,7 @@ def load_regraded_view(db: Session, grading: UUID, kind: Answered) -> RegradedVi
         return None
     before, after = format_points_pair(_points(told.before), _points(told.after))
     why = tuple(f"{text[0].upper()}{text[1:]}." for text in reason_sentences(told.differences, kind))
-    return RegradedView(iso_moment(told.applied_at), short_moment(told.applied_at), before, after, why)
+    return RegradedView(told.applied_at, before, after, why)
 
 
 def _points(score: float | None) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from datetime import datetime
 from functools import lru_cache
 from hashlib import blake2b, sha256
 from http import HTTPStatus
@@ -26,7 +27,7 @@ from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
-from server.web import assets, words
+from server.web import assets, threads, verdicts, views, words
 from server.web.form_identity import account_key, name_account_in_forms
 from server.web.schemas import AccountView, CurrentModuleView
 
@@ -48,6 +49,10 @@ def jinja_environment() -> Environment:
         french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken,
         iso_moment=words.iso_moment, short_moment=words.short_moment, decimal=means.format_number,
         points_or_dash=points_or_dash,
+        moment=moment, mark=words.format_mark, points=words.format_points,
+        exercise_href=views.exercise_href, lesson_href=views.lesson_href,
+        outcome_title=verdicts.outcome_title,
+        state_label=threads.state_label, subject=threads.thread_subject, shorten=threads.shorten,
     )  # fmt: skip
     jinja.globals.update(
         static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone,
@@ -67,6 +72,14 @@ def ticks(message: str) -> Markup:
     if len(parts) % 2 == 0:
         return Markup("`".join(parts))
     return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
+
+
+def moment(when: datetime | None, *, long: bool = False) -> Markup:
+    """Render a time on the school's clock as a `<time>` element; a dash for none."""
+    if when is None:
+        return Markup("—")
+    text = words.long_moment(when) if long else words.short_moment(when)
+    return Markup('<time datetime="{}">{}</time>').format(words.iso_moment(when), text)
 
 
 def sentence(message: str) -> str:
@@ -129,6 +142,8 @@ def render_page(
     course = get_service(request.app, Course)
     surroundings = {
         "modules": _modules(request, course),
+        "title_of": course.title_of,
+        "title_at": course.title_at,
         "here": _here(request, course.modules),
         "path": request.url.path,
         "back": _back(request, context),

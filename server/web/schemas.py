@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from markupsafe import Markup
-
 from server.web.values import ValueView
 
 Tone = Literal["good", "partial", "bad", "ours"]
@@ -178,12 +176,3 @@ class VerdictView:
         """One sentence for screen readers when the verdict arrives."""
         mark = f"{self.points} sur 20. " if self.points else ""
         return f"Verdict : {mark}{self.title}."
-
-
-@dataclass(frozen=True)
-class RenderedVerdict:
-    """A verdict as it stands on a page: its HTML, and what the frame around it says."""
-
-    tone: Tone
-    announcement: str
-    html: Markup

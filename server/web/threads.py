@@ -1,20 +1,20 @@
-"""Threads in words, for the pages where they stand beside work: an attempt, an exercise, a student's."""
+"""Threads in words, for the pages of an attempt, of an exercise and of a student."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Literal
 
 from sqlalchemy.orm import Session
 
 from server.comments import notes
 from server.comments.line_tracking import LineFate, LineRange
-from server.comments.models import Thread, ThreadState
+from server.comments.models import Phrase, Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, Conversation
 from server.identity.models import Account
 from server.text.lines import tidy_line
-from server.web.words import iso_moment, short_moment
 
 STATES = {ThreadState.open: "ouvert", ThreadState.answered: "répondu", ThreadState.settled: "réglé"}
 REMARK = "remarque"
@@ -35,8 +35,7 @@ class MessageView:
     author: str
     staff: bool
     named: bool
-    when: str
-    when_text: str
+    when: datetime
     text: str
 
 
@@ -49,7 +48,6 @@ class ThreadView:
 
     id: str
     about: str
-    href: str
     state: Literal["open", "answered", "settled"]
     label: str
     note: str
@@ -68,13 +66,6 @@ class ThreadView:
 
 
 @dataclass(frozen=True)
-class PhraseView:
-    id: str
-    text: str
-    fits: bool
-
-
-@dataclass(frozen=True)
 class Draft:
     """A text that was not sent, and why it was refused; both empty for a new one."""
 
@@ -87,11 +78,12 @@ NO_DRAFT = Draft()
 
 @dataclass(frozen=True)
 class WriterView:
-    """The form of a message: `staff` is the reader's side; `phrases` are the reader's own."""
+    """The form of a message: `staff` is the reader's side; `phrases`: the reader's own, those of `diagnosis` first."""
 
     staff: bool
-    phrases: tuple[PhraseView, ...]
     back: str
+    phrases: Sequence[Phrase] = ()
+    diagnosis: str | None = None
 
 
 def thread_views(talks: Sequence[Conversation], account: Account | None) -> tuple[ThreadView, ...]:
@@ -104,7 +96,6 @@ def thread_view(talk: Conversation, account: Account | None) -> ThreadView:
     return ThreadView(
         id=str(thread.id),
         about=thread_subject(thread, talk.lines),
-        href=thread_href(thread),
         state=talk.state.value,
         label=state_label(thread, all(said.message.as_staff for said in talk.messages)),
         note=_note(talk),
@@ -122,11 +113,6 @@ def thread_subject(thread: Thread, place: LineRange | None = None) -> str:
     if first is not None:
         return f"Ligne {first}" if first == last else f"Lignes {first} à {last}"
     return "L’essai entier" if thread.submission_id else "L’exercice"
-
-
-def thread_href(thread: Thread) -> str:
-    """Where the thread stands, with what it is about."""
-    return f"/fils/{thread.id}"
 
 
 def state_label(thread: Thread, by_staff_alone: bool) -> str:
@@ -148,8 +134,7 @@ def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
         author="vous" if mine else said.name or (A_TEACHER if message.as_staff else A_STUDENT),
         staff=message.as_staff,
         named=message.as_staff and not mine and bool(said.name),
-        when=iso_moment(message.created_at),
-        when_text=short_moment(message.created_at),
+        when=message.created_at,
         text=message.text,
     )
 
@@ -157,15 +142,10 @@ def _message(said: AuthoredMessage, account: Account | None) -> MessageView:
 def writer_view(
     db: Session, account: Account, exercise: str, back: str, *, staff: bool, diagnosis: str | None = None
 ) -> WriterView:
-    """`diagnosis` is that of the attempt that is written of: it decides which phrases come first."""
+    """Build the form; `diagnosis` is that of the attempt that it is about: it decides which phrases come first."""
     if not staff:
-        return WriterView(False, (), back)
-    phrases = notes.suggest_phrases(db, account, exercise, diagnosis)
-    views = tuple(
-        PhraseView(str(phrase.id), phrase.text, diagnosis is not None and phrase.misconception == diagnosis)
-        for phrase in phrases
-    )
-    return WriterView(True, views, back)
+        return WriterView(False, back)
+    return WriterView(True, back, notes.suggest_phrases(db, account, exercise, diagnosis), diagnosis)
 
 
 def shorten(text: str) -> str:

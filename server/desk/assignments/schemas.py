@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from server.classes.schemas import Member
 from server.desk.assignments.late_line import LateLine
-from server.desk.schemas import ClassHead, OwnMembership, ReleaseView, StaffRow
+from server.desk.schemas import ClassHead, OwnMembership, ReleaseView
 from server.marks.own import OwnMarks
 from server.marks.schemas import ActiveDecision
 
@@ -291,7 +292,7 @@ class OwnClassPage:
 
     head: ClassHead
     seat: OwnMembership
-    staff: tuple[StaffRow, ...]
+    staff: list[Member]
     current: tuple[OwnAssignment, ...]
     done: tuple[OwnAssignment, ...]
     upcoming: tuple[OwnAssignment, ...]

@@ -1,7 +1,7 @@
 """The page of a group of programs that answer alike, which a teacher reads once and names once."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 from uuid import UUID
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -14,7 +14,7 @@ from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
 from server.desk.groups import views as group_views
-from server.desk.groups.schemas import GroupNameForm
+from server.desk.groups.views import GroupNameForm, name_texts
 from server.desk.requests import redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
@@ -83,12 +83,13 @@ def _render_group(
     found = service.load_class_group(reader.db, access.school_class, which.exercise, which.group)
     earlier = service.list_other_names(reader.db, access.school_class, which.exercise, which.group)
     view = group_views.build_group_page(reader.db, reader.course, access, reader.account, found, earlier, wanted)
-    taken = next((other for other in earlier if other.group_id == depuis), None)
-    form, status = filled or group_views.group_name_form(taken or found.name), 422 if filled else 200
-    version = version_of(group_views.name_texts(group_views.group_name_form(found.name)))
-    return render_page(
-        request, "classes/group.html", reader.account, status=status, page=view, form=form, version=version
-    )
+    form = filled or next((other for other in earlier if other.group_id == depuis), None) or found.name
+    context: dict[str, Any] = {
+        "form": form or GroupNameForm(),
+        "version": version_of(name_texts(found.name or GroupNameForm())),
+    }
+    status = 422 if filled else 200
+    return render_page(request, "classes/group.html", reader.account, status=status, page=view, **context)
 
 
 @router.post(GROUP_PATH)
@@ -109,10 +110,8 @@ def name_group(
     group = which.find(db, access)
     require_open(access.school_class)
     found = service.load_class_group(db, access.school_class, which.exercise, which.group)
-    stored = group_views.name_texts(group_views.group_name_form(found.name))
-    require_same_version(
-        fields, account, SUBJECT, stored, group_views.name_texts(GroupNameForm(title, explanation, question))
-    )
+    stored = name_texts(found.name or GroupNameForm())
+    require_same_version(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
     if action == "retirer" or not (title + explanation + question).strip():
         service.withdraw_group_name(db, access.school_class, group, account.id)
     else:

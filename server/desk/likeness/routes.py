@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated
 from uuid import UUID
 
@@ -10,21 +9,18 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import repository as assignments
-from server.assignments.models import Assignment
 from server.base.errors import NotFound
 from server.classes import repository as classes
-from server.course import Course, Exercise
+from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.desk import views
-from server.desk.likeness.schemas import ExerciseChoice, LikenessPage, PairSide, PairView, SharedCodeLine
 from server.desk.requests import redirect_to_login
 from server.identity.dependencies import OptionalAccount
 from server.rights import service as rights
 from server.rights.models import Right
-from server.rights.service import ClassAccess
 from server.similarity import service
-from server.similarity.service import Comparison, Copy
+from server.similarity.service import Comparison
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -43,7 +39,7 @@ def show_likeness(
     course: CourseOf,
     exercice: Annotated[str, Query(max_length=200)] = "",
 ) -> Response:
-    """Compares when an exercise is chosen, outside of any transaction: it takes a second or more."""
+    """Compare the copies of the chosen exercise, outside any transaction: it takes a second or more."""
     if account is None:
         return redirect_to_login(request)
     with database.read() as db:
@@ -58,9 +54,11 @@ def show_likeness(
         chosen = _chosen_exercise(exercises, exercice)
         sent = service.load_copies(db, assignment, chosen) if chosen else []
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
-    found = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
-    view = _likeness_page(course, access, assignment, exercises, chosen, found, names)
-    return render_page(request, "classes/likeness.html", account, page=view)
+    comparison = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
+    head = views.class_head(course, access, "/devoirs")
+    choices = [exercise for exercise in exercises if exercise.answers is None]
+    context = {"head": head, "title": assignment.title, "choices": choices, "chosen": chosen, "names": names}
+    return render_page(request, "classes/likeness.html", account, page=context | {"comparison": comparison})
 
 
 def _chosen_exercise(exercises: list[Exercise], name: str) -> Exercise | None:
@@ -70,45 +68,3 @@ def _chosen_exercise(exercises: list[Exercise], name: str) -> Exercise | None:
     if chosen is None:
         raise NotFound(NO_SUCH_EXERCISE)
     return chosen
-
-
-def _likeness_page(
-    course: Course,
-    access: ClassAccess,
-    assignment: Assignment,
-    exercises: list[Exercise],
-    chosen: Exercise | None,
-    found: Comparison,
-    names: Mapping[UUID, str],
-) -> LikenessPage:
-    head = views.class_head(course, access, "/devoirs")
-    return LikenessPage(
-        head=head,
-        title=assignment.title,
-        href=f"{head.href}/devoirs/{assignment.id}/ressemblances",
-        choices=tuple(
-            ExerciseChoice(exercise.id, exercise.title, exercise is chosen)
-            for exercise in exercises
-            if exercise.answers is None
-        ),
-        chosen=chosen.title if chosen else "",
-        compared=found.compared,
-        too_short=found.too_short,
-        pairs=tuple(
-            PairView(
-                _pair_side(pair.first, pair.shares[0], pair.lines[0], names),
-                _pair_side(pair.second, pair.shares[1], pair.lines[1], names),
-            )
-            for pair in found.pairs
-        ),
-    )
-
-
-def _pair_side(copy: Copy, share: float, shared: tuple[int, ...], names: Mapping[UUID, str]) -> PairSide:
-    lines = copy.code.split("\n")
-    return PairSide(
-        name=names.get(copy.student, "élève sorti de la classe"),
-        href=f"/soumissions/{copy.submission}",
-        share=int(100 * share),
-        lines=tuple(SharedCodeLine(number, text, number in shared) for number, text in enumerate(lines, 1)),
-    )

@@ -104,7 +104,7 @@ def _build_page(
     return OwnClassPage(
         head=views.class_head(course, access, "/eleves" if watched else ""),
         seat=own,
-        staff=views.staff_rows(repository.load_staff(db, access.school_class.id), access, account),
+        staff=views.active_staff(repository.load_staff(db, access.school_class.id)),
         current=tuple(view for _, view in running if view.stage.kind != ALL_DONE.kind),
         done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),

@@ -156,7 +156,7 @@ def _render_settings(
     access: ClassAccess,
     refused: ServiceError | None = None,
 ) -> HTMLResponse:
-    view = views.build_settings_page(db, course, access, account, service_url(request))
+    view = views.build_settings_page(db, course, access, service_url(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
     return render_page(
         request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LIFETIME_CHOICES

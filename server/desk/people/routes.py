@@ -1,6 +1,6 @@
 """Pages of classes as their members see them: one's own, joining, one class, its code on the wall."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
@@ -18,7 +18,7 @@ from server.desk import views
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
 from server.desk.own import views as own_views
 from server.desk.requests import GroupQuery, redirect_to_login
-from server.desk.schemas import JoinFormValues, JoinPage
+from server.desk.schemas import JoinFormValues
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
 from server.rights import service as rights
 from server.rights.models import Right
@@ -81,7 +81,7 @@ def show_join_form(
 
 
 def _render_join_form(
-    request: Request, account: OptionalAccount, view: JoinPage, filled: JoinFormValues = EMPTY_FORM
+    request: Request, account: OptionalAccount, view: dict[str, Any], filled: JoinFormValues = EMPTY_FORM
 ) -> HTMLResponse:
     status = 422 if filled.problem else 200
     return render_page(request, "classes/join.html", account, status=status, page=view, form=filled)
@@ -143,7 +143,7 @@ def show_people(request: Request, class_id: str, reader: CurrentReader, groupe: 
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    view = views.build_people_page(reader.db, reader.course, access, reader.account, service_url(request), groupe)
+    view = views.build_people_page(reader.db, reader.course, access, service_url(request), groupe)
     return render_page(request, "classes/people.html", reader.account, page=view)
 
 

@@ -2,11 +2,12 @@
 
 import json
 from collections.abc import AsyncIterator
+from dataclasses import dataclass
 from typing import Annotated
 from uuid import UUID
 
 from fastapi import APIRouter, Form, Query, Request
-from fastapi.responses import HTMLResponse, Response, StreamingResponse
+from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import NotFound, ServiceError
@@ -14,7 +15,6 @@ from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.regrades.schemas import RegradeFormValues
 from server.desk.regrades.views import build_regrade_page, build_regrades_page, progress_text, regrade_href
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import OptionalAccount, SignedIn
@@ -34,6 +34,19 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 NOT_OFFERED = "Ce choix n’est pas proposé."
+
+
+@dataclass(frozen=True)
+class RegradeFormValues:
+    """The values of the form, and why it is refused."""
+
+    exercise: str = ""
+    policy: str = "keep_best"
+    assignment: str = ""
+    student: str = ""
+    problem: str = ""
+
+
 ShortQuery = Annotated[str, Query(max_length=200)]
 
 
@@ -103,14 +116,8 @@ def change_regrade(
         if isinstance(refused, NotFound):
             raise
         view, status = build_regrade_page(db, course, access, regrade), int(refused.status)
-        return _render_refusal(request, account, view, refused, status)
+        return render_page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
     return redirect(regrade_href(regrade))
-
-
-def _render_refusal(
-    request: Request, account: Account, view: object, refused: ServiceError, status: int
-) -> HTMLResponse:
-    return render_page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
 
 
 def _perform_action(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:

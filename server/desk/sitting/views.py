@@ -1,4 +1,4 @@
-"""From a test and who sits it to what the templates show."""
+"""The page of a test for its student, and the release of its results for its teacher."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from server.desk.views import class_head
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.service import ClassAccess
-from server.web.views import Reader, exercise_href
-from server.web.words import iso_moment, plural, short_moment
+from server.web.views import Reader
+from server.web.words import plural
 
 
 def own_labels(access: ClassAccess) -> Sequence[str]:
@@ -37,24 +37,17 @@ def build_sitting_page(
     return SittingPage(
         head=class_head(reader.course, access),
         title=test.title,
-        stage=own.stage.value,
-        **_date_fields("opens", rules.opens_at),
-        **_date_fields("closes", rules.closes_at),
+        stage=own.stage,
+        opens=rules.opens_at,
+        closes=rules.closes_at,
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,
-        now=iso_moment(now),
-        **_date_fields("ends", ends),
+        now=now,
+        ends=ends,
         handed_in=own.sitting is not None and own.sitting.ended_by == EndedBy.student,
         exercises=_sitting_exercises(reader, own, account),
         action=sitting_href(test).removesuffix("/composer"),
     )
-
-
-def _date_fields(name: str, when: datetime | None) -> dict[str, str]:
-    return {
-        name: "" if when is None else iso_moment(when),
-        f"{name}_text": "" if when is None else short_moment(when),
-    }
 
 
 def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SittingExercise, ...]:
@@ -71,14 +64,7 @@ def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tu
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
     failed = gradebook.count_internal_errors_since(reader.db, account.id, since)
     return tuple(
-        SittingExercise(
-            title=exercise.title,
-            href=exercise_href(exercise),
-            kind=exercise.kind,
-            sent=sent.get(exercise.id, 0),
-            failed=failed.get(exercise.id, 0),
-            **_date_fields("saved", saved.get(exercise.id)),
-        )
+        SittingExercise(exercise, sent.get(exercise.id, 0), failed.get(exercise.id, 0), saved.get(exercise.id))
         for exercise in known
     )
 
@@ -89,8 +75,8 @@ def release_view(db: Session, test: Assignment) -> ReleaseView:
     waits = not begun and test.opens_at > utc_now()
     return ReleaseView(
         action=f"{sitting_href(test).removesuffix('/composer')}/publier",
-        **_date_fields("opens", test.opens_at if waits else None),
-        **_date_fields("released", test.released_at),
+        opens=test.opens_at if waits else None,
+        released=test.released_at,
         begun=begun,
         sitting=begun - ended,
     )
