@@ -103,13 +103,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     Each worker begins with one piece of the list: the content, whose graders and templates take seconds to warm up, is
     in as few of them as can be, and so are the servers of the contracts. Long tests come first of their part: begun
-    last, one would keep a processor busy while the others have nothing to do.
+    last, one would keep a processor busy while the others have nothing to do. Those of the platform come first of all,
+    as mypy without a cache takes a minute.
     """
     if "slow" not in config.option.markexpr:
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("slow")])
         items[:] = [item for item in items if not item.get_closest_marker("slow")]
-    order = {part: rank for rank, part in enumerate(PARTS)}
-    items.sort(key=lambda item: (order.get(_part_of(item), len(PARTS)), item.get_closest_marker("long") is None))
+    order = {part: position for position, part in enumerate(PARTS)}
+
+    def rank(item: pytest.Item) -> tuple[int, bool]:
+        part, is_long = order.get(_part_of(item)), item.get_closest_marker("long") is not None
+        if part is None:
+            return (-1 if is_long else len(PARTS), not is_long)
+        return (part, not is_long)
+
+    items.sort(key=rank)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -135,8 +143,8 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 @pytest.hookimpl(wrapper=True)
 def pytest_report_to_serializable(report: pytest.CollectReport | pytest.TestReport) -> Generator[None, Any, Any]:
     """A failure that shows half a character (hypothesis finds them) is told: it would end the process that tells it."""
-    told = yield
-    return told if report.passed else _sendable(told)
+    serialized = yield
+    return serialized if report.passed else _sendable(serialized)
 
 
 def _sendable(value: Any) -> Any:
@@ -144,7 +152,7 @@ def _sendable(value: Any) -> Any:
         case str():
             return value.encode("utf-8", "backslashreplace").decode("utf-8")
         case dict():
-            return {_sendable(key): _sendable(one) for key, one in value.items()}
+            return {_sendable(key): _sendable(member) for key, member in value.items()}
         case list() | tuple():
             return type(value)(map(_sendable, value))
         case _:

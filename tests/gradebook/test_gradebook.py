@@ -282,6 +282,7 @@ def on_postgres(settings: Settings, postgres_url: str) -> Iterator[Database]:
             db.execute(delete(Account))
 
 
+@pytest.mark.contract
 @given(st.lists(STEP, max_size=12))
 @runs(max_examples=6, deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_incremental_and_rebuilt_standings_agree_on_postgresql(

@@ -672,6 +672,7 @@ def on_postgres(settings: Settings, postgres_url: str) -> Iterator[Lesson]:
             db.execute(delete(Account))
 
 
+@pytest.mark.contract
 @given(st.lists(STEP, min_size=6, max_size=12))
 @runs(max_examples=2, deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_history_is_undone_without_a_trace_on_postgresql(
