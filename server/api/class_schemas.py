@@ -73,14 +73,49 @@ class RejectedOut(Strict):
     reason: str
 
 
+class ColumnOut(Strict):
+    """How a column of the list is read; `read_as` is null for one that is left aside."""
+
+    column: Annotated[str, Field(description="Its header; empty for a column without one.")]
+    read_as: Annotated[str | None, Field(examples=["prenom"])]
+
+
+class LeavingOut(Strict):
+    """A student who leaves; who joined by the code is in no list of a school."""
+
+    id: UUID
+    name: str
+    joined_by_code: bool
+
+
+class OtherClassOut(Strict):
+    """The changes of another of one's classes, whose name the list's column of classes has."""
+
+    id: UUID
+    name: str
+    added: Annotated[int, Field(ge=0)]
+    updated: Annotated[int, Field(ge=0)]
+    unchanged: Annotated[int, Field(ge=0)]
+    rejected: list[RejectedOut]
+
+
 class RosterOut(Strict):
     """How many people a list adds, changes, leaves as they are, takes out of the class; which lines it does not."""
 
     added: Annotated[int, Field(ge=0)]
     updated: Annotated[int, Field(ge=0)]
     unchanged: Annotated[int, Field(ge=0)]
-    left: Annotated[int, Field(ge=0, description="Students whom the list does not name. Their work is kept.")]
+    left: Annotated[
+        int, Field(ge=0, description="Students whom a list of mode `replace` does not name. Their work is kept.")
+    ]
     rejected: list[RejectedOut]
+    ignored_columns: Annotated[list[str], Field(description="Headers of the columns of which nothing is kept.")]
+    columns: Annotated[list[ColumnOut], Field(description="Every column, in order.")]
+    warnings: Annotated[list[str], Field(description="In French: what one should check.")]
+    leaving: Annotated[list[LeavingOut], Field(description="Who leaves, by name, with mode `replace`.")]
+    not_in_list: Annotated[int, Field(ge=0, description="Students whom the list does not name, and who stay.")]
+    classes: Annotated[list[OtherClassOut], Field(description="Others of one's classes that the list fills.")]
+    encoding: Annotated[str, Field(description="Of a text, judged by what comes out; empty for a spreadsheet.")]
 
 
 class StudentOut(Strict):

@@ -1,21 +1,34 @@
 """Classes: making them, joining them, their lists."""
 
+from enum import StrEnum
 from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 
-from server.api.class_schemas import ClassOut, ClassSeen, JoinCode, NewClass, RejectedOut, RosterOut, StudentOut
+from server.api.class_schemas import (
+    ClassOut,
+    ClassSeen,
+    ColumnOut,
+    JoinCode,
+    LeavingOut,
+    NewClass,
+    OtherClassOut,
+    RejectedOut,
+    RosterOut,
+    StudentOut,
+)
 from server.api.documentation import problems
 from server.audit.members import recording_membership_changes
 from server.base import root_path
-from server.base.errors import NotFound
+from server.base.errors import Invalid, NotFound
 from server.base.http import client_address
 from server.classes import repository, service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, SchoolClass, Status
+from server.classes.roster import ReadingChoice, UnreadColumns
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.identity.dependencies import ApiAccount
@@ -33,14 +46,26 @@ SPREADSHEETS = (
 LIST = {
     "requestBody": {
         "required": True,
-        "description": "Columns `nom,prenom,email,identifiant,groupe`, named in the first line, `nom` at least; `,`, "
-        "`;` or tabulations; UTF-8 or Windows-1252. The first sheet of an XLSX or ODS file.",
+        "description": "Columns `nom,prenom,email,identifiant,groupe`, `nom` at least, named on one of the first "
+        "twenty lines in the words of the school's program; `,`, `;`, `|` or tabulations; UTF-8, UTF-16, Windows-1252, "
+        "Mac Roman or CP850. The first sheet of an XLSX or ODS file that names columns.",
         "content": {
             "text/csv": {"schema": {"type": "string"}, "example": "nom,prenom,groupe\nLovelace,Ada,TP1\n"},
             **{kind: {"schema": {"type": "string", "format": "binary"}} for kind in SPREADSHEETS},
         },
     }
 }
+
+
+#: Of a list whose columns are in doubt.
+BY_HAND = "Le paramètre « columns » dit comment chaque colonne est lue : ?columns=nom,prenom,,groupe."
+
+
+class ImportMode(StrEnum):
+    """What a list does with those whom it does not name."""
+
+    adding = "add"
+    replacing = "replace"
 
 
 def url_of(school_class: SchoolClass) -> str:
@@ -105,33 +130,96 @@ async def import_list(
     database: DatabaseOf,
     classes: ClassServiceOf,
     dry_run: Annotated[bool, Query(description="Tells what the list would change, and writes nothing.")] = False,
+    mode: Annotated[
+        ImportMode, Query(description="`add` takes nobody out; `replace` has those who are not in the list leave.")
+    ] = ImportMode.adding,
+    columns: Annotated[
+        str,
+        Query(
+            max_length=1000,
+            description="How each column is read, in order, separated by commas: `nom`, `prenom`, `nom_prenom`, "
+            "`prenom_nom`, `email`, `identifiant`, `numero`, `naissance`, `groupe`, `classe`, or nothing.",
+        ),
+    ] = "",
+    first_line: Annotated[int, Query(ge=0, le=2000, description="The line of the first student, with `columns`.")] = 0,
+    encoding: Annotated[
+        str, Query(max_length=20, description="`utf-8`, `utf-16`, `cp1252`, `iso8859_15`, `mac_roman` or `cp850`.")
+    ] = "",
+    class_value: Annotated[
+        str,
+        Query(
+            alias="class",
+            max_length=200,
+            description="The value of the list's column of classes that is this class; `*` for any.",
+        ),
+    ] = "",
+    only_here: Annotated[
+        bool, Query(description="Leaves one's other classes that the list names as they are.")
+    ] = False,
 ) -> RosterOut:
-    """Has the students of the class be those of a list. Nobody is deleted: who is not in it has left."""
+    """Has the students of a list be in the class. Nobody is deleted, and nobody leaves but with mode `replace`.
+
+    A list with a column of classes fills those of one's classes that it names.
+    """
     content = await request.body()
-    return await run_in_threadpool(_imported, database, classes, account, class_id, content, dry_run)
+    fields = tuple(name.strip() for name in columns.split(",")) if columns else ()
+    choice = ReadingChoice(fields, first_line, encoding, class_value, only_here)
+    replace = mode is ImportMode.replacing
+    return await run_in_threadpool(_imported, database, classes, account, class_id, content, choice, replace, dry_run)
 
 
 def _imported(
-    database: DatabaseOf, classes: ClassServiceOf, account: Account, class_id: str, content: bytes, dry_run: bool
-) -> RosterOut:
+    database: DatabaseOf, classes: ClassServiceOf, account: Account, class_id: str, content: bytes,
+    choice: ReadingChoice, replace: bool, dry_run: bool,
+) -> RosterOut:  # fmt: skip
     with database.read() as db:
         place = rights.require_right(db, account, Right.manage_roster, class_id)
-    if dry_run:
-        plan, _ = classes.preview_import(place.school_class, account, content)
-    else:
-        around = partial(recording_membership_changes, class_id=place.school_class.id, by=account.id)
-        plan, _ = classes.import_list(place.school_class.id, account, content, around=around)
+    try:
+        if dry_run:
+            plan, _ = classes.preview_import(place.school_class, account, content, choice, replace=replace)
+        else:
+            around = partial(recording_membership_changes, by=account.id)
+            import_list = partial(classes.import_list, around=around, choice=choice, replace=replace)
+            plan, _ = import_list(place.school_class.id, account, content)
+    except UnreadColumns as refused:
+        read = ", ".join(f"« {column.header} » : {column.field or '?'}" for column in refused.columns if column.header)
+        raise Invalid(f"{refused.detail} {BY_HAND}{f' Lu : {read}.' if read else ''}") from refused
     return _told(plan)
 
 
 def _told(plan: ImportPlan) -> RosterOut:
     return RosterOut(
+        ignored_columns=list(plan.ignored),
+        columns=[ColumnOut(column=each.header, read_as=each.field) for each in plan.roster.header.columns],
+        warnings=list(plan.warnings),
+        leaving=[
+            LeavingOut(id=member.id, name=member.name, joined_by_code=not member.membership.created_by_list)
+            for member in plan.left
+        ],
+        not_in_list=len(plan.staying),
+        classes=[_other_class(other) for other in plan.others],
+        encoding=plan.roster.source.encoding,
         added=len(plan.added) + len(plan.joining),
         updated=len(plan.updated),
         unchanged=len(plan.unchanged),
         left=len(plan.left),
-        rejected=[RejectedOut(line=line.line, reason=line.reason) for line in plan.rejected],
+        rejected=_rejected(plan),
     )
+
+
+def _other_class(plan: ImportPlan) -> OtherClassOut:
+    return OtherClassOut(
+        id=plan.school_class.id,
+        name=plan.school_class.name,
+        added=len(plan.added) + len(plan.joining),
+        updated=len(plan.updated),
+        unchanged=len(plan.unchanged),
+        rejected=_rejected(plan),
+    )
+
+
+def _rejected(plan: ImportPlan) -> list[RejectedOut]:
+    return [RejectedOut(line=line.line, reason=line.reason) for line in plan.rejected]
 
 
 @router.get("/classes/{class_id}/students", responses=problems(401, 403, 404))

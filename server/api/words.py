@@ -11,8 +11,9 @@ ROUTES: dict[tuple[str, str], str] = {
     ),
     ("get", "/api/v1/classes/{class_id}"): "Une classe où vous êtes.",
     ("post", "/api/v1/classes/{class_id}/roster"): (
-        "Fait des élèves de la classe ceux d’une liste (`nom,prenom,email,identifiant,groupe`) : CSV, XLSX ou ODS. "
-        "Personne n’est effacé : qui n’y est pas sort de la classe, son travail est gardé."
+        "Ajoute à la classe les élèves d’une liste (`nom,prenom,email,identifiant,groupe`, ou les mots du programme de "
+        "l’établissement) : CSV, XLSX ou ODS. Une colonne de classes remplit aussi vos autres classes. Avec "
+        "`mode=replace`, qui n’y est pas sort de la classe, et `leaving` le nomme. Personne n’est effacé."
     ),
     ("get", "/api/v1/classes/{class_id}/students"): "Les élèves de la classe, dans l’ordre d’une liste de noms.",
     ("put", "/api/v1/classes/{class_id}/marks/{student}/{module}/{slug}"): (
@@ -148,7 +149,7 @@ PARAMETERS: dict[str, str] = {
     "due_at": "la date de remise ; null : rien n’est en retard",
     "closes_at": "la fermeture ; null : le devoir reste ouvert",
     "late": "ce qui vient en retard : refusé, accepté et signalé, ou tant de points sur 20 par jour commencé",
-    "mode": "entraînement, ou contrôle",
+    "mode": "entraînement, ou contrôle ; d’une liste : `add` ajoute, `replace` fait aussi sortir qui n’y est pas",
     "counts": "l’essai qui fait la note",
     "weight": "le coefficient, plus grand que 0",
     "hints": "quand les indices sont montrés",
@@ -159,6 +160,11 @@ PARAMETERS: dict[str, str] = {
     "explanation": "ce qui est faux et pourquoi, 4000 caractères au plus",
     "question": "ce qui met sur la voie, 1000 caractères au plus",
     "dry_run": "dire ce que la liste changerait, et ne rien écrire",
+    "columns": "comment chaque colonne est lue, dans l’ordre : `nom,prenom,,groupe` (vide : laissée de côté)",
+    "first_line": "la ligne du premier élève, avec `columns` ; 0 : celle qui suit les titres",
+    "encoding": "comment les accents sont lus ; vide : d’après ce qui en sort",
+    "class": "la valeur de la colonne des classes qui est cette classe ; `*` : toutes",
+    "only_here": "laisser telles quelles vos autres classes que la liste nomme",
     "slug": "le nom court de l’exercice",
     "student": "l’identifiant de l’élève (`id`) ; pour les règles d’un devoir, vide : soi-même",
     "format": "le format du fichier",

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from uuid import UUID
 
+from server.classes.folding import normalise_name
 from server.classes.models import ClassRole
-from server.classes.roster import normalise_name
 from server.classes.schemas import Member
 
 

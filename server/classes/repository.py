@@ -168,6 +168,18 @@ def load_student_ids_of_teacher(db: Session, teacher_id: UUID) -> frozenset[UUID
     return frozenset(db.execute(query).scalars())
 
 
+def load_taught_classes(db: Session, teacher_id: UUID) -> Sequence[SchoolClass]:
+    """Load the classes that an account teaches and that are not archived, sorted by name."""
+    query = select(SchoolClass).join(Membership, Membership.class_id == SchoolClass.id)
+    query = query.where(
+        Membership.account_id == teacher_id,
+        Membership.role == ClassRole.teacher,
+        Membership.status == Status.active,
+        SchoolClass.archived_at.is_(None),
+    )
+    return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
+
+
 def load_accounts_by_login(db: Session, logins: Collection[str]) -> Mapping[str, Account]:
     """Load accounts by login, in chunks: databases bound the number of parameters."""
     accounts: dict[str, Account] = {}

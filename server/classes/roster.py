@@ -2,173 +2,156 @@
 
 from __future__ import annotations
 
-import re
-import unicodedata
+import hashlib
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 from server.base.errors import Invalid
-from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
-from server.classes.sheets import SheetRow, read_rows
-from server.identity.logins import is_valid_login, normalise_login
+from server.classes.columns import HEADER_ROWS, Header, columns_by_hand, find_header
+from server.classes.folding import normalise_name
+from server.classes.headers import ColumnReading, Field
+from server.classes.line_reader import LineReader
+from server.classes.roster_line import RejectedLine, RosterLine
+from server.classes.rows import SheetRow
+from server.classes.sheets import ReadRows, read_rows
 
+#: The columns of the contract.
 COLUMNS = ("nom", "prenom", "email", "identifiant", "groupe")
-#: Column names of schools' programs, normalised by `normalise_name`.
-COLUMN_ALIASES: Mapping[str, str] = {
-    **{name: name for name in COLUMNS},
-    "nom de famille": "nom", "nom eleve": "nom", "last name": "nom", "surname": "nom",
-    "prenom eleve": "prenom", "prenoms": "prenom", "first name": "prenom",
-    "e mail": "email", "mail": "email", "courriel": "email", "adresse electronique": "email", "adresse mail": "email",
-    "adresse e mail": "email", "adresse email": "email", "email address": "email",
-    "login": "identifiant", "id": "identifiant", "username": "identifiant", "nom d utilisateur": "identifiant",
-    "groupes": "groupe", "group": "groupe", "groups": "groupe",
-}  # fmt: skip
-GROUP_LENGTH, MAX_GROUPS = 40, 8
-EMAIL = re.compile(r"[^@\s]+@[^@\s]+\.[^@\s]+")
+EVERY_CLASS = "*"
 
+NO_NAME = "Dites quelle colonne donne le nom, ou le prénom."
+EMPTY = "Cette liste est vide."
 NO_HEADER = (
-    "La première ligne doit nommer les colonnes : nom, prenom, email, identifiant, groupe "
-    "(« nom » suffit ; leur ordre est libre)."
+    "Aucune des vingt premières lignes ne paraît nommer les colonnes : nom, prenom, email, identifiant, groupe "
+    "(« nom » suffit ; leur ordre est libre). Dites laquelle est laquelle, ou ajoutez cette ligne."
 )
 
 
 @dataclass(frozen=True)
-class RosterLine:
-    """One person of a list. An empty field keeps the known value."""
+class ReadingChoice:
+    """How a person says that a list is read. `columns`: a field for each column, empty to leave it aside; `first_line`:
+    the line of the first person, 0 for the one after the headers; `encoding`: empty for the likeliest. `class_value`:
+    the value of the column of classes that is this class, `EVERY_CLASS` for any, empty for the one of its name;
+    `only_here`: the other classes that it names stay as they are."""
 
-    line: int
-    family_name: str = ""
-    given_name: str = ""
-    email: str = ""
-    login: str = ""
-    groups: tuple[str, ...] = ()
-
-    @property
-    def name(self) -> str:
-        return " ".join(filter(None, (self.given_name, self.family_name)))
+    columns: tuple[str, ...] = ()
+    first_line: int = 0
+    encoding: str = ""
+    class_value: str = ""
+    only_here: bool = False
 
 
-@dataclass(frozen=True)
-class RejectedLine:
-    """A line that was refused, with its name and login as far as they could be read."""
+AS_WRITTEN = ReadingChoice()
 
-    line: int
-    reason: str
-    name: str = ""
-    login: str = ""
+
+class UnreadColumns(Invalid):
+    """The list's columns are in doubt: a person says which is which. It holds the list, as far as it is read."""
+
+    def __init__(self, detail: str, source: ReadRows, columns: Sequence[ColumnReading]) -> None:
+        super().__init__(detail)
+        self.source = source
+        self.columns = tuple(columns)
 
 
 @dataclass(frozen=True)
 class Roster:
     """A parsed list. `has_groups`: it has a column for groups, so that an empty cell means none."""
 
-    rows: tuple[SheetRow, ...]
+    source: ReadRows
+    header: Header
     lines: tuple[RosterLine, ...]
     rejected: tuple[RejectedLine, ...]
-    ignored: tuple[str, ...]
-    has_groups: bool
+    warnings: tuple[str, ...] = ()
+    class_values: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> tuple[SheetRow, ...]:
+        return self.source.rows
+
+    @property
+    def has_groups(self) -> bool:
+        return Field.group in self.header.fields
+
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """The headers of the columns of which nothing is kept: a number or a birth date only tells namesakes apart."""
+        unkept = {None, Field.birth}
+        if not any(line.login and line.key.startswith(line.login) for line in self.lines):
+            unkept.add(Field.number)
+        if len(self.class_values) < 2:
+            unkept.add(Field.school_class)
+        return tuple(column.header for column in self.header.columns if column.field in unkept and column.header)
 
 
-def normalise_name(text: str) -> str:
-    """Fold accents, case and punctuation, so that two spellings of a name compare equal."""
-    return _cached_fold(text) if len(text) <= NAME_LENGTH else _fold(text)
+def read_roster(content: bytes, choice: ReadingChoice = AS_WRITTEN) -> Roster:
+    """Parse a file. Raises Invalid where it is no list at all, UnreadColumns where its columns are in doubt, or
+    Overloaded; bad lines are rejected one by one."""
+    return parse_roster(read_rows(content, choice.encoding or None), choice)
 
 
-def _fold(text: str) -> str:
-    plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
-    return " ".join(re.findall(r"\w+", plain.casefold().replace("_", " ")))
-
-
-_cached_fold = lru_cache(maxsize=8192)(_fold)
-
-
-def read_roster(content: bytes) -> Roster:
-    """Parse a file. Raises Invalid where it is no list at all, or Overloaded; bad lines are rejected one by one."""
-    rows = read_rows(content)
-    if not rows:
-        raise Invalid("Cette liste est vide.")
-    columns = _columns(rows[0])
+def parse_roster(source: ReadRows, choice: ReadingChoice = AS_WRITTEN) -> Roster:
+    """Parse the rows of a file. Raises as `read_roster`."""
+    if not source.rows:
+        raise Invalid(EMPTY)
+    header = _read_header(source, choice)
+    reader = LineReader(header)
     lines: list[RosterLine] = []
     rejected: list[RejectedLine] = []
-    seen: dict[str, int] = {}
-    for row in rows[1:]:
-        line = _line(row, columns)
+    titles = {_fold_row(row) for row in source.rows[: header.rows]}
+    people = [
+        row for row in source.rows[header.rows :] if _fold_row(row) not in titles
+    ]  # headers come back on each page
+    for row in people:
+        line = reader.read(row)
         try:
-            _check(line, row, columns)
-            _require_unique(line, seen)
+            reader.check(line, row)
+            reader.require_unique(line)
         except Invalid as problem:
             rejected.append(RejectedLine(row.line, problem.detail, line.name, line.login))
         else:
             lines.append(line)
-    ignored = tuple(cell.strip() for cell, column in zip(rows[0].cells, columns, strict=True) if not column and cell)
-    return Roster(tuple(rows), tuple(lines), tuple(rejected), ignored, "groupe" in columns)
+    classes = Counter(line.school_class for line in lines if line.school_class)
+    return Roster(source, header, tuple(lines), tuple(rejected), reader.warnings(source), classes)
 
 
-def _columns(header: SheetRow) -> Sequence[str]:
-    """Return the column name of each header cell, empty where unknown."""
-    columns = [COLUMN_ALIASES.get(normalise_name(cell), "") for cell in header.cells]
-    named = [column for column in columns if column]
-    if not {"nom", "prenom"} & set(named):
-        raise Invalid(NO_HEADER)
-    duplicate = next((name for name in named if named.count(name) > 1), None)
-    if duplicate:
-        raise Invalid(f"Ligne {header.line} : deux colonnes donnent « {duplicate} ».")
-    return columns
+def _fold_row(row: SheetRow) -> str:
+    return " | ".join(map(normalise_name, row.cells))
 
 
-def _line(row: SheetRow, columns: Sequence[str]) -> RosterLine:
-    cells = {name: " ".join(cell.split()) for name, cell in zip(columns, row.cells, strict=False) if name}
-    return RosterLine(
-        line=row.line,
-        family_name=cells.get("nom", ""),
-        given_name=cells.get("prenom", ""),
-        email=cells.get("email", "").casefold(),
-        login=normalise_login(cells.get("identifiant", "")),
-        groups=_labels(cells.get("groupe", "")),
-    )
+def _read_header(source: ReadRows, choice: ReadingChoice) -> Header:
+    header = find_header(source.rows)
+    if choice.columns:
+        return _header_by_hand(source, choice, header)
+    if header is None:
+        width = max(len(row.cells) for row in source.rows)
+        raise UnreadColumns(NO_HEADER, source, columns_by_hand([""] * width))
+    if header.doubt:
+        raise UnreadColumns(
+            f"Ligne {header.line} : {header.doubt}. Dites laquelle est la bonne.", source, header.columns
+        )
+    return header
 
 
-def _check(line: RosterLine, row: SheetRow, columns: Sequence[str]) -> None:
-    """Raise Invalid for a malformed line."""
-    if any(cell.strip() for cell in row.cells[len(columns) :]):
-        raise Invalid("cette ligne a plus de cases que la première.")
-    if not line.name:
-        raise Invalid("il n’y a ni nom ni prénom.")
-    if len(line.name) > NAME_LENGTH or not line.name.isprintable():
-        raise Invalid(f"le nom dépasse {NAME_LENGTH} caractères, ou en a qui ne s’écrivent pas.")
-    if line.email and (
-        len(line.email) > EMAIL_LENGTH or not line.email.isprintable() or not EMAIL.fullmatch(line.email)
-    ):
-        raise Invalid(f"« {line.email[:60]} » n’est pas une adresse électronique.")
-    if line.login and not is_valid_login(line.login):
-        raise Invalid("l’identifiant compte de 2 à 254 caractères, sans espace.")
-    check_groups(line.groups)
+def _header_by_hand(source: ReadRows, choice: ReadingChoice, header: Header | None) -> Header:
+    """Return the columns as a person says; those that say the same as the headers are read as these say."""
+    rows = header.rows if header else 0
+    if choice.first_line:
+        rows = sum(row.line < choice.first_line for row in source.rows)
+    known = header.columns if header else ()
+    columns = columns_by_hand(choice.columns, known)
+    chosen = Header(columns, rows, header.line if header else 0)
+    if not chosen.has_names:
+        raise UnreadColumns(NO_NAME, source, columns)
+    return chosen
 
 
-def parse_groups(text: str) -> tuple[str, ...]:
-    """Parse labels separated by commas, semicolons or bars, without duplicates. Raises Invalid."""
-    return check_groups(_labels(text))
-
-
-def _labels(text: str) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(filter(None, (" ".join(piece.split()) for piece in re.split(r"[,;|]", text)))))
-
-
-def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the labels. Raises Invalid where they are too many, or too long."""
-    if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH or not label.isprintable() for label in labels):
-        raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
-    return labels
-
-
-def _require_unique(line: RosterLine, seen: dict[str, int]) -> None:
-    """Raise Invalid for a person who stands in the list twice."""
-    keys = [f"identifiant « {line.login} »"] if line.login else []
-    keys += [f"adresse « {line.email} »"] if line.email else []
-    if not keys:
-        keys = [f"nom « {line.name} »"]
-    for key in keys:
-        earlier = seen.setdefault(normalise_name(key) if key.startswith("nom") else key, line.line)
-        if earlier != line.line:
-            raise Invalid(f"même {key} qu’à la ligne {earlier}.")
+def header_signatures(rows: Sequence[SheetRow]) -> dict[str, int]:
+    """Return the signatures of the first rows, with the line of the row after each: equal headers have equal ones."""
+    first = rows[: HEADER_ROWS + 1]
+    return {
+        hashlib.sha256(_fold_row(row).encode()).hexdigest(): after.line
+        for row, after in pairwise(first)
+        if len(row.cells)
+    }

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from uuid import UUID
 
 from server.base.errors import Invalid
+from server.classes.folding import normalise_name
 from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
-from server.classes.roster import normalise_name
 from server.identity.models import Account
 from server.text.lines import require_line
 

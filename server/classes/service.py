@@ -20,7 +20,8 @@ from server.classes import importing, repository
 from server.classes.codes import new_code, parse_code
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.classes.roster import parse_groups, read_roster
+from server.classes.roster import AS_WRITTEN, ReadingChoice, read_roster
+from server.classes.roster_line import parse_groups
 from server.classes.schemas import (
     DEFAULT_CODE_LIFETIME,
     GuestName,
@@ -213,10 +214,10 @@ def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
     return any(archived_at is None for _, archived_at in memberships)
 
 
-Hook = Callable[[Session], AbstractContextManager[None]]
+Hook = Callable[[Session, UUID], AbstractContextManager[None]]
 
 
-def _no_hook(_db: Session) -> AbstractContextManager[None]:
+def _no_hook(_db: Session, _class_id: UUID) -> AbstractContextManager[None]:
     return nullcontext()
 
 
@@ -257,12 +258,21 @@ class ClassService:
                 raise Invalid("Un invité dit d’abord son nom : rejoignez la classe depuis la page « Rejoindre ».")
             return JoinedClass(school_class, _add_student(db, school_class, account, named))
 
-    def preview_import(self, school_class: SchoolClass, by: Account, content: bytes) -> tuple[ImportPlan, str]:
+    def preview_import(
+        self,
+        school_class: SchoolClass,
+        by: Account,
+        content: bytes,
+        choice: ReadingChoice = AS_WRITTEN,
+        *,
+        replace: bool = False,
+    ) -> tuple[ImportPlan, str]:
         """Return the planned changes of a list, and the list as CSV. Raises Invalid, Conflict or Overloaded."""
         require_open(school_class)
-        roster = read_roster(content)
+        roster = read_roster(content, choice)
         with self.database.read() as db:
-            return importing.plan_import(db, school_class, roster, by), to_csv(roster.rows)
+            planned = importing.plan_import(db, school_class, roster, by, choice, replace=replace)
+            return planned, to_csv(roster.rows)
 
     def import_list(
         self,
@@ -271,24 +281,31 @@ class ClassService:
         content: bytes,
         expected: str | None = None,
         around: Hook = _no_hook,
+        choice: ReadingChoice = AS_WRITTEN,
+        *,
+        replace: bool = False,
     ) -> tuple[ImportPlan, bool]:
         """Plan and apply a list; with `expected`, only where the plan's digest is still this one.
 
-        `around` wraps the changes in the same transaction. Raises Invalid, Conflict or Overloaded.
+        `replace`: who is not in the list leaves the class. `around` wraps the changes of each class in the same
+        transaction. Raises Invalid, Conflict or Overloaded.
         """
-        roster = read_roster(content)  # before the transaction: reading a spreadsheet is slow
+        roster = read_roster(content, choice)  # before the transaction: reading a spreadsheet is slow
         try:
             with self.database.write() as db:
-                repository.lock_class(db, class_id)
+                others = [] if choice.only_here else repository.load_taught_classes(db, by.id)
+                for locked in sorted({class_id, *(other.id for other in others)}):  # in one order: no deadlock
+                    repository.lock_class(db, locked)
                 school_class = repository.find_class(db, class_id)
                 if school_class is None:
                     raise NotFound(UNKNOWN_CLASS)
                 require_open(school_class)
-                planned = importing.plan_import(db, school_class, roster, by)
+                planned = importing.plan_import(db, school_class, roster, by, choice, replace=replace)
                 applied = expected is None or expected == planned.digest
                 if applied:
-                    with around(db):
-                        importing.apply_import(db, school_class, planned, utc_now())
+                    for plan in (planned, *planned.others):
+                        with around(db, plan.school_class.id):
+                            importing.apply_import(db, plan, utc_now())
                 return planned, applied
         except IntegrityError as error:
             raise Conflict(CHANGED) from error

@@ -12,15 +12,22 @@ import json
 import re
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from threading import BoundedSemaphore
 
 from server.base.errors import Invalid, Overloaded
 from server.base.processes import bare_environment
+from server.classes.columns import find_header
+from server.classes.encodings import decode_text
+from server.classes.rows import SheetRow
 from server.classes.spreadsheet import MAX_COLUMNS, MAX_LINES
 
-SEPARATORS = (";", ",", "\t")
+SEPARATORS = (";", ",", "\t", "|")
+JUDGED_ROWS = 40  # of a text, to find its separator
+DECLARED = re.compile(r"sep=(.)\r?\n", re.IGNORECASE)  # as Excel writes it
 LINE_END = re.compile(r"\r\n|\r|\n")
 ZIP, OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 OPENING_SECONDS = 20.0  # wall time; the process bounds its own processor time
@@ -28,7 +35,10 @@ MAX_CONCURRENT = 2
 
 OLD = "Ce fichier est d’un ancien format (.xls) : enregistrez-le en .xlsx, en .ods ou en CSV."
 UNREADABLE = "Ce fichier ne se lit pas comme un classeur XLSX ou ODS ; enregistrez-le en CSV, ou collez la liste."
-NOT_TEXT = "Ce fichier n’est pas un texte : ni UTF-8, ni Windows-1252. Enregistrez-le en CSV, en XLSX ou en ODS."
+WEB_PAGE = (
+    "Ce fichier est une page web, même s’il s’appelle .xls : ouvrez-le dans votre tableur et enregistrez-le en .xlsx, "
+    "en .ods ou en CSV."
+)
 TOO_LONG = f"Une liste a {MAX_LINES} lignes et {MAX_COLUMNS} colonnes au plus."
 BUSY = "D’autres listes sont en cours de lecture. Réessayez dans quelques secondes."
 
@@ -36,29 +46,38 @@ _opening = BoundedSemaphore(MAX_CONCURRENT)
 
 
 @dataclass(frozen=True)
-class SheetRow:
-    """A row of cells; `line` is where it begins in the file, from 1."""
+class ReadRows:
+    """The rows of a file that are not blank, with how its text was decoded (`encodings.DecodedText`)."""
 
-    line: int
-    cells: tuple[str, ...]
-
-    @property
-    def is_blank(self) -> bool:
-        return not any(cell.strip() for cell in self.cells)
+    rows: tuple[SheetRow, ...]
+    encoding: str = ""
+    other_encodings: tuple[str, ...] = ()
+    repaired: tuple[tuple[str, str], ...] = ()
 
 
-def read_rows(content: bytes) -> list[SheetRow]:
-    """Return the rows that are not blank. Raises Invalid, naming the line where there is one, or Overloaded."""
+def read_rows(content: bytes, encoding: str | None = None) -> ReadRows:
+    """Return the rows that are not blank, of the first sheet that names columns. Raises Invalid, naming the line where
+    there is one, or Overloaded."""
     if content.startswith(OLD_EXCEL):
         raise Invalid(OLD)
-    rows = _spreadsheet_rows(content) if content.startswith(ZIP) else _text_rows(decode_text(content))
+    if content.startswith(ZIP):
+        sheets = [_filled(sheet) for sheet in _spreadsheet_rows(content)]
+        return ReadRows(next((rows for rows in sheets if find_header(rows)), sheets[0] if sheets else ()))
+    if re.match(rb"(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|table|\?xml|head|meta)\b", content[:200], re.IGNORECASE):
+        raise Invalid(WEB_PAGE)
+    decoded = decode_text(content, encoding)
+    rows = _filled(_text_rows(decoded.text))
+    return ReadRows(rows, decoded.encoding, decoded.others, decoded.repaired)
+
+
+def _filled(rows: Iterable[SheetRow]) -> tuple[SheetRow, ...]:
     filled = []
     for row in rows:
         if row.line > MAX_LINES or len(row.cells) > MAX_COLUMNS:
             raise Invalid(TOO_LONG)
         if not row.is_blank:
             filled.append(row)
-    return filled
+    return tuple(filled)
 
 
 def to_csv(rows: Iterable[SheetRow]) -> str:
@@ -73,45 +92,45 @@ def to_csv(rows: Iterable[SheetRow]) -> str:
     return out.getvalue()
 
 
-def decode_text(content: bytes) -> str:
-    """Decode UTF-8, with or without a BOM, UTF-16 with a BOM (Excel's « texte Unicode »), or else Windows-1252."""
-    encodings = ["utf-16"] if content.startswith((b"\xff\xfe", b"\xfe\xff")) else ["utf-8-sig", "cp1252"]
-    for encoding in encodings:
-        try:
-            text = content.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if "\x00" not in text:
-            return text
-    raise Invalid(NOT_TEXT)
-
-
 def guess_separator(text: str) -> str:
-    """Return the separator that splits the first line into most cells; among equals French Excel's comes first."""
-    return max(SEPARATORS, key=lambda separator: _count_first_cells(text, separator))
+    """Return the separator that cuts most rows into one number of cells; among equals French Excel's comes first."""
+    return max(SEPARATORS, key=lambda separator: _regularity(text, separator))
 
 
-def _count_first_cells(text: str, separator: str) -> int:
-    """Count the cells of the first row; 0 where its quotes do not match with this separator."""
+def _regularity(text: str, separator: str) -> tuple[float, int]:
+    """Return how many of the first rows have the commonest number of cells, of two at least, and this number; half as
+    many where quotes do not match with this separator."""
     rows = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    widths: Counter[int] = Counter()
+    fairness = 1.0
     try:
-        return next((len(row) for row in rows if row), 0)
+        widths.update(len(row) for row in islice(rows, JUDGED_ROWS))
     except csv.Error:
-        return 0
+        fairness = 0.5
+    width, count = max(
+        ((width, count) for width, count in widths.items() if width > 1), key=lambda pair: pair[::-1], default=(0, 0)
+    )
+    return count * fairness, width
 
 
 def _text_rows(text: str) -> Iterator[SheetRow]:
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=guess_separator(text), strict=True)
-    line = 1
+    declared = DECLARED.match(text)
+    separator = declared[1] if declared else guess_separator(text)
+    reader = csv.reader(
+        io.StringIO(text[declared.end() if declared else 0 :], newline=""), delimiter=separator, strict=True
+    )
+    skipped = 1 if declared else 0
+    line = 1 + skipped
     try:
         for cells in reader:
             yield SheetRow(line, tuple(cells))
-            line = reader.line_num + 1
+            line = reader.line_num + 1 + skipped
     except csv.Error as error:
         raise Invalid(f"Ligne {line} : les guillemets ne vont pas ensemble, ou une case est trop longue.") from error
 
 
-def _spreadsheet_rows(content: bytes) -> Iterator[SheetRow]:
+def _spreadsheet_rows(content: bytes) -> list[list[SheetRow]]:
+    """Return the rows of each sheet."""
     if not _opening.acquire(timeout=OPENING_SECONDS):
         raise Overloaded(BUSY, retry_after=5)
     try:
@@ -129,5 +148,6 @@ def _spreadsheet_rows(content: bytes) -> Iterator[SheetRow]:
         _opening.release()
     if process.returncode != 0:
         raise Invalid(UNREADABLE)
-    for line, cells in enumerate(json.loads(process.stdout), 1):
-        yield SheetRow(line, tuple(cells))
+    return [
+        [SheetRow(line, tuple(cells)) for line, cells in enumerate(sheet, 1)] for sheet in json.loads(process.stdout)
+    ]

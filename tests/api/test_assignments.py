@@ -104,7 +104,7 @@ def test_an_assignment_is_made_read_changed_and_taken_back(school: School) -> No
 BAD: list[tuple[str, dict[str, Any], str]] = [
     ("title", {"title": "  "}, "titre de 1 à 200"),
     ("title", {"title": "x" * 201}, "titre de 1 à 200"),
-    ("title", {"title": "a\u202eb"}, "titre de 1 à 200"),
+    ("title", {"title": "a\x07b"}, "U+0007"),
     ("exercises", {"exercises": []}, "au moins un exercice"),
     ("exercises", {"exercises": [{"exercise": "l99/rien"}]}, "n’est pas du module"),
     ("exercises", {"exercises": [{"exercise": "l20/poses"}] * 2}, "donné deux fois"),

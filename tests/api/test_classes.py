@@ -122,7 +122,10 @@ def test_a_list_is_tried_then_written_then_changes_nothing(site: Site, martin: P
     made = create(site, martin)
     text = LIST + "Lovelace,Ada,ada@example.org,ada,TP1\nTuring,Alan,,,TP2\nNul,Part,pas une adresse,,\n"
     told = roster(site, martin, made, text, query="?dry_run=true")
-    assert told.keys() == {"added", "updated", "unchanged", "left", "rejected"}
+    assert told.keys() == {
+        "added", "updated", "unchanged", "left", "rejected", "ignored_columns", "columns", "warnings", "leaving",
+        "not_in_list", "classes", "encoding",
+    }  # fmt: skip
     assert (told["added"], told["updated"], told["unchanged"], told["left"]) == (2, 0, 0, 0)
     assert [one["line"] for one in told["rejected"]] == [4]
     assert "pas une adresse" in told["rejected"][0]["reason"]
@@ -132,7 +135,8 @@ def test_a_list_is_tried_then_written_then_changes_nothing(site: Site, martin: P
     assert [(one["name"], one["groups"]) for one in students] == [("Ada Lovelace", ["TP1"]), ("Alan Turing", ["TP2"])]
     again = roster(site, martin, made, text)
     assert (again["added"], again["updated"], again["unchanged"], again["left"]) == (0, 0, 2, 0)
-    moved = roster(site, martin, made, "nom;prenom;identifiant;groupe\nLovelace;Ada;ada;TP3\n")
+    moved = roster(site, martin, made, "nom;prenom;identifiant;groupe\nLovelace;Ada;ada;TP3\n", query="?mode=replace")
+    assert [(one["name"], one["joined_by_code"]) for one in moved["leaving"]] == [("Alan Turing", False)]
     assert (moved["added"], moved["updated"], moved["unchanged"], moved["left"]) == (0, 1, 0, 1)
     with site.database.read() as db:
         assert len(db.query(Account).all()) == 3, "nobody is deleted"
@@ -160,3 +164,61 @@ def test_whoever_is_named_in_a_list_is_not_taken_in_unasked(site: Site, martin: 
     other = create(site, martin, "PSI")
     roster(site, martin, made, "nom,identifiant\nNoether,emmy\n")
     assert roster(site, martin, other, "nom,identifiant\nNoether,emmy\n")["added"] == 1, "her own student elsewhere"
+
+
+def test_a_list_takes_nobody_out_unless_it_replaces_the_class(site: Site, martin: Person) -> None:
+    made, own = create(site, martin), person(site)
+    call(site, own, "POST", f"{API}/join", 200, json={"code": made["join_code"]})
+    roster(site, martin, made, "nom,prenom\nLovelace,Ada\nTuring,Alan\n")
+    part = "Prénom 1;Nom de famille*;Bourse\nGrace;Hopper;oui\n"
+    told = roster(site, martin, made, part)
+    assert (told["added"], told["left"], told["leaving"], told["not_in_list"]) == (1, 0, [], 3)
+    assert told["ignored_columns"] == ["Bourse"]
+    assert told["columns"] == [
+        {"column": "Prénom 1", "read_as": "prenom"},
+        {"column": "Nom de famille*", "read_as": "nom"},
+        {"column": "Bourse", "read_as": None},
+    ]
+    told = roster(site, martin, made, part, query="?mode=replace&dry_run=true")
+    assert told["left"] == len(told["leaving"]) == 3
+    assert sorted((one["name"], one["joined_by_code"]) for one in told["leaving"]) == [
+        ("Ada", True), ("Ada Lovelace", False), ("Alan Turing", False),
+    ]  # fmt: skip
+    assert len(call(site, martin, "GET", f"{made['url']}/students", 200)) == 4
+    roster(site, martin, made, part, 422, query="?mode=zut")
+
+
+def test_a_list_of_several_classes_fills_those_of_its_teacher(site: Site, martin: Person) -> None:
+    here, there = create(site, martin, "MPSI 1"), create(site, martin, "PCSI")
+    other = create(site, person(site, Role.teacher, "M. Durand"), "PSI")
+    listed = "Classe;Nom;Prénom\nMPSI1;Lovelace;Ada\npcsi;Turing;Alan\nPSI;Hopper;Grace\n"
+    told = roster(site, martin, here, listed)
+    assert (told["added"], told["rejected"]) == (1, [])
+    assert [(one["id"], one["name"], one["added"]) for one in told["classes"]] == [(there["id"], "PCSI", 1)]
+    assert "1 ligne de « PSI »" in told["warnings"][0]
+    for made, name in ((here, "Ada Lovelace"), (there, "Alan Turing")):
+        assert [one["name"] for one in call(site, martin, "GET", f"{made['url']}/students", 200)] == [name]
+    with site.database.read() as db:
+        assert len(db.query(SchoolClass).all()) == 3, "a class is never made by a list"
+        assert not db.query(Membership).filter_by(class_id=UUID(other["id"]), role=ClassRole.student).all()
+    told = roster(site, martin, here, listed, query="?class=PSI&only_here=true")
+    assert (told["added"], told["classes"]) == (1, [])
+    told = roster(site, martin, here, listed, query="?class=*&dry_run=true")
+    assert (told["unchanged"], told["added"]) == (2, 1)
+    assert "nulle part « 5B »" in roster(site, martin, here, listed, 422, query="?class=5B")["detail"]
+    told = roster(site, martin, create(site, martin, "Option robotique"), "Division;Nom\nTB1;Noether\nTB2;Germain\n")
+    assert (told["added"], "TB1" in told["warnings"][0]) == (2, True)
+
+
+def test_columns_that_are_in_doubt_are_asked_and_said_by_hand(site: Site, martin: Person) -> None:
+    made = create(site, martin)
+    content = "Kind;Vorname\nLovelace;Ada\n"
+    assert "?columns=nom,prenom" in roster(site, martin, made, content, 422)["detail"]
+    told = roster(site, martin, made, content, query="?columns=nom,prenom&first_line=2")
+    assert (told["added"], told["rejected"]) == (1, [])
+    mac = "nom;prenom\nLegué;Chloé\n".encode("mac_roman")
+    told = roster(site, martin, made, mac)
+    assert (told["added"], told["encoding"]) == (1, "mac_roman")
+    students = call(site, martin, "GET", f"{made['url']}/students", 200)
+    assert [one["name"] for one in students] == ["Chloé Legué", "Ada Lovelace"]
+    roster(site, martin, made, mac, 422, query="?encoding=zut")

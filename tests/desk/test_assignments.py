@@ -377,10 +377,10 @@ def test_who_comes_goes_and_teaches_is_in_the_log(school: School) -> None:
     )
     assert answer.status_code == 403
     assert len(school.stored(AuditEvent)) == len(found)
-    shown = school.martin.post(f"{school.href}/liste", data={"texte": listed}).text
+    shown = school.martin.post(f"{school.href}/liste", data={"texte": listed, "mode": "remplacer"}).text
     digest = re.search(r'name="attendu" value="(\w+)"', shown)
     assert digest
-    school.martin.post(f"{school.href}/liste", data={"texte": listed, "attendu": digest[1]})
+    school.martin.post(f"{school.href}/liste", data={"texte": listed, "mode": "remplacer", "attendu": digest[1]})
     new = [one.what for one in school.stored(AuditEvent)][len(found) :]
     assert sorted(new) == sorted(
         [AuditAction.student_admitted, AuditAction.student_removed, AuditAction.student_removed]

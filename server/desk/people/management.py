@@ -46,6 +46,7 @@ SETTINGS = "Ce réglage de la classe"
 CHOOSE_ALL = "Dites de chaque cas s’il compte 0 ou ne compte pas."
 MAX_VERSION_DIGITS = 10
 NOBODY = "Cochez d’abord des élèves."
+REPLACE = "remplacer"
 NO_LIST = "Collez une liste, ou choisissez un fichier."
 STAFF_ROLES = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
 LIFETIME_CHOICES = tuple(zip(CODE_LIFETIMES, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
@@ -97,6 +98,7 @@ def import_list(
     texte: Field = "",
     attendu: Field = "",
     reprendre: Field = "",
+    mode: Field = "",
     fichier: Annotated[UploadFile | None, File()] = None,
 ) -> Response:
     """Shows what the list would change; with `attendu`, the digest of what was shown, writes it.
@@ -112,11 +114,13 @@ def import_list(
         if not content.strip():
             raise Invalid(NO_LIST)
         if attendu:
-            around = partial(recording_membership_changes, class_id=access.school_class.id, by=account.id)
-            _, written = classes.import_list(access.school_class.id, account, content, attendu, around)
+            around = partial(recording_membership_changes, by=account.id)
+            _, written = classes.import_list(
+                access.school_class.id, account, content, attendu, around, replace=mode == REPLACE
+            )
             if written:
                 return redirect(f"{views.class_href(access.school_class)}/eleves")
-        plan, text = classes.preview_import(access.school_class, account, content)
+        plan, text = classes.preview_import(access.school_class, account, content, replace=mode == REPLACE)
     except Invalid as refused:
         return _render_list_form(request, account, course, access, texte, refused.detail)
     view = views.build_import_page(course, access, plan, text)

@@ -1,0 +1,22 @@
+"""Compare names whatever their accents, case and punctuation."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from functools import lru_cache
+
+from server.classes.models import NAME_LENGTH
+
+
+def normalise_name(text: str) -> str:
+    """Fold accents, case and punctuation, so that two spellings of a name compare equal."""
+    return _cached_fold(text) if len(text) <= NAME_LENGTH else _fold(text)
+
+
+def _fold(text: str) -> str:
+    plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
+    return " ".join(re.findall(r"\w+", plain.casefold().replace("_", " ")))
+
+
+_cached_fold = lru_cache(maxsize=8192)(_fold)

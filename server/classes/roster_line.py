@@ -1,0 +1,65 @@
+"""One line of a list, as a person; and the labels of groups."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from server.base.errors import Invalid
+from server.identity.logins import normalise_login
+from server.text.lines import character_problem, tidy_line
+
+GROUP_LENGTH, MAX_GROUPS = 40, 8
+
+
+@dataclass(frozen=True)
+class RosterLine:
+    """One person of a list. An empty field keeps the known value. `key` tells namesakes apart within the list."""
+
+    line: int
+    family_name: str = ""
+    given_name: str = ""
+    email: str = ""
+    login: str = ""
+    groups: tuple[str, ...] = ()
+    school_class: str = ""
+    key: str = ""
+
+    @property
+    def name(self) -> str:
+        return " ".join(filter(None, (self.given_name, self.family_name)))
+
+    @property
+    def account_login(self) -> str:
+        """The login of the account: the list's, else the e-mail, else empty."""
+        return self.login or normalise_login(self.email)
+
+
+@dataclass(frozen=True)
+class RejectedLine:
+    """A line that was refused, with its name and login as far as they could be read."""
+
+    line: int
+    reason: str
+    name: str = ""
+    login: str = ""
+
+
+def parse_groups(text: str) -> tuple[str, ...]:
+    """Parse labels separated by commas, semicolons or bars, without duplicates. Raises Invalid."""
+    return check_groups(split_labels(text))
+
+
+def split_labels(text: str) -> tuple[str, ...]:
+    """Return the labels in a text, without duplicates."""
+    return tuple(dict.fromkeys(filter(None, (tidy_line(piece) for piece in re.split(r"[,;|]", text)))))
+
+
+def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the labels. Raises Invalid where they are too many, too long, or cannot be written."""
+    if len(labels) > MAX_GROUPS or any(len(label) > GROUP_LENGTH for label in labels):
+        raise Invalid(f"un élève a {MAX_GROUPS} groupes au plus, de {GROUP_LENGTH} caractères chacun.")
+    unwritable = next(filter(None, map(character_problem, labels)), "")
+    if unwritable:
+        raise Invalid(f"dans le groupe, {unwritable}.")
+    return labels
