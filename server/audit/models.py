@@ -23,6 +23,8 @@ class AuditAction(StrEnum):
     exemption_made = "exemption_made"
     exemption_revoked = "exemption_revoked"
     feedback_released = "feedback_released"
+    release_withdrawn = "release_withdrawn"
+    copy_reopened = "copy_reopened"
     staff_changed = "staff_changed"
     student_removed = "student_removed"
     student_admitted = "student_admitted"
@@ -50,6 +52,8 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.exemption_made: "aménagement accordé",
     AuditAction.exemption_revoked: "aménagement retiré",
     AuditAction.feedback_released: "résultats d’un contrôle publiés",
+    AuditAction.release_withdrawn: "publication d’un contrôle reprise",
+    AuditAction.copy_reopened: "copie rouverte",
     AuditAction.staff_changed: "équipe modifiée",
     AuditAction.student_removed: "élève sorti de la classe",
     AuditAction.student_admitted: "élève admis dans la classe",
@@ -75,6 +79,7 @@ STUDENT_ACTIONS = frozenset(
     {
         AuditAction.exemption_made,
         AuditAction.exemption_revoked,
+        AuditAction.copy_reopened,
         AuditAction.student_removed,
         AuditAction.student_admitted,
         AuditAction.student_confirmed,

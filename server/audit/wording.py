@@ -23,6 +23,7 @@ FIELDS: Mapping[str, str] = {
     "solution": "corrigé",
     "duration_minutes": "durée (minutes)",
     "released_at": "rendu le",
+    "handed_in_at": "copie rendue le",
     "exercises": "exercices",
     "time_factor": "facteur de temps",
     "excused": "dispense",

@@ -42,6 +42,10 @@ NO_SUCH_CODE = "Aucune classe n’a ce code, ou il n’est plus valable : demand
 TOO_MANY_CODES = "Trop d’essais de codes : réessayez dans {seconds} s."
 ARCHIVED = "Cette classe est archivée : elle ne change plus. Rouvrez-la d’abord dans ses réglages."
 LAST_TEACHER = "Une classe garde au moins un enseignant : nommez-en un autre d’abord."
+LEARNS_HERE = (
+    "{name} ({login}) est élève de cette classe : on n’enseigne pas dans la classe où l’on apprend. Si c’est une "
+    "erreur de liste, retirez d’abord cette personne des élèves."
+)
 NOT_A_MEMBER = "Cette personne n’est pas dans la classe."
 LEFT_VOLUNTARILY = "Cette personne a quitté la classe d’elle-même : elle y revient avec le code."
 CHANGED = "Quelqu’un a créé un compte du même identifiant en ce moment même : recommencez."
@@ -160,10 +164,22 @@ def leave_class(db: Session, school_class: SchoolClass, account_id: UUID) -> Non
     membership.left_voluntarily = not membership.created_by_list
 
 
-def add_staff(db: Session, school_class: SchoolClass, login: str, role: ClassRole) -> Account:
-    """Make the account of this login a teacher or an assistant of the class. Raises NotFound or Conflict."""
+def find_future_staff(db: Session, school_class: SchoolClass, login: str) -> Account:
+    """Return the account of this login, which may teach in the class.
+
+    Raises NotFound, and Conflict for an archived class or for one of its students.
+    """
     require_open(school_class)
     account = links.find_account_by_login(db, login)
+    membership = repository.find_membership(db, school_class.id, account.id)
+    if membership is not None and not membership.is_staff and membership.status != Status.left:
+        raise Conflict(LEARNS_HERE.format(name=account.name, login=account.login))
+    return account
+
+
+def add_staff(db: Session, school_class: SchoolClass, login: str, role: ClassRole) -> Account:
+    """Make the account of this login a teacher or an assistant of the class. Raises NotFound or Conflict."""
+    account = find_future_staff(db, school_class, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if account.role == Role.student and (membership is None or not membership.is_staff):
         administration.end_credentials_of_role(db, account)

@@ -12,8 +12,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import editing, exemption_service, sitting_repository
-from server.assignments import service as assignments
+from server.assignments import editing, exemption_service, releases, sitting_repository
 from server.assignments.models import Assignment, EndedBy, LatePolicy, Mode, WeightedExercise
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.base.settings import Settings
@@ -120,7 +119,7 @@ def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Seque
         sitting = sitting_repository.load_sitting(db, test.id, room.students[pupil])
         assert sitting is not None
         sitting_repository.end_sitting(db, sitting, end, EndedBy.time)
-    assignments.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
+    releases.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
 
 
 def write_comments(db: Session, room: Classroom, steps: Sequence[PlannedAttempt], settings: Settings) -> None:

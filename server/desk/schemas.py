@@ -93,7 +93,9 @@ class SittingPage:
 class ReleaseView:
     """The release of a test's results, with the numbers of sittings begun and still running.
 
-    `opens` is None once somebody may have begun: until then there is nothing to release.
+    `opens` is None once somebody may have begun: until then there is nothing to release. `effects` says in one line
+    each what a release now does to whom, and `version` is the tag of these effects. `copies` are those that may be
+    reopened, by account and name.
     """
 
     action: str
@@ -101,6 +103,10 @@ class ReleaseView:
     released: datetime | None
     begun: int
     sitting: int
+    effects: tuple[str, ...]
+    version: str
+    may_withdraw: bool
+    copies: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)

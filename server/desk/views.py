@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from datetime import timedelta
 from functools import lru_cache, partial
 from typing import Any
 from urllib.parse import urlencode
+from uuid import UUID
 
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
 from server.assignments import editing
+from server.audit.models import AuditAction
+from server.audit.repository import load_entries
+from server.audit.schemas import AuditFilter
 from server.classes import namesakes, repository
 from server.classes.codes import format_code
 from server.classes.importing import ImportPlan
@@ -21,6 +26,7 @@ from server.classes.service import valid_code
 from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.course import Course
+from server.database import utc_now
 from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
 from server.identity.models import Account
@@ -31,7 +37,10 @@ from server.rights.service import ClassAccess
 from server.text.lines import tidy_line
 from server.web import editions
 from server.web.form_version import version_of
+from server.web.words import short_moment
 
+NEW_STAFF_NOTICE, MAX_STAFF_NOTICES = timedelta(days=7), 5
+NEW_STAFF = "{name} enseigne ou assiste ici depuis le {when}, à la demande de {by}."
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
 NEW_ACCOUNT_NOTE, EXISTING_ACCOUNT_NOTE = "compte à créer", "a déjà un compte ici"
 UPDATE_NOTES = {Status.left: "revient dans la classe", Status.pending: "est admis", Status.active: "fiche complétée"}
@@ -139,6 +148,7 @@ def build_people_page(db: Session, course: Course, access: ClassAccess, base: st
     return {
         "head": class_head(course, access, "/eleves"),
         "staff": active_staff(everyone),
+        "new_staff": new_staff_notices(db, school_class.id),
         "code": join_code_view(school_class, base) if access.has(Right.see_code) else None,
         "may_hand_passwords": access.has(Right.hand_out_passwords) and school_class.archived_at is None,
         "students": [member for member in active if not group or group in member.groups],
@@ -150,6 +160,19 @@ def build_people_page(db: Session, course: Course, access: ClassAccess, base: st
         "group": group if group in labels else "",
         "without_password": sum(member.lacks_password for member in active),
     }
+
+
+def new_staff_notices(db: Session, class_id: UUID) -> tuple[str, ...]:
+    """Return who has come to teach in the last days, and by whom: the team is told on the page of the class."""
+    since = utc_now() - NEW_STAFF_NOTICE
+    entries = load_entries(db, class_id, AuditFilter(what=AuditAction.staff_changed), limit=MAX_STAFF_NOTICES)
+    return tuple(
+        NEW_STAFF.format(
+            name=entry.student.name, when=short_moment(entry.at), by=entry.by.name if entry.by else "un compte effacé"
+        )
+        for entry in entries
+        if entry.at >= since and entry.after.get("role") and entry.student is not None
+    )
 
 
 def count_students_by_label(groups: Iterable[Iterable[str]]) -> dict[str, int]:

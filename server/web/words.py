@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from functools import lru_cache
 from zoneinfo import ZoneInfo
@@ -41,6 +42,13 @@ def format_mark(value: float, most: float = 20.0) -> str:
 def plural(count: int, singular: str, many: str | None = None) -> str:
     """« 1 essai », « 3 essais »: zero and one take the singular, as in French."""
     return f"{count} {singular if abs(count) < 2 else many or singular + 's'}"
+
+
+def list_names(names: Sequence[str], limit: int = 6) -> str:
+    """Return the names in one line, those beyond the limit as a number: « Ada, Inès et 3 autres »."""
+    shown, others = (names, 0) if len(names) <= limit + 1 else (names[:limit], len(names) - limit)
+    listed = ", ".join(shown)
+    return f"{listed} et {others} autres" if others else listed
 
 
 def iso_moment(when: datetime) -> str:

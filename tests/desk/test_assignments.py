@@ -34,6 +34,7 @@ from server.web.words import long_moment
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
+from tests.support.forms import hidden_fields
 from tests.support.service import EXERCISE, Site, worker_of
 
 DAY = timedelta(days=1)
@@ -359,8 +360,9 @@ def test_who_comes_goes_and_teaches_is_in_the_log(school: School) -> None:
     school.martin.post(f"{school.href}/eleves", data={"action": "retirer", "eleve": str(school.bob.id)})
     school.martin.post(f"{school.href}/eleves", data={"action": "retirer", "eleve": str(school.bob.id)})
     school.martin.post(f"{school.href}/eleves", data={"action": "reprendre", "eleve": str(school.bob.id)})
-    school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": "assistant"})
-    school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": "enseignant"})
+    for role in ("assistant", "enseignant"):
+        named = school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": role})
+        school.martin.post(f"{school.href}/equipe", data=hidden_fields(named.text, f"{school.href}/equipe"))
     found = school.stored(AuditEvent)
     assert [(one.what, one.before, one.after) for one in sorted(found, key=lambda one: one.at)] == [
         (AuditAction.student_removed, {"status": "active"}, {"status": "left"}),

@@ -7,6 +7,7 @@ from typing import Any
 from uuid import UUID
 
 import pytest
+from sqlalchemy import select
 
 from server.classes.models import ClassRole, Membership, SchoolClass
 from server.identity.models import Account, Role
@@ -14,6 +15,7 @@ from server.rights.models import Right
 from tests.support.classes import person
 from tests.support.client import TestClient
 from tests.support.counting import Counted
+from tests.support.forms import hidden_fields
 from tests.support.service import Site
 
 LIST = "nom;prenom;identifiant;groupe\nLovelace;Ada;ada;TP1\nTuring;Alan;alan;TP2\n"
@@ -159,7 +161,11 @@ def test_settings_change_the_class(site: Site, martin: TestClient, href: str) ->
     martin.post(f"{href}/eleves", data={"action": "grouper", "eleve": asked, "groupe": "TP1"})
     assert "TP1" in text_of(site.client, href)
     assert martin.post(f"{href}/eleves", data={"action": "retirer"}).status_code == 422
-    assert martin.post(f"{href}/equipe", data={"login": "bob", "role": "assistant"}).status_code == 303
+    named = martin.post(f"{href}/equipe", data={"login": "bob", "role": "assistant"})
+    assert named.status_code == 200
+    assert "Ajouter Bob" in named.text
+    assert "Bob (assistant)" not in text_of(site.client, href)
+    assert martin.post(f"{href}/equipe", data=hidden_fields(named.text, f"{href}/equipe")).status_code == 303
     assert martin.post(f"{href}/equipe", data={"login": "nobody", "role": "assistant"}).status_code == 404
     assert "Bob (assistant)" in text_of(site.client, href)
     copied = martin.post(f"{href}/copier", data={"name": "PSI 2027"})
@@ -169,6 +175,33 @@ def test_settings_change_the_class(site: Site, martin: TestClient, href: str) ->
     assert martin.get(f"{href}/liste").status_code == 409
     martin.post(f"{href}/archiver", data={"archiver": "false"})
     assert [one.archived_at for one in stored(site, SchoolClass)] == [None, None]
+
+
+def test_a_student_of_the_class_cannot_teach_in_it(site: Site, martin: TestClient, href: str) -> None:
+    code = code_of(martin, href)
+    with site.database.write() as db:
+        db.add(Account(role=Role.student, name="Bob", login="bob"))
+    bob = person(site, account=next(account for account in stored(site, Account) if account.login == "bob"))
+    bob.browser(site).post(f"/rejoindre/{code}")
+    for data in ({}, {"confirme": str(bob.id)}):
+        refused = martin.post(f"{href}/equipe", data={"login": "bob", "role": "enseignant", **data})
+        assert refused.status_code == 409
+        assert "on n’enseigne pas dans la classe où l’on apprend" in refused.text
+    with site.database.read() as db:
+        seats = db.scalars(select(Membership).where(Membership.account_id == bob.id)).all()
+    assert [seat.role for seat in seats] == ["student"]
+
+
+def test_the_team_is_told_of_a_new_teacher(site: Site, martin: TestClient, href: str) -> None:
+    with site.database.write() as db:
+        db.add(Account(role=Role.teacher, name="Mme Durand", login="durand"))
+    named = martin.post(f"{href}/equipe", data={"login": "durand", "role": "enseignant"}).text
+    assert "compte d’enseignant" in named
+    other = next(account for account in stored(site, Account) if account.login != "durand")
+    wrong = {**hidden_fields(named, f"{href}/equipe"), "confirme": str(other.id)}
+    assert martin.post(f"{href}/equipe", data=wrong).status_code == 200  # another account: named again
+    martin.post(f"{href}/equipe", data=hidden_fields(named, f"{href}/equipe"))
+    assert "Mme Durand enseigne ou assiste ici depuis le" in text_of(martin, f"{href}/eleves")
 
 
 def test_a_solution_is_opened_to_a_class(site: Site, martin: TestClient, href: str) -> None:

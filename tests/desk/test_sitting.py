@@ -465,6 +465,57 @@ def test_a_page_of_a_test_whose_results_are_out_does_not_pass_for_it(room: Room)
     assert browser.post(send, data={**during, "controle": "", "code": "x = 1"}).status_code == 303
 
 
+def test_publishing_says_first_whom_it_shuts_out(room: Room) -> None:
+    ines, malo = room.student(begins=False), room.student()
+    page = room.teacher.browser(room.site).get(room.path).text
+    assert "1 élève n’a pas commencé et ne pourra plus : Ada." in page
+    assert "1 élève compose encore, jusqu’à sa propre fin : Ada." in page
+    drawn = hidden_fields(page, f"{room.path}/publier")
+    room.post(ines, "commencer")
+    refused = room.post(room.teacher, "publier", **drawn)
+    assert refused.status_code == 409
+    assert "2 élèves composent encore" in refused.text
+    assert room.post(malo, "rendre").status_code == 303
+    drawn = hidden_fields(room.teacher.browser(room.site).get(room.path).text, f"{room.path}/publier")
+    assert room.post(room.teacher, "publier", **drawn).status_code == 303
+
+
+def test_a_release_is_taken_back_for_a_day(room: Room) -> None:
+    ines = room.student(begins=False)
+    assert room.post(room.teacher, "publier", action="reprendre").status_code == 409
+    room.post(room.teacher, "publier")
+    assert room.post(ines, "commencer").status_code == 409
+    assert "Reprendre la publication" in room.teacher.browser(room.site).get(room.path).text
+    assert room.post(room.teacher, "publier", action="reprendre").status_code == 303
+    assert room.post(ines, "commencer").status_code == 303
+    room.post(room.teacher, "publier")
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(released_at=utc_now() - timedelta(days=1, minutes=1)))
+    assert "Reprendre la publication" not in room.teacher.browser(room.site).get(room.path).text
+    assert room.post(room.teacher, "publier", action="reprendre").status_code == 409
+    with room.site.database.read() as db:
+        actions = [event.what for event in db.scalars(select(AuditEvent))]
+    assert actions.count(AuditAction.release_withdrawn) == 1
+
+
+def test_a_copy_handed_in_by_mistake_is_reopened_and_its_clock_went_on(room: Room) -> None:
+    ada = room.student()
+    assert room.post(room.teacher, "rouvrir", eleve=str(ada.id)).status_code == 409  # it is still open
+    room.post(ada, "rendre")
+    assert room.send(ada).status_code == 409
+    assert "Rouvrir une copie rendue par erreur" in room.teacher.browser(room.site).get(room.path).text
+    assert room.post(ada, "rouvrir", eleve=str(ada.id)).status_code == 403
+    assert room.post(room.teacher, "rouvrir", eleve="x").status_code == 404
+    assert room.post(room.teacher, "rouvrir", eleve=str(ada.id)).status_code == 303
+    assert room.send(ada).status_code == 202
+    room.post(ada, "rendre")
+    room.let_time_pass(61)
+    refused = room.post(room.teacher, "rouvrir", eleve=str(ada.id))
+    assert "accordez-lui d’abord un aménagement" in refused.text
+    room.post(room.teacher, "publier")
+    assert room.post(room.teacher, "rouvrir", eleve=str(ada.id)).status_code == 409
+
+
 def test_answers_are_saved_and_sent_as_code_is(room: Room) -> None:
     name, page = "l20/calcul_odometrie", "/l20/exercices/calcul_odometrie"
     test = assign(room.site.database, room.made, name, mode=Mode.test)

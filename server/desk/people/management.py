@@ -16,6 +16,7 @@ from server.base.root_path import service_url
 from server.classes import copying, service, slips
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
+from server.classes.repository import count_students
 from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
@@ -222,22 +223,36 @@ def change_join_code(
 @router.post("/classes/{class_id}/equipe")
 def change_staff(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, login: Field = "",
-    role: Field = "assistant", retirer: Annotated[UUID | None, Form()] = None,
+    role: Field = "assistant", confirme: Field = "", retirer: Annotated[UUID | None, Form()] = None,
 ) -> Response:  # fmt: skip
-    """Has somebody teach or help in the class, or no more."""
+    """Has somebody teach or help in the class, or no more. The page names the person first: `confirme` is the account
+    that it named."""
     access = rights.require_right(db, account, Right.configure_class, class_id)
     if role not in STAFF_ROLES:
         raise NotFound(UNKNOWN_ACTION)
+    school_class = access.school_class
     try:
-        with recording_membership_changes(db, access.school_class.id, account.id):
+        if retirer is None:
+            named = service.find_future_staff(db, school_class, login)
+            if confirme != str(named.id):
+                return render_page(
+                    request,
+                    "classes/new_staff.html",
+                    account,
+                    head=views.class_head(course, access, "/reglages"),
+                    named=named,
+                    role=role,
+                    students=count_students(db, [school_class.id]).get(school_class.id, (0, 0))[0],
+                )
+        with recording_membership_changes(db, school_class.id, account.id):
             if retirer is not None:
-                service.remove_staff(db, access.school_class, retirer)
+                service.remove_staff(db, school_class, retirer)
             else:
-                service.add_staff(db, access.school_class, login, STAFF_ROLES[role])
+                service.add_staff(db, school_class, login, STAFF_ROLES[role])
     except ServiceError as refused:
         return _render_settings(request, account, db, course, access, refused)
-    mine = rights.has_right(db, account, Right.configure_class, access.school_class.id)
-    return redirect(f"{views.class_href(access.school_class)}/reglages#equipe" if mine else "/classes")
+    mine = rights.has_right(db, account, Right.configure_class, school_class.id)
+    return redirect(f"{views.class_href(school_class)}/reglages#equipe" if mine else "/classes")
 
 
 @router.post("/classes/{class_id}/copier")

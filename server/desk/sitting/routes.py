@@ -3,22 +3,27 @@
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from server.assignments import eligibility, service, sittings
+from server.assignments import eligibility, releases, sittings
 from server.assignments.feedback import SittingStage
+from server.base.errors import NotFound
+from server.classes.repository import load_active_students
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.requests import redirect_to_login
-from server.desk.sitting.views import build_sitting_page, own_labels, sitting_href
+from server.desk.sitting.views import build_sitting_page, own_labels, release_lines, release_version, sitting_href
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import SittingCollectorOf
 from server.web.dependencies import CurrentReader
-from server.web.forms import redirect
+from server.web.form_version import require_version
+from server.web.forms import Field, FormFields, redirect
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
+EFFECTS_CHANGED = "La situation a changé depuis que cette page est ouverte ; rien n’est encore publié."
+RELEASE_ANYWAY = "Publier quand même"
 TEST_PATH = "/classes/{class_id}/devoirs/{assignment_id}"
 
 
@@ -70,9 +75,33 @@ def hand_in_test(
 
 
 @router.post(f"{TEST_PATH}/publier")
-def release_results(class_id: str, assignment_id: str, account: SignedIn, db: Db) -> Response:
-    """The results of a test are shown to who is done with it. It is not undone: they may have been read."""
+def release_results(
+    class_id: str, assignment_id: str, account: SignedIn, db: Db, fields: FormFields, action: Field = "publier"
+) -> Response:
+    """Shows the results of a test to whoever is done with it; with the action `reprendre`, withholds them again.
+
+    The form carries whom the page said that it touches: where others are touched now, it is said first.
+    """
     access = rights.require_right(db, account, Right.release_feedback, class_id)
     test = sittings.find_test(db, access.school_class.id, assignment_id)
-    service.release_feedback(db, test, account.id, utc_now())
+    now = utc_now()
+    if action == "reprendre":
+        releases.withdraw_release(db, test, account.id, now)
+    else:
+        effects = releases.load_release_effects(db, test, now)
+        detail = " ".join([EFFECTS_CHANGED, *release_lines(effects)])
+        require_version(fields, account, release_version(effects), detail, RELEASE_ANYWAY)
+        releases.release_feedback(db, test, account.id, now)
     return redirect(f"/classes/{access.school_class.id}/devoirs/{test.id}")
+
+
+@router.post(f"{TEST_PATH}/rouvrir")
+def reopen_copy(class_id: str, assignment_id: str, account: SignedIn, db: Db, eleve: Field = "") -> Response:
+    """Lets a student who handed in by mistake go on."""
+    access = rights.require_right(db, account, Right.manage_assignments, class_id)
+    test = sittings.find_test(db, access.school_class.id, assignment_id)
+    students = {str(student.id): student for student in load_active_students(db, access.school_class.id)}
+    if eleve not in students:
+        raise NotFound(releases.NO_COPY)
+    releases.reopen_copy(db, test, account.id, students[eleve], utc_now())
+    return redirect(f"/classes/{access.school_class.id}/devoirs/{test.id}#publication")

@@ -7,17 +7,20 @@ from datetime import datetime
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, repository, sitting_repository
+from server.assignments import feedback, releases, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy
+from server.assignments.releases import ReleaseEffects
 from server.assignments.sittings import StudentTest
+from server.classes.repository import load_active_students
 from server.database import utc_now
 from server.desk.schemas import ReleaseView, SittingExercise, SittingPage
 from server.desk.views import class_head
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.rights.service import ClassAccess
+from server.web.form_version import version_of
 from server.web.views import Reader
-from server.web.words import plural
+from server.web.words import list_names, plural
 
 
 def own_labels(access: ClassAccess) -> Sequence[str]:
@@ -71,12 +74,42 @@ def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tu
 
 def release_view(db: Session, test: Assignment) -> ReleaseView:
     """For the page of a test, as its teacher sees it."""
+    now = utc_now()
     begun, ended = sitting_repository.count_sittings(db, test.id)
-    waits = not begun and test.opens_at > utc_now()
+    waits = not begun and test.opens_at > now
+    effects = releases.load_release_effects(db, test, now)
+    reopenable = releases.load_copies_handed_in(db, test) if test.released_at is None else ()
+    students = load_active_students(db, test.class_id) if reopenable else ()
     return ReleaseView(
         action=f"{sitting_href(test).removesuffix('/composer')}/publier",
         opens=test.opens_at if waits else None,
         released=test.released_at,
         begun=begun,
         sitting=begun - ended,
+        effects=release_lines(effects),
+        version=release_version(effects),
+        may_withdraw=releases.may_withdraw_release(test, now),
+        copies=tuple((str(student.id), student.name) for student in students if student.id in reopenable),
     )
+
+
+def release_lines(effects: ReleaseEffects) -> tuple[str, ...]:
+    """Return what a release now does to whom, a line each."""
+    lines = []
+    if effects.shut_out:
+        count = plural(
+            len(effects.shut_out),
+            "élève n’a pas commencé et ne pourra plus",
+            "élèves n’ont pas commencé et ne pourront plus",
+        )
+        lines.append(f"{count} : {list_names([student.name for student in effects.shut_out])}.")
+    if effects.running:
+        count = plural(len(effects.running), "élève compose encore", "élèves composent encore")
+        lines.append(f"{count}, jusqu’à sa propre fin : {list_names([student.name for student in effects.running])}.")
+    return tuple(lines)
+
+
+def release_version(effects: ReleaseEffects) -> str:
+    """Return the version tag of these effects: other students, another tag."""
+    touched = {"shut_out": effects.shut_out, "running": effects.running}
+    return version_of({name: " ".join(str(student.id) for student in students) for name, students in touched.items()})

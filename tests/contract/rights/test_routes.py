@@ -66,6 +66,7 @@ JSON: dict[str, Any] = {
     "POST /soumissions/{submission_id}/pas": {"check": "b"},
     "POST /{module}/previsions": {"question": "rejeux/icp", "answer": "ailleurs"},
 }
+TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -87,12 +88,12 @@ FORMS: dict[str, dict[str, str]] = {
     },
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
+    f"POST {TEST}/rouvrir": {"eleve": "{student}"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
-TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 OTHER_VALUES = {
     f"GET {TEST}/composer": {"assignment_id": "{test}"},
-    **{f"POST {TEST}/{what}": {"assignment_id": "{test}"} for what in ("commencer", "rendre", "publier")},
+    **{f"POST {TEST}/{what}": {"assignment_id": "{test}"} for what in ("commencer", "rendre", "publier", "rouvrir")},
     "GET /{module}/kit/{file}": {"file": "l20.py"},
     "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
     "GET /{module}/lire/{slug}": {"slug": "localiser"},
