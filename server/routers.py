@@ -8,6 +8,7 @@ from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
 from server.desk.likeness.routes import router as likeness_router
+from server.desk.marks.column_routes import router as columns_router
 from server.desk.marks.journal import router as journal_router
 from server.desk.marks.routes import router as marks_router
 from server.desk.own.routes import router as own_router
@@ -49,6 +50,7 @@ ROUTERS = (
     likeness_router,
     students_router,
     talking_router,
+    columns_router,  # before those of marks, whose paths take any name
     marks_router,
     journal_router,
     polls_router,

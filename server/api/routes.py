@@ -4,7 +4,19 @@ from fastapi import APIRouter
 from starlette.routing import Match
 from starlette.types import Scope
 
-from server.api import assignments, board, classes, comments, exercises, marks, me, names, regrades, submissions
+from server.api import (
+    assignments,
+    board,
+    classes,
+    columns,
+    comments,
+    exercises,
+    marks,
+    me,
+    names,
+    regrades,
+    submissions,
+)
 
 
 class Api(APIRouter):
@@ -21,6 +33,7 @@ router.include_router(comments.router)
 router.include_router(me.router)
 router.include_router(classes.router)
 router.include_router(marks.router)
+router.include_router(columns.router)
 router.include_router(regrades.router)
 router.include_router(names.router)
 router.include_router(board.router)

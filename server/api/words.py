@@ -37,6 +37,24 @@ ROUTES: dict[tuple[str, str], str] = {
         "Choisit comment ils comptent : 0 (`zero`), ou pas du tout (`ignore`). Les notes restent, les moyennes sont "
         "refaites."
     ),
+    ("get", "/api/v1/classes/{class_id}/columns"): (
+        "Les colonnes que les enseignants tapent eux-mêmes (oral, papier, participation), dans l’ordre du carnet."
+    ),
+    ("post", "/api/v1/classes/{class_id}/columns"): (
+        "Ajoute une colonne au carnet, après les autres. Les élèves la voient une fois publiée (`published`)."
+    ),
+    ("get", "/api/v1/classes/{class_id}/columns/{column_id}"): "Une colonne, avec les notes de tous les élèves.",
+    ("patch", "/api/v1/classes/{class_id}/columns/{column_id}"): (
+        "Change ce qui est envoyé d’une colonne, et laisse le reste. Les notes restent."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/columns/{column_id}"): (
+        "Supprime une colonne du carnet. Elle est gardée avec ses notes, et se rétablit."
+    ),
+    ("post", "/api/v1/classes/{class_id}/columns/{column_id}/restore"): "Rétablit une colonne, avec ses notes.",
+    ("put", "/api/v1/classes/{class_id}/columns/{column_id}/marks"): (
+        "Enregistre les notes envoyées, toutes ou aucune ; celles des autres élèves restent. `version` dit ce que vous "
+        "avez lu : si une autre note a été tapée entre-temps, 409."
+    ),
     ("get", "/api/v1/classes/{class_id}/gradebook"): (
         "Le carnet de notes : JSON, CSV pour un Excel français, XLSX, ou CSV à importer dans Moodle. Celui de Moodle "
         "n’a que les notes définitives, et laisse de côté qui n’a pas d’adresse ou d’identifiant : "
@@ -181,6 +199,15 @@ PARAMETERS: dict[str, str] = {
     "not_handed_in": "un devoir non rendu",
     "late_refused": "un devoir refusé en retard",
     "absent": "une absence",
+    "column_id": "l’identifiant de la colonne (`id`)",
+    "deleted": "celles qui sont supprimées",
+    "out_of": "le barème : la meilleure note possible",
+    "taken_on": "le jour, s’il y en a un",
+    "bonus": "les points s’ajoutent tels quels à la moyenne, jusqu’à 20",
+    "published": "si les élèves la voient",
+    "place": "la place parmi les colonnes, à partir de 0",
+    "marks": "les notes : `student`, puis `points` ou `state`, `comment`, `version`",
+    "comment": "une remarque que l’élève lit une fois la colonne publiée",
     "unanswered": "un exercice sans réponse, d’un devoir rendu",
     "version": "la version que vous avez lue : 409 si elle a changé depuis",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",

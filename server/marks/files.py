@@ -15,7 +15,6 @@ from server.marks.means import FORMULA, format_number, round_or_none, round_poin
 from server.marks.schemas import (
     AssignmentMark,
     ColumnMark,
-    ColumnRecord,
     ExerciseMark,
     Gradebook,
     MarkSummary,
@@ -173,7 +172,7 @@ def mark_notes(marking: MarkingRules) -> tuple[str, ...]:
     """Return how marks are made in a class, in sentences."""
     blank = COUNTED_WORDS[marking.unanswered].replace("la moyenne", "sa note")
     return (
-        f"{FORMULA[0].upper()}{FORMULA[1:]}.",
+        f"{FORMULA}.",
         "Les notes sont sur 20, arrondies au centième ; les moyennes sont faites sur les points exacts. Une colonne a "
         "son propre barème ; un bonus s’ajoute tel quel à la moyenne.",
         f"« non rendu » : le devoir est fini et rien n’a été envoyé ; il {COUNTED_WORDS[marking.not_handed_in]}.",
@@ -240,7 +239,7 @@ def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFil
     """
     titles = unique_titles(gradebook.assignments)
     shown = [n for n, assignment in enumerate(gradebook.assignments) if not is_withheld(assignment, gradebook.at)]
-    published = [n for n, column in enumerate(gradebook.columns) if _is_published(column, gradebook.at)]
+    published = [n for n, column in enumerate(gradebook.columns) if column.is_published]
     items = _unique([*(titles[n] for n in shown), *(gradebook.columns[n].full_title for n in published)])
     uses = Counter(_moodle_identity(row.member, identifier) for row in gradebook.rows)
     rows: list[tuple[Cell, ...]] = []
@@ -260,10 +259,6 @@ def moodle_file(gradebook: Gradebook, identifier: MoodleIdentifier) -> MoodleFil
     if not any(row[-1] for row in rows):
         header, rows = header[:-1], [row[:-1] for row in rows]
     return MoodleFile(header, tuple(rows), tuple(left_out))
-
-
-def _is_published(column: ColumnRecord, now: datetime) -> bool:
-    return column.published_at is not None and column.published_at <= now
 
 
 def _moodle_identity(student: StudentRecord, identifier: MoodleIdentifier) -> str:

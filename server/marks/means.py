@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 FULL_POINTS = 20.0
 ROUNDING_NOISE = 1e-9
-FORMULA = "moyenne = Σ (coefficient × note) / Σ coefficients, bonus ajoutés, plafonnée à 20"
+FORMULA = "Moyenne = Σ (coefficient × note) / Σ coefficients, bonus ajoutés, plafonnée à 20"
 
 
 def weighted_mean(values: Sequence[tuple[float, float]]) -> float | None:

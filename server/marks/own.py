@@ -51,11 +51,7 @@ class OwnMarks:
             )
             for assignment in gradebook.assignments
         ]
-        published = tuple(
-            mark
-            for mark in row.columns
-            if mark.column.published_at is not None and mark.column.published_at <= gradebook.at
-        )
+        published = tuple(mark for mark in row.columns if mark.column.is_published)
         visible_row = StudentMarks(
             row.member,
             tuple(mark for mark, is_visible in zip(row.marks, visible, strict=True) if is_visible),

@@ -212,6 +212,10 @@ class ColumnRecord:
     version: int
 
     @property
+    def is_published(self) -> bool:
+        return self.published_at is not None
+
+    @property
     def full_title(self) -> str:
         """The title with its scale: « Oral /10 »; of a bonus « Participation (bonus) »."""
         return f"{self.title} (bonus)" if self.bonus else f"{self.title} /{format_number(self.out_of)}"

@@ -32,7 +32,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
-from server.marks.models import Override
+from server.marks.models import ManualColumn, Override
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from tests.support.service import EXERCISE, Site, fake_verdict
@@ -58,6 +58,9 @@ JSON: dict[str, Any] = {
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
     "PUT /api/v1/classes/{class_id}/assignments/{aid}/decisions/{student}": {"state": "absent"},
     "PATCH /api/v1/classes/{class_id}/marking": {"absent": "zero"},
+    "POST /api/v1/classes/{class_id}/columns": {"title": "Oral"},
+    "PATCH /api/v1/classes/{class_id}/columns/{column_id}": {"title": "Exposé"},
+    "PUT /api/v1/classes/{class_id}/columns/{column_id}/marks": {"marks": []},
     "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
     "PUT /api/v1/classes/{class_id}/names/{module}/{slug}/{group}": {"title": "Une erreur", "explanation": "Ainsi."},
     "POST /api/v1/classes/{class_id}/assignments": {"title": "DM", "exercises": [{"exercise": EXERCISE}]},
@@ -81,6 +84,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/equipe": {"login": "{stranger}", "role": "assistant"},
     "POST /classes/{class_id}/copier": {"name": "PSI"},
     "POST /classes/{class_id}/archiver": {"archiver": "true"},
+    "POST /classes/{class_id}/carnet/colonnes": {"titre": "Oral"},
     "POST /classes/{class_id}/carnet/{student}/{assignment_id}": {
         "action": "dispenser",
         "exercice": EXERCISE,
@@ -161,6 +165,8 @@ class Stage:
                 db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
+            self.column = ManualColumn(class_id=self.made.id, title="Oral", position=1)
+            db.add(self.column)
             self.test = Assignment(class_id=self.made.id, title="Interro", mode=Mode.test, opens_at=utc_now())
             db.add(self.test)
             row = {"account_id": self.accounts["student"].id, "exercise": EXERCISE, "reason": "x", "based_on": []}
@@ -242,6 +248,7 @@ class Stage:
             "regrade_id": str(self.regrade.id),
             "group": self.group,
             "aid": self.assignments[who],
+            "column_id": str(self.column.id),
             "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
             "invitation": self.invitation,

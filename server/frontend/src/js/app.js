@@ -1,6 +1,7 @@
 // On every page: the theme switch, confirmations, submissions that are still waiting.
 
 import { setUpCountdowns } from "./countdown.js";
+import { setUpColumnMarks } from "./columns.js";
 import { noteAccount } from "./drafts.js";
 import { setUpFieldCopies } from "./fields.js";
 import { followToVerdict } from "./follow.js";
@@ -74,6 +75,7 @@ document.addEventListener("balise:refreshed", dress);
 dress();
 setUpSearchKey();
 setUpFieldCopies();
+setUpColumnMarks();
 setUpCountdowns();
 
 // Once its time is over, the page of a test says what comes next.
