@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from graders.core.contract.local import LOCAL
-from graders.plotting import counterexample
 from server.authoring import new
 from server.cli.authors import KINDS
 from server.cli.check import cases
@@ -41,6 +40,8 @@ def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course) -> Non
 
 
 def test_a_wrong_program_has_its_name_and_its_figure(course: Course) -> None:
+    from graders.plotting import counterexample  # loads matplotlib
+
     exercise = course.exercises["l21/gain"]
     wrong = b"def gain(a, b, t):\n    return b + t * (a - b)\n"
     judgement = exercise.grader.grade(wrong, LOCAL, seed=3, version=exercise.version)

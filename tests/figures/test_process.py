@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from graders.plotting import counterexample
 from graders.scene.films import wire
 from server.base.helpers import Helper, HelperError, HelperProgram
 from server.course.models import Drawing
@@ -80,6 +79,8 @@ async def raises(helper: Helper, asked: bytes) -> None:
 
 
 def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(folder: Path) -> None:
+    from graders.plotting import counterexample  # loads matplotlib
+
     frames = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.5]}
     data = {"kind": "frames", "title": "Essai", "frames": frames, "expected": [1.0, 0.0, 0.5], "got": [1.0, 0.0, 0.0]}
     exercise = "l20/poses"

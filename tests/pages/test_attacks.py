@@ -11,7 +11,6 @@ import pytest
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
-from graders.plotting import counterexample
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
 from server.web import verdicts
@@ -110,6 +109,8 @@ def test_an_odd_value_gets_a_verdict_that_can_be_shown(grader: SandboxGrader, ex
 
 @pytest.mark.parametrize("value", ["largest", "smallest", "not-numbers"])
 def test_odd_numbers_can_be_drawn(grader: SandboxGrader, value: str) -> None:
+    from graders.plotting import counterexample  # loads matplotlib
+
     grading = grader.grade("l20/poses", attack("l20/poses", VALUES[value]), seed=3)
     assert grading.figures
     name, data = next(iter(grading.figures.items()))
