@@ -11,8 +11,8 @@ from pydantic_core import PydanticCustomError
 
 from server.api.schemas import Strict
 from server.assignments.models import AttemptSelection, Mode, Visibility
-from server.assignments.rules import Field as RuleField
-from server.assignments.rules import Origin
+from server.assignments.rule_sources import Field as RuleField
+from server.assignments.rule_sources import Origin
 
 LONGEST_DATE = 40
 

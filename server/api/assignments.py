@@ -190,7 +190,8 @@ def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> lis
     """All that were made, oldest first; those revoked too."""
     place = rights.require_right(db, account, Right.see_students, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
-    return [_exception(exemption) for exemption in repository.load_all_exemptions(db, assignment.id)]
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    return [_exception(exemption) for exemption in exemptions]
 
 
 @router.delete(f"{ONE}/exceptions/{{eid}}", status_code=204, responses=problems(401, 403, 404, 409))

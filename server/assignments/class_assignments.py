@@ -18,8 +18,8 @@ from server.database import Base
 
 @dataclass(frozen=True, eq=False)
 class ClassAssignments:
-    """The assignments of a class in the order in which they open, and by assignment: its exercises, the exemptions in
-    force, and for tests the sittings by student."""
+    """The assignments of a class in the order in which they open, and by assignment: its exercises, its exemptions,
+    revoked ones included, and for tests the sittings by student."""
 
     assignments: Sequence[Assignment]
     exercises: Mapping[UUID, Sequence[WeightedExercise]]
@@ -68,7 +68,7 @@ def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
 
 def _load_exemptions(db: Session, class_id: UUID) -> Mapping[UUID, Sequence[Exemption]]:
     query = select(Exemption).join(Assignment, Assignment.id == Exemption.assignment_id)
-    query = query.where(Assignment.class_id == class_id, Exemption.revoked_at.is_(None))
+    query = query.where(Assignment.class_id == class_id)
     exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
     for exemption in db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars():
         exemptions[exemption.assignment_id].append(exemption)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import TypeVar
+from typing import Protocol
 from uuid import UUID
 
 from server.assignments.models import AttemptSelection
-from server.assignments.rules import MAX_POINTS, Rules
+from server.assignments.rules import MAX_POINTS, SendTiming
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,10 @@ class ScoredAttempt:
     score: float
 
 
-Attempt = TypeVar("Attempt", bound=ScoredAttempt)
+class TimeJudge(Protocol):
+    """`rules.Windows` of a student, or `rules.Rules` where there is no sitting."""
+
+    def judge(self, sent_at: datetime, /) -> SendTiming: ...
 
 
 @dataclass(frozen=True)
@@ -46,47 +49,42 @@ class ExerciseResult:
 NO_RESULT = ExerciseResult(None, None, 0)
 
 
-def mark_attempts(rules: Rules, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]) -> ExerciseResult:
+def mark_attempts(times: TimeJudge, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]) -> ExerciseResult:
     """Mark a student's attempts at one exercise, given in any order and without internal errors.
 
-    Among equal marks the earliest is the best. Attempts outside the dates are ignored.
+    Among equal marks the earliest is the best. Attempts that do not count by their time are ignored. Of the last one,
+    an attempt that was refused when it arrived, and counts since the rules have changed, only improves the mark.
     """
     if not attempts:
         return NO_RESULT
-    marks = _marks(rules, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
+    timed = _marks(times, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
+    marks = [mark for mark, _ in timed]
     on_time = _best([mark for mark in marks if not mark.days_late])
     if counts is AttemptSelection.last:
-        counted = marks[-1] if marks else None
+        counted = _last(timed)
     else:
         counted = on_time if counts is AttemptSelection.best_before_due else _best(marks)
     return ExerciseResult(counted, on_time, len(marks))
 
 
-def attempts_in_sitting(
-    attempts: Iterable[Attempt], began_at: datetime | None, ended_at: datetime | None
-) -> list[Attempt]:
-    """Return the attempts sent during a sitting; none where it never began.
-
-    Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in as the student.
-    """
-    if began_at is None:
-        return []
-    return [
-        attempt
-        for attempt in attempts
-        if began_at <= attempt.sent_at and (ended_at is None or attempt.sent_at <= ended_at)
-    ]
-
-
-def _marks(rules: Rules, attempts: Iterable[ScoredAttempt]) -> Sequence[AttemptMark]:
+def _marks(times: TimeJudge, attempts: Iterable[ScoredAttempt]) -> Sequence[tuple[AttemptMark, SendTiming]]:
     marks = []
     for attempt in attempts:
         full_points = MAX_POINTS * attempt.score
-        adjusted = rules.apply_lateness(attempt.sent_at, full_points)
+        timing = times.judge(attempt.sent_at)
+        adjusted = timing.adjust(full_points)
         if adjusted.points is not None:
-            marks.append(AttemptMark(attempt.id, adjusted.points, full_points, adjusted.days_late))
+            marks.append((AttemptMark(attempt.id, adjusted.points, full_points, adjusted.days_late), timing))
     return marks
 
 
 def _best(marks: Sequence[AttemptMark]) -> AttemptMark | None:
     return max(marks, key=lambda mark: mark.points, default=None)
+
+
+def _last(timed: Sequence[tuple[AttemptMark, SendTiming]]) -> AttemptMark | None:
+    last = None
+    for mark, timing in timed:
+        if last is None or timing.counted_on_arrival or mark.points > last.points:
+            last = mark
+    return last

@@ -5,6 +5,7 @@ Every function works inside the caller's transaction, on a class that the caller
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
@@ -19,6 +20,7 @@ from server.assignments.models import (
     AttemptSelection,
     LatePolicy,
     Mode,
+    PastRules,
     Visibility,
     WeightedExercise,
 )
@@ -33,6 +35,7 @@ from server.classes.service import require_open
 from server.course import Course
 from server.database import utc_now
 
+MAX_PAST_RULES = 100
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
 
@@ -117,7 +120,9 @@ def update_assignment(
     valid = validate_assignment(fields, current | dict(assignable_exercises(course, school_class)))
     if valid == before:
         return
-    safeguards.require_coherent(db, assignment, before, valid, utc_now())
+    now = utc_now()
+    safeguards.require_coherent(db, assignment, before, valid, now)
+    keep_past_rules(assignment, valid, now)
     for name, value in valid.columns().items():
         setattr(assignment, name, value)
     if valid.exercises != before.exercises:
@@ -129,13 +134,22 @@ def update_assignment(
     )
 
 
+def keep_past_rules(assignment: Assignment, after: AssignmentInput, now: datetime) -> None:
+    """Keep the rules on time that a change ends: attempts that arrived under them keep what they were told."""
+    names = [each.name for each in dataclasses.fields(PastRules) if each.name != "until"]
+    before = {name: getattr(assignment, name) for name in names}
+    if before != {name: getattr(after, name) for name in names}:
+        past = (*assignment.past_rules, PastRules(until=now, **before))
+        assignment.past_rules = past[-MAX_PAST_RULES:]
+
+
 def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
     """Delete an assignment with its exemptions, not the attempts. Raises Conflict, also while a test holds feedback."""
     require_open(school_class)
     safeguards.lock_test(db, assignment)
     safeguards.require_nothing_held(db, assignment)
     before = _log_values(load_assignment_input(db, assignment))
-    exemptions = len(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()))
+    exemptions = len(repository.load_active_exemptions(db, assignment.id))
     deleted = before | ({"exemptions": exemptions} if exemptions else {})
     audit.record_event(db, school_class.id, by, AuditAction.assignment_deleted, about=assignment.title, before=deleted)
     db.delete(assignment)

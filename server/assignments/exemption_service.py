@@ -15,7 +15,8 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository, safeguards
 from server.assignments.models import Assignment, Exemption
-from server.assignments.rules import Field, Origin, Rules, SourcedValue
+from server.assignments.rule_sources import CommonRules, Field, Origin, SourcedValue
+from server.assignments.rules import Rules
 from server.assignments.schemas import ExemptionInput, ExemptionTarget, validate_exemption
 from server.audit import service as audit
 from server.audit.models import AuditAction
@@ -62,11 +63,19 @@ def grant_exemptions(
     beneficiaries: list[dict[str, Any]] = [{"account_id": student} for student in dict.fromkeys(target.students)]
     if target.label:
         beneficiaries = [{"label": target.label}]
+    now = utc_now()
     granted = [
-        Exemption(assignment_id=assignment.id, created_by=by, **beneficiary, **fields.columns())
+        Exemption(
+            assignment_id=assignment.id,
+            created_by=by,
+            created_at=now,
+            extends=is_extension(fields, assignment),
+            **beneficiary,
+            **fields.columns(),
+        )
         for beneficiary in beneficiaries
     ]
-    before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    before = repository.load_active_exemptions(db, assignment.id)
     replaced = [
         exemption
         for exemption in before
@@ -74,14 +83,22 @@ def grant_exemptions(
         and ({"account_id": exemption.account_id} in beneficiaries or {"label": exemption.label} in beneficiaries)
     ]
     remaining = [exemption for exemption in before if exemption not in replaced]
-    safeguards.require_exempted_go_on(db, assignment, before, [*remaining, *granted], utc_now())
+    safeguards.require_exempted_go_on(db, assignment, before, [*remaining, *granted], now)
     for exemption in replaced:
-        _revoke(db, school_class, by, assignment, exemption)
+        _revoke(db, school_class, by, assignment, exemption, now)
     db.add_all(granted)
     db.flush()
     for exemption in granted:
         _record(db, school_class, by, AuditAction.exemption_made, assignment, exemption)
     return granted
+
+
+def is_extension(fields: ExemptionInput, common: CommonRules) -> bool:
+    """Return whether no date of an exemption is earlier than that of the others. Pure."""
+    return not any(
+        date is not None and (others is None or date < others)
+        for date, others in ((fields.due_at, common.due_at), (fields.closes_at, common.closes_at))
+    )
 
 
 def _record(
@@ -124,14 +141,17 @@ def revoke_exemption(
     require_open(school_class)
     if exemption.revoked_at is not None:
         return
-    before = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    before = repository.load_active_exemptions(db, assignment.id)
     after = [each for each in before if each.id != exemption.id]
-    safeguards.require_exempted_go_on(db, assignment, before, after, utc_now())
-    _revoke(db, school_class, by, assignment, exemption)
+    now = utc_now()
+    safeguards.require_exempted_go_on(db, assignment, before, after, now)
+    _revoke(db, school_class, by, assignment, exemption, now)
 
 
-def _revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption) -> None:
-    exemption.revoked_at = utc_now()
+def _revoke(
+    db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, exemption: Exemption, now: datetime
+) -> None:
+    exemption.revoked_at = now
     db.flush()
     _record(db, school_class, by, AuditAction.exemption_revoked, assignment, exemption)
 

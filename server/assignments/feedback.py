@@ -18,8 +18,8 @@ from sqlalchemy.orm import Session
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback_repository, repository
 from server.assignments.feedback_repository import AssignedExerciseRow
-from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting, Visibility
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.models import Assignment, Exemption, Mode, Sitting, Visibility
+from server.assignments.rules import Rules, is_sitting_running, rules_in_force, sitting_end
 from server.database import utc_now
 
 BEGIN_FIRST = (
@@ -34,7 +34,7 @@ MEMO = "feedback"
 
 
 class SittingStage(StrEnum):
-    """The stage of a student in a test; `missed`: it closed before they began; `shown`: nothing is held any more."""
+    """The stage of a student in a test; `missed`: its last time to begin went by; `shown`: nothing is held any more."""
 
     before = "before"
     may_begin = "may_begin"
@@ -217,24 +217,9 @@ def sitting_stage(assignment: Assignment, rules: Rules, sitting: Sitting | None,
         return SittingStage.before
     if is_released and released is not None and rules.opens_at <= released:
         return SittingStage.shown
-    if rules.closes_at is not None and now >= rules.closes_at:
+    if not rules.may_begin(now):
         return SittingStage.shown if is_released else SittingStage.missed
     return SittingStage.may_begin
-
-
-def is_sitting_running(rules: Rules, sitting: Sitting, now: datetime) -> bool:
-    """Whether a sitting is neither handed in nor past its end by the current rules."""
-    if sitting.ended_by == EndedBy.student:
-        return False
-    end = rules.end_of_sitting(sitting.began_at)
-    return end is None or now < end
-
-
-def sitting_end(rules: Rules, sitting: Sitting) -> datetime | None:
-    """Return when a sitting has ended, or will; None where only its student ends it."""
-    if sitting.ended_by == EndedBy.student:
-        return sitting.handed_in_at
-    return rules.end_of_sitting(sitting.began_at)
 
 
 def _hold(title: str, visibility: str, rules: Rules, now: datetime) -> FeedbackHold | None:

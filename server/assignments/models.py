@@ -1,12 +1,18 @@
 """Assignments, their exemptions, and the sittings of tests."""
 
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from uuid import UUID, uuid4
 
-from sqlalchemy import CheckConstraint, ForeignKey, LargeBinary, String, Text
+from sqlalchemy import CheckConstraint, Dialect, ForeignKey, LargeBinary, String, Text, false
 from sqlalchemy.orm import Mapped, mapped_column
+from sqlalchemy.types import TypeDecorator
 
 from server.database.base import Base, UtcDateTime, utc_now
 
@@ -46,11 +52,43 @@ class Visibility(StrEnum):
     never = "never"
 
 
+@dataclass(frozen=True)
+class PastRules:
+    """The rules on time that an assignment had until it was changed."""
+
+    until: datetime
+    opens_at: datetime
+    due_at: datetime | None
+    closes_at: datetime | None
+    late: str
+    late_per_day: float | None
+    duration_minutes: int | None
+
+
+class PastRulesColumn(TypeDecorator[Sequence[PastRules]]):
+    """Past rules, oldest first, as JSON text with ISO dates."""
+
+    impl = Text
+    cache_ok = True
+
+    def process_bind_param(self, value: Sequence[PastRules] | None, dialect: Dialect) -> str:
+        return json.dumps([asdict(past) for past in value or ()], default=datetime.isoformat)
+
+    def process_result_value(self, value: Any | None, dialect: Dialect) -> tuple[PastRules, ...]:
+        return () if not value or value == "[]" else tuple(_read_past_rules(row) for row in json.loads(value))
+
+
+def _read_past_rules(row: dict[str, Any]) -> PastRules:
+    dates = ("until", "opens_at", "due_at", "closes_at")
+    return PastRules(**row | {name: row[name] and datetime.fromisoformat(row[name]) for name in dates})
+
+
 class Assignment(Base):
     """Exercises set for a class. Without `due_at` nothing is late; without `closes_at` it stays open.
 
     `late_per_day`: points out of 20 that each day begun costs, with `LatePolicy.penalty` alone. `duration_minutes`: the
-    time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
+    time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown. Attempts
+    that arrived under `past_rules` keep what they were told.
     """
 
     __tablename__ = "assignment"
@@ -73,6 +111,7 @@ class Assignment(Base):
     released_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    past_rules: Mapped[Sequence[PastRules]] = mapped_column(PastRulesColumn, default=(), server_default="[]")
 
 
 class WeightedExercise(NamedTuple):
@@ -97,7 +136,8 @@ class Exemption(Base):
     """Changes to an assignment's rules for a student, or for all students with a label. None inherits.
 
     `time_factor` multiplies the duration of a test. The reason is for the staff alone. A revoked exemption stays
-    readable.
+    readable. `extends`: its dates were not earlier than those of the others as it was made, so that they never leave
+    less; otherwise its teacher chose earlier ones, which hold.
     """
 
     __tablename__ = "exemption"
@@ -111,6 +151,7 @@ class Exemption(Base):
     closes_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     time_factor: Mapped[float | None]
     excused: Mapped[bool | None]
+    extends: Mapped[bool] = mapped_column(default=False, server_default=false())
     reason: Mapped[str] = mapped_column(Text, default="")
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)

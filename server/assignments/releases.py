@@ -13,9 +13,9 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import repository, sitting_repository
-from server.assignments.feedback import SittingStage, forget_holds, is_sitting_running, sitting_stage
+from server.assignments.feedback import SittingStage, forget_holds, sitting_stage
 from server.assignments.models import Assignment, EndedBy
-from server.assignments.rules import rules_in_force
+from server.assignments.rules import is_sitting_running, rules_in_force
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Conflict, WrongMoment

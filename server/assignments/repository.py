@@ -47,12 +47,12 @@ def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, 
 
 @prepared_statement
 def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
-    query = select(Exemption).where(Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None))
+    query = select(Exemption).where(Exemption.assignment_id.in_(assignments))
     return query.order_by(Exemption.created_at, Exemption.id)
 
 
 def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
-    """Load the exemptions in force of each assignment, oldest first."""
+    """Load the exemptions of each assignment, revoked ones included, oldest first."""
     exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
     for exemption in db.execute(*_exemptions(assignments)).scalars():
         exemptions[exemption.assignment_id].append(exemption)
@@ -83,10 +83,10 @@ def find_exemption(db: Session, assignment_id: UUID, exemption_id: UUID) -> Exem
     return db.execute(query).scalar_one_or_none()
 
 
-def load_all_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
-    """Load the exemptions of an assignment, revoked ones included, oldest first."""
-    query = select(Exemption).where(Exemption.assignment_id == assignment_id)
-    return db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars().all()
+def load_active_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
+    """Load the exemptions of an assignment that are in force, oldest first."""
+    exemptions = load_exemptions(db, [assignment_id]).get(assignment_id, ())
+    return [exemption for exemption in exemptions if exemption.revoked_at is None]
 
 
 def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
@@ -111,7 +111,7 @@ def _student_assignments(
     account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
 ) -> Select[*tuple[Any, ...]]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
-    exempted = select(Exemption.id).where(Exemption.assignment_id == Assignment.id, Exemption.revoked_at.is_(None))
+    exempted = select(Exemption.id).where(Exemption.assignment_id == Assignment.id)
     query = (
         select(*table_of(Assignment).c, Membership.groups, exempted.exists())
         .select_from(Assignment)

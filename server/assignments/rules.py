@@ -1,86 +1,107 @@
-"""The rules in force for a student, computed from an assignment and its exemptions. Pure functions.
+"""The one model of time: from an assignment, its exemptions, a sitting and the school's clock to every date and mark.
+
+`rules_in_force` gives the rules for a student; `Windows` adds their sitting. All pages, refusals and marks ask here:
+nothing else computes dates. Pure functions; times are aware, and compared as instants. A date belongs to the time that
+it ends: an attempt that arrives at the due date is on time. A sitting alone is over at its end.
 
 Field by field, a student's own exemption takes precedence over those of their labels, and the most favourable of
-several labels wins; the assignment gives the rest. Times are aware, and compared as instants without a time zone.
+several labels wins; the assignment gives the rest. An exemption that extended a date never leaves less than the others
+have: the later date is in force.
+
+What was told stays true. An attempt is judged by the rules in force when it arrived or by today's, whichever is more
+favourable; a sitting ends no earlier than at any end that was told while it ran.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import datetime, timedelta
-from typing import Any, Literal, Protocol
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timedelta, tzinfo
+from enum import StrEnum
+from typing import Protocol
 from uuid import UUID
 
-from server.assignments.models import LatePolicy
+from server.assignments.models import EndedBy, LatePolicy, Mode, PastRules
+from server.assignments.rule_sources import (
+    CommonRules,
+    ExemptionFields,
+    Field,
+    SourcedValue,
+    adjusted_closing,
+    sourced_values,
+)
+from server.base import school_time
 
-Field = Literal["opens_at", "due_at", "closes_at", "time_factor", "excused"]
-Origin = Literal["assignment", "label", "student", "adjusted"]
 DAY = timedelta(days=1)
 MAX_POINTS = 20.0
 
 
-class CommonRules(Protocol):
-    """The rules that an assignment sets for everyone."""
+class SittingTimes(Protocol):
+    """When a sitting began, and when and by whom it was ended."""
 
     @property
-    def opens_at(self) -> datetime: ...
+    def began_at(self) -> datetime: ...
     @property
-    def due_at(self) -> datetime | None: ...
+    def handed_in_at(self) -> datetime | None: ...
     @property
-    def closes_at(self) -> datetime | None: ...
-    @property
-    def late(self) -> str: ...
-    @property
-    def late_per_day(self) -> float | None: ...
-    @property
-    def duration_minutes(self) -> int | None: ...
+    def ended_by(self) -> str | None: ...
 
 
-class ExemptionFields(Protocol):
-    """The rules that an exemption changes for a student or a label; None inherits."""
+class TimingKind(StrEnum):
+    """How an attempt stands to the dates; the last three do not count. `outside`: of a test, outside its sitting."""
 
-    @property
-    def account_id(self) -> UUID | None: ...
-    @property
-    def label(self) -> str | None: ...
-    @property
-    def opens_at(self) -> datetime | None: ...
-    @property
-    def due_at(self) -> datetime | None: ...
-    @property
-    def closes_at(self) -> datetime | None: ...
-    @property
-    def time_factor(self) -> float | None: ...
-    @property
-    def excused(self) -> bool | None: ...
-    @property
-    def revoked_at(self) -> datetime | None: ...
-
-
-#: Chooses the value most favourable to a student among those of several labels.
-MOST_FAVOURABLE: Mapping[Field, Callable[[Sequence[Any]], Any]] = {
-    "opens_at": min,
-    "due_at": max,
-    "closes_at": max,
-    "time_factor": max,
-    "excused": max,
-}
+    on_time = "on_time"
+    late = "late"
+    refused_late = "refused_late"
+    closed = "closed"
+    outside = "outside"
 
 
 @dataclass(frozen=True)
-class SourcedValue:
-    """A value of a field and its origin; `label` names the group; `adjusted` values are derived from other fields."""
+class SendTiming:
+    """How an attempt stands to the dates: days late begun on the school's clock, and the points out of 20 they cost.
 
-    origin: Origin
-    value: Any
-    label: str = ""
+    `counted_on_arrival`: whether it counted by the rules in force when it arrived.
+    """
+
+    kind: TimingKind
+    days_late: int = 0
+    penalty: float = 0.0
+    counted_on_arrival: bool = True
+
+    @property
+    def counts(self) -> bool:
+        return self.kind in {TimingKind.on_time, TimingKind.late}
+
+    def adjust(self, points: float) -> LateAdjustedPoints:
+        """Return what is left of these points out of 20."""
+        return LateAdjustedPoints(max(0.0, points - self.penalty), self.days_late) if self.counts else NOT_COUNTED
+
+    @property
+    def favour(self) -> tuple[bool, float, int]:
+        """Sorts the more favourable last."""
+        return self.counts, -self.penalty, -self.days_late
+
+
+@dataclass(frozen=True)
+class LateAdjustedPoints:
+    """Points out of 20 after any late penalty, None where the attempt does not count; days late begun."""
+
+    points: float | None
+    days_late: int = 0
+
+
+NOT_COUNTED = LateAdjustedPoints(None)
+OUTSIDE = SendTiming(TimingKind.outside)
 
 
 @dataclass(frozen=True)
 class Rules:
-    """The rules in force for one student; `sources` lists the values of each field, the one in force first."""
+    """The rules in force for one student; `sources` lists the values of each field, the one in force first.
+
+    In a test, the due date is when it is begun at the latest to be on time; a sitting begun in time counts to its own
+    end. `earlier`: the rules that were in force before.
+    """
 
     opens_at: datetime
     due_at: datetime | None
@@ -91,62 +112,185 @@ class Rules:
     excused: bool
     duration: timedelta | None
     sources: Mapping[Field, tuple[SourcedValue, ...]]
+    is_test: bool = False
+    zone: tzinfo = field(default_factory=school_time.time_zone)
+    earlier: tuple[EarlierRules, ...] = ()
 
     def end_of_sitting(self, began: datetime) -> datetime | None:
-        """Return when a test begun at that time ends."""
-        own_end = None if self.duration is None else began + self.duration
-        return min((end for end in (self.closes_at, own_end) if end is not None), default=None)
+        """Return when a test begun at that time ends: no earlier than any end that was told since.
+
+        One that had no end for a time does not end before that time.
+        """
+        end = self._own_end(began)
+        if end is None:
+            return None
+        told = [past.rules._own_end(began) or past.until for past in self.earlier if past.until > began]
+        return max([end, *told])
+
+    def _own_end(self, began: datetime) -> datetime | None:
+        end = None if self.duration is None else began + self.duration
+        return min((each for each in (self.closes_at, end) if each is not None), default=None)
+
+    def may_begin(self, at: datetime) -> bool:
+        """Whether a test may be begun then: it is open, and not past a due date after which it is refused."""
+        if at < self.opens_at or (self.closes_at is not None and at >= self.closes_at):
+            return False
+        return self.late is not LatePolicy.refuse or self.due_at is None or at <= self.due_at
+
+    @property
+    def of_today(self) -> Rules:
+        """The rules in force, without those before them."""
+        return replace(self, earlier=())
+
+    def judge(self, at: datetime) -> SendTiming:
+        """Return how an attempt that arrived at that time, or a test that was begun then, stands to the dates.
+
+        An attempt that arrived before the opening is on time: exercises may be done before they are assigned.
+        """
+        now = self._judge(at)
+        then = next((past.rules._judge(at) for past in self.earlier if past.since <= at < past.until), now)
+        best = max(now, then, key=lambda timing: timing.favour)
+        return best if then.counts or not best.counts else replace(best, counted_on_arrival=False)
+
+    def _judge(self, at: datetime) -> SendTiming:
+        if at >= self.opens_at and self.closes_at is not None and at > self.closes_at:
+            return SendTiming(TimingKind.closed)
+        days = self.count_days_late(at)
+        if not days or at < self.opens_at:
+            return SendTiming(TimingKind.on_time)
+        if self.late is LatePolicy.refuse:
+            return SendTiming(TimingKind.refused_late, days)
+        return SendTiming(TimingKind.late, days, days * self.late_per_day if self.late is LatePolicy.penalty else 0.0)
+
+    def count_days_late(self, at: datetime) -> int:
+        """Return the days begun since the due date, on the school's clock."""
+        return 0 if self.due_at is None else school_time.count_days_begun(self.due_at, at, self.zone)
 
     def apply_lateness(self, sent_at: datetime, points: float) -> LateAdjustedPoints:
-        """Return the points out of 20 that an attempt sent at that time keeps.
-
-        An attempt sent before the opening is on time: exercises may be done before they are assigned. Attempts at a
-        test are first filtered by `counting.attempts_in_sitting`.
-        """
-        if self.closes_at is not None and sent_at > self.closes_at:
-            return NOT_COUNTED
-        if self.due_at is None or sent_at <= self.due_at:
-            return LateAdjustedPoints(points)
-        if self.late is LatePolicy.refuse:
-            return NOT_COUNTED
-        days = math.ceil((sent_at - self.due_at) / DAY)
-        lost = days * self.late_per_day if self.late is LatePolicy.penalty else 0.0
-        return LateAdjustedPoints(max(0.0, points - lost), days)
+        """Return the points out of 20 that an attempt which arrived at that time keeps."""
+        return self.judge(sent_at).adjust(points)
 
     @property
     def last_counted_at(self) -> datetime | None:
-        """Until when an attempt counts."""
+        """Until when an attempt counts; for a test, until when it may be begun."""
         ends = [self.closes_at] if self.late is not LatePolicy.refuse else [self.closes_at, self.due_at]
         return min((end for end in ends if end is not None), default=None)
 
 
 @dataclass(frozen=True)
-class LateAdjustedPoints:
-    """Points out of 20 after any late penalty, None where the attempt does not count; days late, rounded up."""
+class EarlierRules:
+    """The rules that were in force for a student from one time to another, excluded."""
 
-    points: float | None
-    days_late: int = 0
+    since: datetime
+    until: datetime
+    rules: Rules
 
 
-NOT_COUNTED = LateAdjustedPoints(None)
+@dataclass(frozen=True)
+class Windows:
+    """The rules in force for a student and their sitting: when they may send, what counts, and how late it is."""
+
+    rules: Rules
+    sitting: SittingTimes | None = None
+
+    @property
+    def ends_at(self) -> datetime | None:
+        """The end that the student is told: of their sitting, or of the last time to begin or to send."""
+        return self.rules.last_counted_at if self.sitting is None else sitting_end(self.rules, self.sitting)
+
+    def judge(self, sent_at: datetime) -> SendTiming:
+        """Return how an attempt stands to the dates. In a test, whatever is sent in one sitting is as late as it began.
+
+        Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in.
+        """
+        if not self.rules.is_test:
+            return self.rules.judge(sent_at)
+        if self.sitting is None or sent_at < self.sitting.began_at:
+            return OUTSIDE
+        end = self.sitting.handed_in_at or sitting_end(self.rules, self.sitting)
+        if end is not None and sent_at > end:
+            return OUTSIDE
+        timing = self.rules.judge(self.sitting.began_at)
+        # It was allowed to begin, and its page told no refusal.
+        return timing if timing.counts else SendTiming(TimingKind.late, timing.days_late)
+
+
+def is_sitting_running(rules: Rules, sitting: SittingTimes, now: datetime) -> bool:
+    """Whether a sitting is neither handed in nor past its end."""
+    if sitting.ended_by == EndedBy.student:
+        return False
+    end = rules.end_of_sitting(sitting.began_at)
+    return end is None or now < end
+
+
+def sitting_end(rules: Rules, sitting: SittingTimes) -> datetime | None:
+    """Return when a sitting has ended, or will; None where only its student ends it."""
+    if sitting.ended_by == EndedBy.student:
+        return sitting.handed_in_at
+    return rules.end_of_sitting(sitting.began_at)
 
 
 def rules_in_force(
-    common: CommonRules, exemptions: Collection[ExemptionFields], student: UUID, labels: Collection[str]
+    common: CommonRules,
+    exemptions: Collection[ExemptionFields],
+    student: UUID,
+    labels: Collection[str],
+    *,
+    zone: tzinfo | None = None,
 ) -> Rules:
-    """Return the rules for a student who has these labels. Revoked exemptions and those of others are ignored."""
-    own = [each for each in exemptions if each.revoked_at is None and _applies_to(each, student, labels)]
+    """Return the rules for a student who has these labels, on the school's clock (`zone`, else the server's).
+
+    Exemptions of others are ignored; revoked ones were in force until they were revoked, and so were the assignment's
+    `past_rules`.
+    """
+    own = [each for each in exemptions if _applies_to(each, student, labels)]
+    zone = zone or school_time.time_zone()
+    is_test = getattr(common, "mode", Mode.practice) == Mode.test
+    active = [each for each in own if each.revoked_at is None]
+    rules = _combine(common, active, is_test=is_test, zone=zone)
+    earlier = tuple(_earlier_rules(common, own, is_test=is_test, zone=zone))
+    return replace(rules, earlier=earlier) if earlier else rules
+
+
+def _applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
+    return exemption.account_id == student or exemption.label in labels
+
+
+def _earlier_rules(
+    common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bool, zone: tzinfo
+) -> Iterator[EarlierRules]:
+    """Yield the rules that were in force before, oldest first, from when the assignment was made."""
+    past: Sequence[PastRules] = getattr(common, "past_rules", None) or ()
+    made: datetime | None = getattr(common, "created_at", None)
+    if made is None or not (past or own):
+        return
+    spans = [(each, *_span(each)) for each in own]
+    changes = {each.until for each in past} | {time for _, *span in spans for time in span if time is not None}
+    since = made
+    for until in sorted(change for change in changes if change > made):
+        then = next((each for each in past if since < each.until), common)
+        active = [each for each, start, end in spans if (start is None or start <= since) and (not end or since < end)]
+        yield EarlierRules(since, until, _combine(then, active, is_test=is_test, zone=zone))
+        since = until
+
+
+def _span(exemption: ExemptionFields) -> tuple[datetime | None, datetime | None]:
+    return getattr(exemption, "created_at", None), exemption.revoked_at
+
+
+def _combine(common: CommonRules, own: Sequence[ExemptionFields], *, is_test: bool, zone: tzinfo) -> Rules:
+    """Return the rules from those for everyone and the exemptions of one student."""
     sources: dict[Field, tuple[SourcedValue, ...]] = {
-        "opens_at": _sourced_values("opens_at", common.opens_at, own),
-        "due_at": _sourced_values("due_at", common.due_at, own),
-        "closes_at": _sourced_values("closes_at", common.closes_at, own),
-        "time_factor": _sourced_values("time_factor", 1.0, own),
-        "excused": _sourced_values("excused", False, own),
+        "opens_at": sourced_values("opens_at", common.opens_at, own),
+        "due_at": sourced_values("due_at", common.due_at, own),
+        "closes_at": sourced_values("closes_at", common.closes_at, own),
+        "time_factor": sourced_values("time_factor", 1.0, own),
+        "excused": sourced_values("excused", False, own),
     }
     factor = float(sources["time_factor"][0].value)
     minutes = common.duration_minutes
-    duration = None if minutes is None else timedelta(minutes=minutes) * factor
-    sources["closes_at"] = _adjusted_closing(sources, None if minutes is None else timedelta(minutes=minutes), factor)
+    duration = None if minutes is None else timedelta(minutes=minutes)
+    sources["closes_at"] = adjusted_closing(sources, duration, factor, is_test=is_test)
     return Rules(
         opens_at=sources["opens_at"][0].value,
         due_at=sources["due_at"][0].value,
@@ -155,38 +299,8 @@ def rules_in_force(
         late_per_day=common.late_per_day or 0.0,
         time_factor=factor,
         excused=bool(sources["excused"][0].value),
-        duration=duration,
+        duration=None if duration is None else duration * factor,
         sources=sources,
+        is_test=is_test,
+        zone=zone,
     )
-
-
-def _applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:
-    return exemption.account_id == student or exemption.label in labels
-
-
-def _sourced_values(field: Field, common: Any, exemptions: Sequence[ExemptionFields]) -> tuple[SourcedValue, ...]:
-    """Return all values of a field, the one in force first."""
-    given = [(value, exemption) for exemption in exemptions if (value := getattr(exemption, field)) is not None]
-    own = [value for value, exemption in given if exemption.account_id is not None]
-    labelled = [(value, exemption.label) for value, exemption in given if exemption.label is not None]
-    values = [SourcedValue("student", MOST_FAVOURABLE[field](own))] if own else []
-    if labelled:
-        best = MOST_FAVOURABLE[field]([value for value, _ in labelled])
-        ranked = sorted(labelled, key=lambda pair: (pair[0] != best, pair[1]))
-        values += [SourcedValue("label", value, label) for value, label in ranked]
-    return (*values, SourcedValue("assignment", common))
-
-
-def _adjusted_closing(
-    sources: Mapping[Field, tuple[SourcedValue, ...]], duration: timedelta | None, factor: float
-) -> tuple[SourcedValue, ...]:
-    """Return the closing dates, with one late enough for extra time that was granted and for the due date."""
-    closes, due = sources["closes_at"], sources["due_at"][0].value
-    end = closes[0].value
-    if end is None:
-        return closes
-    if duration is not None and factor > 1.0:
-        end += duration * (factor - 1.0)
-    if due is not None:
-        end = max(end, due)
-    return closes if end == closes[0].value else (SourcedValue("adjusted", end), *closes)

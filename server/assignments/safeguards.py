@@ -11,9 +11,10 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, repository, sitting_repository
+from server.assignments import repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, Mode
-from server.assignments.rules import CommonRules, rules_in_force
+from server.assignments.rule_sources import CommonRules
+from server.assignments.rules import is_sitting_running, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.base.errors import InvalidFields, WrongMoment
 
@@ -64,7 +65,7 @@ def require_coherent(
     if removed and (refusal := _refusal(db, assignment, REMOVE)):
         problems["exercises"] = refusal
     if not problems and after.mode is Mode.test:
-        exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+        exemptions = repository.load_active_exemptions(db, assignment.id)
         if _cuts_short(db, assignment.id, (before, exemptions), (after, exemptions), now):
             shorter = after.duration_minutes != before.duration_minutes
             problems["duration_minutes" if shorter else "closes_at"] = CUTS
@@ -87,15 +88,13 @@ def _cuts_short(
     after: tuple[CommonRules, Collection[Exemption]],
     now: datetime,
 ) -> bool:
-    """Whether a sitting that runs by the rules `before` would be over by the rules `after`."""
+    """Whether a sitting that runs by the rules `before` would be over by the rules `after`, whatever it was told."""
     for unfinished in sitting_repository.load_unfinished_sittings(db, assignment_id):
         sitting = unfinished.sitting
         old_rules, new_rules = (
-            rules_in_force(common, exemptions, sitting.account_id, unfinished.groups)
+            rules_in_force(common, exemptions, sitting.account_id, unfinished.groups).of_today
             for common, exemptions in (before, after)
         )
-        if feedback.is_sitting_running(old_rules, sitting, now) and not feedback.is_sitting_running(
-            new_rules, sitting, now
-        ):
+        if is_sitting_running(old_rules, sitting, now) and not is_sitting_running(new_rules, sitting, now):
             return True
     return False

@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback, repository, sitting_repository
 from server.assignments.feedback import OVER, FeedbackHolds, HoldingTest, SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import Rules, rules_in_force, sitting_end
 from server.base.errors import Conflict, NotFound, WrongMoment
 from server.base.validation import parse_uuid
 from server.sandbox.values import LIBRARY_MENTION
@@ -60,7 +60,7 @@ class StudentTest:
 
     @property
     def ends_at(self) -> datetime | None:
-        return None if self.sitting is None else feedback.sitting_end(self.rules, self.sitting)
+        return None if self.sitting is None else sitting_end(self.rules, self.sitting)
 
     @property
     def is_to_collect(self) -> bool:

@@ -49,14 +49,19 @@ def load_student_assignment(
 def load_open_assignments(
     db: Session, account_id: UUID, now: datetime, exercise: str | None = None
 ) -> Sequence[StudentAssignment]:
-    """Load the assignments of all a student's classes whose attempts still count, by due date; with `exercise`, those
-    that contain it. Takes one query without assignments, two else, three where some have exemptions.
+    """Load the assignments of all a student's classes whose attempts still count, by due date, and all tests, which
+    their student may still sit; with `exercise`, those that contain it. Takes one query without assignments, two else,
+    three where some have exemptions.
     """
     loaded = repository.load_student_assignments(db, account_id, now, exercise)
     rows = [(assignment, groups) for assignment, groups, _ in loaded]
     exempted = [assignment.id for assignment, _, has_exemptions in loaded if has_exemptions]
     own = _with_rules(db, rows, account_id, now, exempted)
-    counting = [each for each in own if each.stage in {AssignmentStage.open, AssignmentStage.late}]
+    counting = [
+        each
+        for each in own
+        if each.assignment.mode == Mode.test or each.stage in {AssignmentStage.open, AssignmentStage.late}
+    ]
     return sorted(counting, key=lambda own: (own.rules.due_at is None, own.rules.due_at or now, own.assignment.title))
 
 
@@ -87,7 +92,11 @@ def _with_rules(
     for assignment, labels in rows:
         all_exemptions = exemptions.get(assignment.id, ())
         rules = rules_in_force(assignment, all_exemptions, account_id, labels)
-        own = tuple(each for each in all_exemptions if each.account_id == account_id or each.label in labels)
+        own = tuple(
+            each
+            for each in all_exemptions
+            if each.revoked_at is None and (each.account_id == account_id or each.label in labels)
+        )
         chosen = tuple(exercises.get(assignment.id, ()))
         result.append(StudentAssignment(assignment, rules, chosen, own, assignment_stage(rules, now)))
     return result

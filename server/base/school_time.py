@@ -1,13 +1,14 @@
 """The time on the school's clock: what pages show, and what their forms are read by.
 
 One process serves one school: the zone is what the application was last built with (`BALISE_TIME_ZONE`), so that what
-shows a date needs no settings. Everything else of Balise keeps and compares instants.
+shows a date needs no settings. Everything else of Balise keeps and compares instants, except days: a day of lateness,
+or a date moved by weeks, is a step of the calendar on this clock.
 """
 
 from __future__ import annotations
 
 import re
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime, timedelta, tzinfo
 from zoneinfo import ZoneInfo
 
 from server.base.errors import Invalid
@@ -97,3 +98,25 @@ def shift_days(when: datetime, days: int) -> datetime:
     """
     there = to_local(when) + timedelta(days=days)
     return there.astimezone(UTC)
+
+
+def end_of_day(start: datetime, days: int, zone: tzinfo) -> datetime:
+    """Return the end of the `days`-th day that begins at `start`: the same time of day on the clock of `zone`.
+
+    Where the clock skips that time, or shows it twice, the later instant. Aware instants; the result is in UTC.
+    """
+    there = start.astimezone(zone) + timedelta(days=days)
+    return max(there.replace(fold=fold).astimezone(UTC) for fold in (0, 1))
+
+
+def count_days_begun(start: datetime, at: datetime, zone: tzinfo) -> int:
+    """Return how many days have begun from `start` to `at` on the clock of `zone`: 0 up to `start` itself.
+
+    The n-th day goes from the end of the day before, excluded, to `end_of_day(start, n, zone)`, included.
+    """
+    if at <= start:
+        return 0
+    days = max(1, (at.astimezone(zone).date() - start.astimezone(zone).date()).days - 1)
+    while at > end_of_day(start, days, zone):
+        days += 1
+    return days

@@ -71,8 +71,9 @@ class SittingExercise:
 class SittingPage:
     """A test as its student sees it.
 
-    `ends`: the end of the sitting; before it, the end if it began now. `now` is the server's time. `extra`: the
-    student has extra time. `handed_in`: by the student; otherwise time ended it.
+    `ends`: the end of the sitting; before it, the end if it began now. `begin_by`: the last time to begin. `late`: what
+    beginning now costs, or has cost. `now` is the server's time. `extra`: the student has extra time. `handed_in`: by
+    the student; otherwise time ended it.
     """
 
     head: ClassHead
@@ -80,6 +81,8 @@ class SittingPage:
     stage: SittingStage
     opens: datetime
     closes: datetime | None
+    begin_by: datetime | None
+    late: str
     minutes: str
     extra: bool
     now: datetime

@@ -8,10 +8,10 @@ from datetime import datetime
 from uuid import UUID
 
 from server.assignments.class_assignments import ClassAssignments
-from server.assignments.counting import attempts_in_sitting, mark_attempts
+from server.assignments.counting import TimeJudge, mark_attempts
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import OUTSIDE, Rules, Windows, rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, AttemptsByPair
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
@@ -75,14 +75,14 @@ class AssignmentMarker:
         rules, sitting = self.rules[student], self.sittings.get(student)
         overrides, decision = choices.overrides, choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
-        marks = []
+        windows, marks = Windows(rules, sitting), []
         for exercise, weight in self.exercises:
             pair = student, exercise
             sent: Attempts = attempts.get(pair, ())
             if is_test:
-                sent = attempts_in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
+                sent = [attempt for attempt in sent if windows.judge(attempt.sent_at) is not OUTSIDE]
             override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
-            marks.append(mark_exercise(exercise, weight, sent, rules, counts, override))
+            marks.append(mark_exercise(exercise, weight, sent, windows, counts, override))
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
         ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
         if decision is not None:
@@ -96,12 +96,12 @@ def mark_exercise(
     exercise: str,
     weight: float,
     attempts: Attempts,
-    rules: Rules,
+    times: TimeJudge,
     counts: AttemptSelection,
     override: ActiveOverride | None,
 ) -> ExerciseMark:
     """Return the mark of one student at one exercise, from the attempts and the override in force."""
-    result = mark_attempts(rules, counts, attempts)
+    result = mark_attempts(times, counts, attempts)
     counted_id = None if result.counted is None else result.counted.attempt
     counted = next((attempt for attempt in attempts if attempt.id == counted_id), None)
     return ExerciseMark(
@@ -126,8 +126,8 @@ def mark_state(
 ) -> MarkState:
     """Return the state of an assignment for a student. An override counts as something sent.
 
-    A test is open to a student who has begun it, whatever its dates have become; once it is over, who has begun it has
-    handed in a copy, perhaps a blank one. `ended`: the student can send nothing more, whatever the dates.
+    A test is open to a student who has begun it, or still may, whatever its dates have become; once it is over, who has
+    begun it has handed in a copy, perhaps a blank one. `ended`: the student can send nothing more, whatever the dates.
     """
     if rules.excused or (marks and all(mark.excused for mark in marks)):
         return MarkState.excused
@@ -137,9 +137,10 @@ def mark_state(
     if now < rules.opens_at and not has_begun_test:
         return MarkState.upcoming
     end = rules.last_counted_at or rules.due_at
-    if end is None:
-        return MarkState.done if any(mark.points is not None for mark in marks) else MarkState.open
-    return MarkState.open if now <= end else over
+    begun = any(mark.points is not None for mark in marks)
+    if rules.is_test or (end is not None and now <= end) or (end is None and not begun):
+        return MarkState.open
+    return over
 
 
 def _state_once_over(marks: Sequence[ExerciseMark], *, has_begun_test: bool) -> MarkState:

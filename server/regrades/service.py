@@ -183,14 +183,12 @@ def _assignment_marker(db: Session, assignment: Assignment) -> Marker:
     """Return a marker by the rules of the gradebook: attempts at a test count within the sitting."""
     exemptions = assignments.load_exemptions(db, [assignment.id]).get(assignment.id, [])
     labels = {member.id: member.groups for member in classes.load_members(db, assignment.class_id)}
-    sittings = sitting_repository.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else None
+    sittings = sitting_repository.load_sittings(db, [assignment.id]) if assignment.mode == Mode.test else {}
 
     def mark(student: UUID, attempts: Sequence[ScoredAttempt]) -> CountedMark:
         own_rules = rules.rules_in_force(assignment, exemptions, student, labels.get(student, ()))
-        if sittings is not None:
-            sitting = sittings.get((assignment.id, student))
-            attempts = counting.attempts_in_sitting(attempts, sitting.began_at, sitting.handed_in_at) if sitting else ()
-        counted = counting.mark_attempts(own_rules, AttemptSelection(assignment.counts), attempts).counted
+        windows = rules.Windows(own_rules, sittings.get((assignment.id, student)))
+        counted = counting.mark_attempts(windows, AttemptSelection(assignment.counts), attempts).counted
         return None if counted is None else (counted.attempt, counted.points)
 
     return mark

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import Rules, is_sitting_running, rules_in_force
 from server.classes import repository as classes
 from server.course import Course
 from server.database import Database, utc_now
@@ -36,7 +36,7 @@ class SittingCollector:
         sitting, rules = self._lock_sitting(db, assignment, account_id)
         if sitting is None or sitting.ended_by == EndedBy.student:
             return
-        if feedback.is_sitting_running(rules, sitting, now):
+        if is_sitting_running(rules, sitting, now):
             self._end(db, assignment, sitting, max(now, utc_now()), EndedBy.student)  # after what went before it
         else:
             self._end_by_time(db, assignment, sitting, rules, now)
@@ -53,7 +53,7 @@ class SittingCollector:
         for work in unfinished:
             class_exemptions = exemptions.get(work.assignment.id, ())
             rules = rules_in_force(work.assignment, class_exemptions, work.sitting.account_id, work.groups)
-            if feedback.is_sitting_running(rules, work.sitting, now):
+            if is_sitting_running(rules, work.sitting, now):
                 continue
             try:
                 with database.write() as db:
@@ -65,7 +65,7 @@ class SittingCollector:
     def collect_if_expired(self, db: Session, assignment: Assignment, account_id: UUID, now: datetime) -> bool:
         """End a sitting if its time is over and nobody has ended it yet."""
         sitting, rules = self._lock_sitting(db, assignment, account_id)
-        if sitting is None or sitting.handed_in_at is not None or feedback.is_sitting_running(rules, sitting, now):
+        if sitting is None or sitting.handed_in_at is not None or is_sitting_running(rules, sitting, now):
             return False
         self._end_by_time(db, assignment, sitting, rules, now)
         return True

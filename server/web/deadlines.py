@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback, sitting_repository, student_assignments
 from server.assignments.models import Mode, Sitting
+from server.assignments.rules import Windows
 from server.assignments.stages import AssignmentStage
 from server.assignments.student_assignments import StudentAssignment
 from server.database import utc_now
@@ -76,7 +77,7 @@ def _tests(db: Session, account: Account, running: Iterable[StudentAssignment], 
 
 
 def _test(assigned: StudentAssignment, sitting: Sitting | None) -> DueView:
-    end = assigned.rules.closes_at if sitting is None else feedback.sitting_end(assigned.rules, sitting)
+    end = Windows(assigned.rules, sitting).ends_at
     return DueView(
         title=assigned.assignment.title,
         href=feedback.sitting_path(assigned.assignment.class_id, assigned.assignment.id),

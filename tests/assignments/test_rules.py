@@ -10,7 +10,7 @@ from zoneinfo import ZoneInfo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.assignments.rules import NOT_COUNTED, LateAdjustedPoints, Rules, rules_in_force
+from server.assignments.rules import NOT_COUNTED, LateAdjustedPoints, rules_in_force
 
 PARIS = ZoneInfo("Europe/Paris")
 OPENS = datetime(2026, 3, 20, 8, tzinfo=UTC)
@@ -83,14 +83,12 @@ def test_who_has_no_label_has_the_assignments_own_rules(told: list[Difference]) 
     assert rules_in_force(Frame(), told, ADA, ()) == rules_in_force(Frame(), [], ADA, ())
 
 
-def penalty(per_day: float = 4.0) -> Rules:
-    return rules_in_force(Frame(late="penalty", late_per_day=per_day), [], uuid4(), ())
-
-
 def test_a_penalty_is_for_each_day_begun_and_takes_no_more_than_all() -> None:
-    due = OPENS + 7 * DAY
+    due = OPENS + 2 * DAY
     second = timedelta(seconds=1)
-    rules = penalty()
+    rules = rules_in_force(
+        Frame(due_at=due, closes_at=due + 3 * DAY, late="penalty", late_per_day=4.0), [], uuid4(), ()
+    )
     assert rules.apply_lateness(due, 18.0) == LateAdjustedPoints(18.0)
     assert rules.apply_lateness(due + second, 18.0) == LateAdjustedPoints(14.0, 1)
     assert rules.apply_lateness(due + DAY, 18.0) == LateAdjustedPoints(14.0, 1)

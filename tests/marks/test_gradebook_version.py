@@ -94,7 +94,8 @@ def test_every_change_is_shown_at_once(database: Database, course: Course) -> No
     ada, alan = term.student("Ada", "Lovelace", groups=["TP1"]), term.student("Alan", "Turing")
     guest, martin = new_account(database), new_account(database, name="M. Roy")
     first = term.send(ada, POSES, 8)
-    for who, exercise, points in ((ada, ODOMETRY, 12), (alan, POSES, 20), (guest, ODOMETRY, 16)):
+    term.send(alan, POSES, 20, OPENS + HOUR / 8)
+    for who, exercise, points in ((ada, ODOMETRY, 12), (guest, ODOMETRY, 16)):
         term.send(who, exercise, points)
 
     def doing(change: Callable[[Any], object]) -> Callable[[], None]:

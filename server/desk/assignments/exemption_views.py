@@ -8,7 +8,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import feedback, repository, sitting_repository
+from server.assignments import repository, sitting_repository
 from server.assignments.exemption_service import (
     NO_STUDENT,
     ExplainedValue,
@@ -18,7 +18,7 @@ from server.assignments.exemption_service import (
     student_labels,
 )
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import Rules, is_sitting_running, rules_in_force, sitting_end
 from server.base import school_time
 from server.base.errors import NotFound
 from server.classes import repository as classes
@@ -62,6 +62,7 @@ def build_exemptions_page(
     """A bounded number of queries, however many there are."""
     members = classes.load_members(db, access.school_class.id)
     order = order if order in ORDERS else ORDERS[0]
+    names = words.field_names(is_test=assignment.mode == Mode.test)
     return ExemptionsPage(
         head=views.class_head(course, access, TAB),
         title=assignment.title,
@@ -76,7 +77,7 @@ def build_exemptions_page(
         may_keep=may_manage(access),
         zone=school_time.time_zone_name(),
         own=tuple(
-            (words.FIELD_NAMES[name], words.format_field_value(name, getattr(assignment, name)))
+            (names[name], words.format_field_value(name, getattr(assignment, name)))
             for name in ("opens_at", "due_at", "closes_at")
         ),
     )
@@ -101,7 +102,7 @@ def _sorted_rows(db: Session, assignment: Assignment, members: Sequence[Member],
 
     return [
         _exemption_row(assignment, each, places)
-        for each in sorted(repository.load_all_exemptions(db, assignment.id), key=key)
+        for each in sorted(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()), key=key)
     ]
 
 
@@ -115,7 +116,7 @@ def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID
         who=each.label or (member.name if member else LEFT_CLASS),
         is_group=each.label is not None,
         why_href=why,
-        effects=tuple(_described_effects(each)),
+        effects=tuple(_described_effects(assignment, each)),
         reason=each.reason,
         by=author[1].name if author else "",
         made=replace(format_date(each.created_at), text=short_moment(each.created_at)),
@@ -123,14 +124,15 @@ def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID
     )
 
 
-def _described_effects(each: Exemption) -> Iterator[tuple[str, str]]:
+def _described_effects(assignment: Assignment, each: Exemption) -> Iterator[tuple[str, str]]:
+    names = words.field_names(is_test=assignment.mode == Mode.test)
     for name, said in exemption_effects(each).items():
-        yield words.FIELD_NAMES[name], words.format_field_value(name, said)  # type: ignore[index]
+        yield names[name], words.format_field_value(name, said)  # type: ignore[index]
 
 
 def exemptions_csv(db: Session, access: ClassAccess, assignment: Assignment, order: str) -> bytes:
     """For a French spreadsheet."""
-    names = list(words.FIELD_NAMES.values())
+    names = list(words.field_names(is_test=assignment.mode == Mode.test).values())
     header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
     rows = []
     for row in _sorted_rows(db, assignment, classes.load_members(db, access.school_class.id), order):
@@ -150,11 +152,8 @@ def build_rules_explanation_page(
     seat = student.membership
     rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
     told = explain_rules(rules, exemptions, seat.account_id)
-    asked = [
-        name
-        for name in words.FIELD_NAMES
-        if name != "time_factor" or assignment.duration_minutes or len(told[name]) > 1
-    ]
+    names = words.field_names(is_test=rules.is_test)
+    asked = [name for name in names if name != "time_factor" or assignment.duration_minutes or len(told[name]) > 1]
     members = classes.load_members(db, access.school_class.id) if staff else ()
     return RulesExplanationPage(
         head=views.class_head(course, access, TAB),
@@ -166,7 +165,7 @@ def build_rules_explanation_page(
         name=student.name,
         fields=tuple(
             ExplainedField(
-                words.FIELD_NAMES[name],
+                names[name],
                 words.format_field_value(name, told[name][0].value),
                 _explanation_steps(name, told[name], staff=staff),
             )
@@ -186,8 +185,8 @@ def _sitting_sentence(found: Sitting | None, rules: Rules) -> str:
     """A sentence on a test: what the rules come to for who has begun it."""
     if found is None:
         return "Pas encore commencé."
-    began, end = f"Commencé le {short_moment(found.began_at)}", feedback.sitting_end(rules, found)
-    if feedback.is_sitting_running(rules, found, utc_now()):
+    began, end = f"Commencé le {short_moment(found.began_at)}", sitting_end(rules, found)
+    if is_sitting_running(rules, found, utc_now()):
         return f"{began} ; fin le {short_moment(end)}." if end else f"{began} ; sans heure de fin."
     ended = "rendu" if found.ended_by == EndedBy.student else "temps écoulé"
     return f"{began} ; {ended} le {short_moment(end)}." if end else f"{began}."

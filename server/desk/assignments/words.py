@@ -7,7 +7,8 @@ from datetime import datetime
 from typing import Any
 
 from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibility
-from server.assignments.rules import Field, Rules
+from server.assignments.rule_sources import Field
+from server.assignments.rules import Rules
 from server.assignments.stages import AssignmentStage
 from server.web.words import format_points, long_moment
 
@@ -41,6 +42,8 @@ FIELD_NAMES: Mapping[Field, str] = {
     "time_factor": "Temps",
     "excused": "Dispense",
 }
+#: In a test, whoever begins in time has their whole time: the date is that of the beginning.
+TEST_FIELD_NAMES: Mapping[Field, str] = {**FIELD_NAMES, "due_at": "À commencer avant"}
 EMPTY_VALUES: Mapping[str, str] = {"due_at": "pas de date de remise", "closes_at": "reste ouvert"}
 
 
@@ -53,6 +56,10 @@ def describe_late_policy(late: LatePolicy, per_day: float | None) -> str:
     if late is LatePolicy.penalty and per_day:
         return f"pénalisé : {format_points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
     return LATE_POLICY_WORDS[late]
+
+
+def field_names(*, is_test: bool) -> Mapping[Field, str]:
+    return TEST_FIELD_NAMES if is_test else FIELD_NAMES
 
 
 def describe_late_rules(rules: Rules) -> str:

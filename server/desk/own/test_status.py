@@ -8,7 +8,7 @@ from datetime import datetime
 from server.assignments import feedback
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, EndedBy, Sitting
-from server.assignments.rules import Rules
+from server.assignments.rules import Rules, sitting_end
 from server.assignments.stages import AssignmentStage as Open
 from server.desk.assignments.schemas import OwnTestStatus, StageView
 from server.desk.assignments.views import format_date, stage_view
@@ -36,7 +36,7 @@ def test_status(assignment: Assignment, rules: Rules, sitting: Sitting | None, n
         link = ""
     shown = _stage_of_sitting(at, sitting)
     ends = (
-        format_date(feedback.sitting_end(rules, sitting))
+        format_date(sitting_end(rules, sitting))
         if sitting is not None and at is SittingStage.running
         else format_date(None)
     )

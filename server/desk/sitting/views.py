@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback, releases, repository, sitting_repository
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.releases import ReleaseEffects
+from server.assignments.rules import MAX_POINTS, SendTiming, Windows
 from server.assignments.sittings import StudentTest
 from server.classes.repository import load_active_students
 from server.database import utc_now
@@ -20,7 +21,7 @@ from server.identity.models import Account
 from server.rights.service import ClassAccess
 from server.web.form_version import version_of
 from server.web.views import Reader
-from server.web.words import list_names, plural
+from server.web.words import format_points, list_names, plural
 
 
 def own_labels(access: ClassAccess) -> Sequence[str]:
@@ -43,6 +44,8 @@ def build_sitting_page(
         stage=own.stage,
         opens=rules.opens_at,
         closes=rules.closes_at,
+        begin_by=Windows(rules).ends_at,
+        late=describe_late_beginning(rules.judge(own.sitting.began_at if own.sitting is not None else now)),
         minutes="" if minutes is None else plural(minutes, "minute"),
         extra=rules.time_factor > 1.0,
         now=now,
@@ -51,6 +54,17 @@ def build_sitting_page(
         exercises=_sitting_exercises(reader, own, account),
         action=sitting_href(test).removesuffix("/composer"),
     )
+
+
+def describe_late_beginning(timing: SendTiming) -> str:
+    """A sentence on a test that is begun late; empty for one that is begun in time."""
+    if not timing.days_late:
+        return ""
+    late = f"La date pour commencer est passée ({plural(timing.days_late, 'jour de retard', 'jours de retard')}) : "
+    if not timing.penalty:
+        return late + "ce que vous enverrez comptera en entier, marqué en retard."
+    lost = min(timing.penalty, MAX_POINTS)
+    return late + f"ce que vous enverrez perdra {format_points(lost)} {'point' if lost < 2 else 'points'} sur 20."
 
 
 def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tuple[SittingExercise, ...]:
