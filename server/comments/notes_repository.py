@@ -2,16 +2,15 @@
 
 from collections.abc import Collection, Sequence
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Select, and_, case, delete, func, insert, select, update
+from sqlalchemy import and_, case, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import ReceivedNote, SentNote
-from server.database import detached_instances, prepared_statement, select_core, table_of
+from server.database import table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -20,21 +19,15 @@ MAX_RECEIVED_NOTES = 20
 MAX_CLASS_NOTES = 100
 
 
-@prepared_statement
-def _ranked_phrases(account_id: UUID, exercise: str, misconception: str | None, *, limit: int) -> Select[Phrase]:
-    misconception_rank = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
-    exercise_rank = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
-    query = select(Phrase).where(Phrase.account_id == account_id)
-    return query.order_by(
-        misconception_rank, exercise_rank, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id
-    ).limit(limit)
-
-
 def load_ranked_phrases(
     db: Session, account_id: UUID, exercise: str, misconception: str | None, limit: int
 ) -> Sequence[Phrase]:
     """Load an account's phrases: those for this misconception, then those for this exercise, then the most used."""
-    return db.execute(*_ranked_phrases(account_id, exercise, misconception, limit=limit)).scalars().all()
+    misconception_rank = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
+    exercise_rank = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
+    query = select(Phrase).where(Phrase.account_id == account_id)
+    query = query.order_by(misconception_rank, exercise_rank, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id)
+    return db.execute(query.limit(limit)).scalars().all()
 
 
 def load_all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:
@@ -115,26 +108,17 @@ def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
     db.execute(insert(table_of(NoteReader)), rows)
 
 
-@prepared_statement
-def _received_notes(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -> Select[*tuple[Any, ...]]:
+def load_received_notes(db: Session, account_id: UUID, exercise: str) -> Sequence[ReceivedNote]:
+    """Load the notes on an exercise sent to an account, newest first."""
     query = (
-        select(*table_of(Note).c, Account.name, NoteReader.seen_at)
-        .select_from(Note)
+        select(Note, Account.name, NoteReader.seen_at)
         .join(NoteReader, NoteReader.note_id == Note.id)
         .outerjoin(Account, Account.id == Note.account_id)
-        .where(NoteReader.account_id == account_id)
+        .where(NoteReader.account_id == account_id, Note.exercise == exercise)
         .order_by(Note.created_at.desc(), Note.id)
+        .limit(MAX_RECEIVED_NOTES)
     )
-    query = query if everywhere else query.where(Note.exercise == exercise)
-    return (query.where(NoteReader.seen_at.is_(None)) if unread else query).limit(MAX_RECEIVED_NOTES)
-
-
-def load_received_notes(
-    db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False
-) -> Sequence[ReceivedNote]:
-    """Load the notes sent to an account, newest first, on one exercise or on all."""
-    rows = select_core(db, *_received_notes(account_id, exercise or "", everywhere=exercise is None, unread=unread))
-    return [ReceivedNote(note, name or "", seen_at) for note, (name, seen_at) in detached_instances(Note, rows)]
+    return [ReceivedNote(note, name or "", seen_at) for note, name, seen_at in db.execute(query)]
 
 
 def load_all_received_notes(db: Session, account_id: UUID) -> Sequence[ReceivedNote]:

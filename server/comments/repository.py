@@ -2,16 +2,14 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, or_, select, tuple_, type_coerce, update
+from sqlalchemy import ColumnElement, and_, func, or_, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.comments.models import Message, Thread, ThreadState
 from server.comments.schemas import AuthoredMessage, UnreadThread
-from server.database import END_OF_TIME, detached_instances, prepared_statement, select_core, table_of
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -40,28 +38,22 @@ def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
     return db.execute(query).scalar_one()
 
 
-@prepared_statement
-def _threads_on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[*tuple[Any, ...]]:
-    at, own_id = type_coerce(sent_at, Submission.created_at.type), type_coerce(submission_id, Submission.id.type)
+def load_threads_for_submission(db: Session, submission: Submission) -> Sequence[Thread]:
+    """Load the threads of a submission, and the unsettled ones on lines of the author's earlier submissions."""
     earlier = select(Submission.id).where(
-        Submission.account_id == account_id,
-        Submission.exercise == exercise,
-        tuple_(Submission.created_at, Submission.id) < tuple_(at, own_id),
+        Submission.account_id == submission.account_id,
+        Submission.exercise == submission.exercise,
+        tuple_(Submission.created_at, Submission.id) < (submission.created_at, submission.id),
     )
     carried = and_(
         Thread.first_line.is_not(None), Thread.state != ThreadState.settled, Thread.submission_id.in_(earlier)
     )
-    query = select(*table_of(Thread).c).where(
-        _on_exercise(account_id, exercise),
-        or_(Thread.submission_id == submission_id, Thread.submission_id.is_(None), carried),
+    query = select(Thread).where(
+        _on_exercise(submission.account_id, submission.exercise),
+        or_(Thread.submission_id == submission.id, Thread.submission_id.is_(None), carried),
     )
-    return query.order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id).limit(MAX_THREADS_SHOWN)
-
-
-def load_threads_for_submission(db: Session, submission: Submission) -> Sequence[Thread]:
-    """Load the threads of a submission, and the unsettled ones on lines of the author's earlier submissions."""
-    query = _threads_on(submission.account_id, submission.exercise, submission.created_at, submission.id)
-    return [thread for thread, _ in detached_instances(Thread, select_core(db, *query))]
+    query = query.order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id)
+    return db.execute(query.limit(MAX_THREADS_SHOWN)).scalars().all()
 
 
 def load_exercise_threads(
@@ -97,17 +89,10 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
     return {submission.id: submission for submission in db.execute(query).scalars()}
 
 
-@prepared_statement
-def _on_page(account_id: UUID, exercise: str) -> Select[*tuple[Any, ...]]:
-    query = select(*table_of(Thread).c).where(
-        _on_exercise(account_id, exercise), or_(Thread.submission_id.is_(None), _is_unread())
-    )
-    return query.order_by(Thread.created_at, Thread.id).limit(MAX_THREADS_SHOWN)
-
-
 def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """Load the threads on an exercise as a whole, and those that the student has not read, oldest first."""
-    return [thread for thread, _ in detached_instances(Thread, select_core(db, *_on_page(account_id, exercise)))]
+    query = select(Thread).where(_on_exercise(account_id, exercise), or_(Thread.submission_id.is_(None), _is_unread()))
+    return db.execute(query.order_by(Thread.created_at, Thread.id).limit(MAX_THREADS_SHOWN)).scalars().all()
 
 
 def _is_unread() -> ColumnElement[bool]:
@@ -198,18 +183,12 @@ def count_open_questions_by_class(db: Session, classes: Collection[UUID]) -> Map
     return dict(db.execute(query).all())
 
 
-@prepared_statement
-def _open_question_counts(account_id: UUID, until: datetime, *, all_times: bool) -> Select[str, int]:
+def count_open_questions(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
     query = select(Thread.exercise, func.count()).where(
         Thread.account_id == account_id, Thread.state == ThreadState.open
     )
-    return (query if all_times else query.where(Thread.work_at <= until)).group_by(Thread.exercise)
-
-
-def count_open_questions(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
-    return dict(
-        select_core(db, *_open_question_counts(account_id, until or END_OF_TIME, all_times=until is None)).all()
-    )
+    query = query if until is None else query.where(Thread.work_at <= until)
+    return dict(db.execute(query.group_by(Thread.exercise)).all())
 
 
 def _readable_in(school_class: SchoolClass) -> ColumnElement[bool]:

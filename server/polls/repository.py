@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from uuid import UUID
 
-from sqlalchemy import Select, func, select, update
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
-from server.database import prepared_statement, select_core, table_of, upsert_statement, utc_now
+from server.database import table_of, upsert_statement, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import AnswerCount
 
@@ -43,8 +43,8 @@ def load_first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> M
     return dict(db.execute(query).all())
 
 
-@prepared_statement
-def _answer_counts_query(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
+def load_answer_counts(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[AnswerCount]:
+    """Count the first and last answers of a class's active students, in one query."""
     columns = (PollAnswer.poll, PollAnswer.answer, PollAnswer.last)
     query = select(*columns, func.count()).join(Membership, Membership.account_id == PollAnswer.account_id)
     query = query.where(
@@ -53,24 +53,14 @@ def _answer_counts_query(class_id: UUID, polls: Sequence[str]) -> Select[str, st
         Membership.status == Status.active,
         PollAnswer.poll.in_(polls),
     )
-    return query.group_by(*columns).order_by(*columns)
-
-
-def load_answer_counts(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[AnswerCount]:
-    """Count the first and last answers of a class's active students, in one query."""
-    return [AnswerCount._make(row) for row in select_core(db, *_answer_counts_query(class_id, polls))]
-
-
-@prepared_statement
-def _active_students_query(class_id: UUID) -> Select[int]:
-    active = (Membership.role == ClassRole.student, Membership.status == Status.active)
-    return select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
+    return [AnswerCount._make(row) for row in db.execute(query.group_by(*columns).order_by(*columns))]
 
 
 def count_active_students(db: Session, class_id: UUID) -> int:
     """Return the number of active students of a class."""
-    found: int = select_core(db, *_active_students_query(class_id)).scalar_one()
-    return found
+    active = (Membership.role == ClassRole.student, Membership.status == Status.active)
+    query = select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
+    return db.execute(query).scalar_one()
 
 
 def move_answers(db: Session, old: UUID, new: UUID) -> None:

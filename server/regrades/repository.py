@@ -6,12 +6,12 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import Row, Select, bindparam, func, insert, select, tuple_, update
+from sqlalchemy import Row, bindparam, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
-from server.database import prepared_statement, select_core, table_of
+from server.database import table_of
 from server.gradebook.models import Grading
 from server.regrades.differences import VerdictDifference
 from server.regrades.models import Regrade, RegradeItem
@@ -177,9 +177,9 @@ def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, whe
     return dict(db.execute(query).all())
 
 
-@prepared_statement
-def _applied_regrade(grading_id: UUID) -> Select[datetime | None, float | None, float | None, Any]:
-    return (
+def find_applied_regrade(db: Session, grading_id: UUID) -> AppliedRegrade | None:
+    """Return the applied regrade by which this grading counts."""
+    query = (
         select(Regrade.applied_at, _before.score, _after.score, RegradeItem.differences)
         .select_from(RegradeItem)
         .join(Regrade, Regrade.id == RegradeItem.regrade_id)
@@ -187,11 +187,7 @@ def _applied_regrade(grading_id: UUID) -> Select[datetime | None, float | None, 
         .join(_after, _after.id == RegradeItem.after_id)
         .where(RegradeItem.after_id == grading_id, RegradeItem.is_applied, Regrade.undone_at.is_(None))
     )
-
-
-def find_applied_regrade(db: Session, grading_id: UUID) -> AppliedRegrade | None:
-    """Return the applied regrade by which this grading counts."""
-    row = select_core(db, *_applied_regrade(grading_id)).one_or_none()
+    row = db.execute(query).one_or_none()
     if row is None or row[0] is None:
         return None
     return AppliedRegrade(row[0], row[1], row[2], tuple(map(VerdictDifference.from_json, row[3])))

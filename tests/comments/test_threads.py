@@ -233,7 +233,7 @@ def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: 
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [(said.name, said.message.as_staff) for said in talk.messages] == [("Ada", False), ("", True)]
-        assert [one.author for one in notes_repository.load_received_notes(db, room.ada.id)] == [""]
+        assert [one.author for one in notes_repository.load_all_received_notes(db, room.ada.id)] == [""]
     assert room.count(Phrase) == 0
     with room.database.write() as db:
         identity.delete_account(db, room.ada.id)
@@ -259,7 +259,7 @@ def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
     with room.database.read() as db:
         talk = service.load_conversation(db, service.find_thread(db, room.ada, thread.id))
         assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]
-        assert len(notes_repository.load_received_notes(db, room.ada.id)) == 1
+        assert len(notes_repository.load_all_received_notes(db, room.ada.id)) == 1
         assert len(repository.load_unread_threads(db, room.ada.id)) == 1
 
 
@@ -291,12 +291,12 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
         assert not student_work.load_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
         assert [one.seen_at for one in notes_repository.load_received_notes(db, bob.id, EXERCISE)] == [None]
-        assert not notes_repository.load_received_notes(db, cleo.id)
+        assert not notes_repository.load_all_received_notes(db, cleo.id)
         notes.mark_note_read(db, bob, note.id)
         for stranger in (cleo, room.other):
             with pytest.raises(NotFound):
                 notes.mark_note_read(db, stranger, note.id)
-        assert not notes_repository.load_received_notes(db, bob.id, unread=True)
+        assert all(note.seen_at for note in notes_repository.load_received_notes(db, bob.id, EXERCISE))
         assert [(told.readers, told.seen) for told in notes_repository.load_class_notes(db, room.made.id)] == [(1, 1)]
         with pytest.raises(Conflict):
             notes.send_note(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
