@@ -172,6 +172,7 @@ class Services:
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
         self.personal.erase_lost_guests(utc_now())
+        self.personal.carry_out_requests(utc_now())
         erased = self.personal.erase_expired_students(utc_now())
         if erased:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))

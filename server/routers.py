@@ -12,6 +12,7 @@ from server.desk.marks.column_routes import router as columns_router
 from server.desk.marks.journal import router as journal_router
 from server.desk.marks.routes import router as marks_router
 from server.desk.own.routes import router as own_router
+from server.desk.people.erasing import router as erasing_router
 from server.desk.people.management import router as keeping_router
 from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
@@ -46,6 +47,7 @@ ROUTERS = (
     comments_router,
     board_router,
     classes_router,
+    erasing_router,
     keeping_router,
     likeness_router,
     students_router,

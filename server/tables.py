@@ -11,6 +11,7 @@ from server.health import models as health
 from server.identity import models as identity
 from server.limits import models as limits
 from server.marks import models as marks
+from server.personal import models as personal
 from server.polls import models as polls
 from server.queue import models as queue
 from server.regrades import models as regrades
@@ -22,6 +23,7 @@ TABLES = (
     identity.ApiToken,
     identity.PasswordLink,
     identity.Invitation,
+    personal.ErasureRequest,
     limits.Allowance,
     classes.SchoolClass,
     classes.Membership,

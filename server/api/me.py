@@ -1,6 +1,6 @@
 """One's own data: taken away, or erased."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response, StreamingResponse
@@ -17,6 +17,10 @@ from server.personal.dependencies import PersonalDataOf
 from server.personal.service import archive_headers
 
 router = APIRouter(tags=["me"])
+PUT_OFF: dict[int | str, dict[str, Any]] = {
+    202: {"description": "It waits for the release of a test; nothing follows."}
+}
+ERASING = PUT_OFF | problems(400, 401, 403, 409, 413, 422, 429, 503)
 PASSWORD_NEEDED = (
     'Un jeton ne suffit pas pour effacer un compte : ajoutez le mot de passe ({"password": …}), ou faites-le depuis '
     "la page « Mon compte »."
@@ -39,7 +43,7 @@ def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     return StreamingResponse(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
-@router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 403, 413, 422, 429, 503))
+@router.delete("/me", status_code=204, response_class=Response, responses=ERASING)
 async def erase(
     request: Request,
     account: ApiAccount,
@@ -49,9 +53,9 @@ async def erase(
     proof: Proof | None = None,
 ) -> Response:
     """Erases the account with all that hangs on it, once its password is given: a token alone does not (403). It cannot
-    be undone."""
+    be undone. Who sits or has sat a test that is not published is erased when it is (202)."""
     if proof is None or account.is_guest:
         raise Forbidden(PASSWORD_NEEDED)
     await accounts.require_password(account, proof.password, credential=token, address=client_address(request))
-    await run_in_threadpool(personal.erase, account.id)
-    return Response(status_code=204)
+    done = await run_in_threadpool(personal.erase_on_request, account.id)
+    return Response(status_code=204 if done else 202)

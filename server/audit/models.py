@@ -29,6 +29,9 @@ class AuditAction(StrEnum):
     student_removed = "student_removed"
     student_admitted = "student_admitted"
     student_confirmed = "student_confirmed"
+    erasure_requested = "erasure_requested"
+    erasure_cancelled = "erasure_cancelled"
+    student_erased = "student_erased"
     mark_overridden = "mark_overridden"
     override_withdrawn = "override_withdrawn"
     state_decided = "state_decided"
@@ -57,6 +60,9 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.staff_changed: "équipe modifiée",
     AuditAction.student_removed: "élève sorti de la classe",
     AuditAction.student_admitted: "élève admis dans la classe",
+    AuditAction.erasure_requested: "effacement d’un élève demandé",
+    AuditAction.erasure_cancelled: "effacement d’un élève annulé",
+    AuditAction.student_erased: "élève effacé",
     AuditAction.student_confirmed: "élève confirmé, qui a le nom d’un autre",
     AuditAction.mark_overridden: "note modifiée",
     AuditAction.override_withdrawn: "note modifiée retirée",
@@ -83,6 +89,9 @@ STUDENT_ACTIONS = frozenset(
         AuditAction.student_removed,
         AuditAction.student_admitted,
         AuditAction.student_confirmed,
+        AuditAction.erasure_requested,
+        AuditAction.erasure_cancelled,
+        AuditAction.student_erased,
         AuditAction.mark_overridden,
         AuditAction.override_withdrawn,
         AuditAction.state_decided,

@@ -44,6 +44,8 @@ FIELDS: Mapping[str, str] = {
     "name": "nom",
     "explanation": "explication",
     "question": "question",
+    "attempts": "essais",
+    "marks": "notes saisies",
 }
 SHOWN = {"usual": "comme d’habitude", "after_due": "après la date de rendu", "after_close": "après la fermeture",
          "never": "jamais"}  # fmt: skip

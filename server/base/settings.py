@@ -171,6 +171,12 @@ class Settings(BaseSettings):
         description="guests who have sent and answered nothing, and are in no class, are erased so long after they "
         "came; 0: never",
     )
+    erasure_days: int = Field(
+        default=30,
+        ge=1,
+        description="somebody who asks to be erased, and who sits or has sat a test that is not published, is erased "
+        "when it is, and so long after the request at the latest",
+    )
     trusted_proxy: str = Field(
         default="",
         description="addresses or networks, separated by commas, of the reverse proxies whose `X-Forwarded-For` and "

@@ -88,6 +88,10 @@ def _access(action: Actions) -> None:
 
 
 def _upkeep(action: Actions) -> None:
+    erase = action("erase", "dit ce qui disparaît avec un élève qui le demande, ou l’efface")
+    _login(erase)
+    _yes(erase)
+    erase.add_argument("--cancel", action="store_true", help="annule un effacement qui attend un contrôle")
     action("standings", "refait les bilans (meilleure note, nombre d’essais) d’après l’historique des corrections")
     purge = action("purge", "dit quels comptes d’élèves dépassent la durée de conservation réglée, ou les efface")
     _yes(purge)

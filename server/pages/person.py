@@ -19,6 +19,7 @@ from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import BUCKET_RETENTION
 from server.pages import retention
+from server.personal import erasures
 from server.personal.dependencies import PersonalDataOf
 from server.personal.service import archive_headers
 from server.web.forms import Field, account_form, redirect
@@ -75,6 +76,7 @@ def _account_page(
         changed=changed,
         settings=settings,
         server=service_url(request),
+        standing=erasures.find_standing(db, account.id, None, settings, utc_now()),
     )
 
 
@@ -129,27 +131,56 @@ def take_away(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
 
 
 @router.get("/compte/supprimer")
-def erase_form(request: Request, account: OptionalAccount) -> Response:
-    return (
-        redirect("/connexion?suite=/compte/supprimer")
-        if account is None
-        else account_form(request, "supprimer.html", account, login=account.login)
+def erase_form(request: Request, account: OptionalAccount, db: Db, settings: SettingsOf) -> Response:
+    if account is None:
+        return redirect("/connexion?suite=/compte/supprimer")
+    return _erase_page(request, account, db, settings)
+
+
+def _erase_page(
+    request: Request, account: Account, db: Db, settings: Settings, refused: RefusedForm | None = None
+) -> HTMLResponse:
+    now = utc_now()
+    return account_form(
+        request,
+        "supprimer.html",
+        account,
+        refused,
+        login=account.login,
+        preview=erasures.preview(db, account, None, now),
+        standing=erasures.find_standing(db, account.id, None, settings, now),
+        days=settings.erasure_days,
     )
 
 
 @router.post("/compte/supprimer")
 async def erase(
-    request: Request, person: SignedIn, accounts: AccountServiceOf, personal: PersonalDataOf, password: Field = ""
+    request: Request,
+    person: SignedIn,
+    accounts: AccountServiceOf,
+    personal: PersonalDataOf,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    password: Field = "",
 ) -> Response:
+    """Who sits or has sat a test that is not published is erased when it is, and sees so on the page."""
     try:
         await accounts.require_password(
             person, password, credential=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:
-        return account_form(request, "supprimer.html", person, refused, login=person.login)
-    await run_in_threadpool(personal.erase, person.id)
+        with database.read() as db:
+            return _erase_page(request, person, db, settings, refused)
+    if not await run_in_threadpool(personal.erase_on_request, person.id):
+        return redirect("/compte/supprimer")
     clear_session_cookie(request)
     return redirect("/compte/efface")
+
+
+@router.post("/compte/supprimer/annuler")
+def cancel_erasure(person: SignedIn, db: Db) -> Response:
+    erasures.cancel_erasure(db, person, None, person)
+    return redirect("/compte/supprimer")
 
 
 @router.get("/compte/efface")

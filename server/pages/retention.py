@@ -69,7 +69,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     lambda settings: Row(
         "Comptes : nom, identifiant, empreinte du mot de passe",
         _accounts(settings),
-        f"son titulaire, « balise admin purge », ou {HOURLY}",
+        f"son titulaire, un enseignant ou l’administrateur à sa demande, « balise admin purge », ou {HOURLY}",
         ACCOUNT_SETTINGS,
         ("account",),
     ),
@@ -135,6 +135,13 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         AT_ONCE,
         ACCOUNT_SETTINGS,
         ("thread", "message", "phrase", "note", "note_reader"),
+    ),
+    lambda settings: Row(
+        "Demandes d’effacement : le compte, qui l’a demandé, quand",
+        f"jusqu’à la publication des contrôles où il a composé, et {_days(settings.erasure_days)} au plus",
+        f"avec le compte, à l’annulation, ou {HOURLY}",
+        ("erasure_days",),
+        ("erasure_request",),
     ),
     lambda _: Row(
         "Appartenance à une classe, et dernière visite",

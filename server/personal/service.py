@@ -11,7 +11,7 @@ from server.database import Database, utc_now
 from server.identity import repository as identity
 from server.identity.models import Account
 from server.limits import service as limits
-from server.personal import repository
+from server.personal import erasures, repository
 from server.personal.export import export_files
 from server.personal.zip_stream import stream_zip
 
@@ -34,6 +34,33 @@ class PersonalData:
             limits.take_token(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
         return stream_zip(export_files(self._database, self._course, account.id), utc_now())
 
+    def erase_on_request(self, account_id: UUID, *, by: UUID | None = None, class_id: UUID | None = None) -> bool:
+        """Record a request to erase an account, or what it has in a class; carry it out unless a test puts it off.
+
+        `by` None: the person themselves. Return whether it is done. Raises NotFound, or Conflict for the last
+        administrator.
+        """
+        now = utc_now()
+        with self._database.write() as db:
+            erasures.request_erasure(db, account_id, class_id, by or account_id, now)
+            begun = erasures.begin_erasure(db, account_id, class_id, self._settings, now)
+        if begun and class_id is None:
+            self.erase(account_id)
+        return begun
+
+    def carry_out_requests(self, now: datetime) -> int:
+        """Carry out the requests that nothing puts off any more, or that have stood too long; return how many."""
+        with self._database.read() as db:
+            requests = erasures.load_standing(db)
+        done = 0
+        for account_id, class_id in requests:
+            with self._database.write() as db:
+                begun = erasures.begin_erasure(db, account_id, class_id, self._settings, now)
+            if begun and class_id is None:
+                self.erase(account_id)
+            done += begun
+        return done
+
     def erase(self, account_id: UUID) -> None:
         """Erase everything that belongs to the account, then the account; after an interruption it can be repeated.
 
@@ -53,7 +80,7 @@ class PersonalData:
         with self._database.read() as db:
             guest_ids = repository.unreachable_guest_ids(db, now - GUEST_GRACE, limit=GUEST_BATCH)
         for account_id in guest_ids:
-            self.erase(account_id)
+            self.erase_on_request(account_id)
         if not self._settings.guest_days:
             return len(guest_ids)
         return len(guest_ids) + self._erase_idle_batch(now - timedelta(days=self._settings.guest_days))
@@ -92,11 +119,8 @@ class PersonalData:
             return repository.accounts_by_name(db, account_ids[:PURGE_BATCH])
 
     def erase_expired_students(self, now: datetime) -> Sequence[Account]:
-        """Erase a batch of them; return who they were."""
-        erased = self.find_expired_students(now)
-        for account in erased:
-            self.erase(account.id)
-        return erased
+        """Erase a batch of them; return who they were. Who has sat a test that is not published waits."""
+        return [account for account in self.find_expired_students(now) if self.erase_on_request(account.id)]
 
 
 def archive_headers(now: datetime) -> dict[str, str]:

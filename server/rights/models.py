@@ -19,6 +19,7 @@ class Right(StrEnum):
     comment = "commenter les essais des élèves de la classe"
     see_code = "voir le code de la classe"
     manage_roster = "tenir la liste de la classe"
+    erase_students = "effacer les élèves de la classe"
     hand_out_passwords = "remettre les mots de passe de la classe"
     open_solutions = "ouvrir les corrigés à la classe"
     compare_codes = "comparer les copies de la classe"
@@ -45,6 +46,7 @@ ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.comment: frozenset({ASSISTANT, TEACHER}),
     Right.see_code: frozenset({ASSISTANT, TEACHER}),
     Right.manage_roster: frozenset({TEACHER}),
+    Right.erase_students: frozenset({TEACHER}),
     Right.hand_out_passwords: frozenset({TEACHER}),
     Right.open_solutions: frozenset({TEACHER}),
     Right.compare_codes: frozenset({TEACHER}),

@@ -47,7 +47,8 @@ def jinja_environment() -> Environment:
     )
     jinja.filters.update(
         french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken,
-        iso_moment=words.iso_moment, short_moment=words.short_moment, decimal=means.format_number,
+        iso_moment=words.iso_moment, short_moment=words.short_moment, long_day=words.long_day,
+        decimal=means.format_number,
         points_or_dash=points_or_dash,
         moment=moment, mark=words.format_mark, points=words.format_points,
         exercise_href=views.exercise_href, lesson_href=views.lesson_href,

@@ -16,6 +16,7 @@ ACTIONS: Mapping[str, Action] = {
     "create": accounts.create,
     "disable": accounts.disable,
     "enable": accounts.enable,
+    "erase": upkeep.erase,
     "invite": accounts.invite,
     "purge": upkeep.purge,
     "purge-guests": upkeep.purge_guests,

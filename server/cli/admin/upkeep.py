@@ -10,6 +10,8 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import requeuing
 from server.gradebook import service as gradebook
+from server.identity import links
+from server.personal import erasures
 from server.personal.service import PURGE_BATCH, PersonalData
 from server.queue.interfaces import NullNotifier
 from server.queue.service import TableQueue
@@ -38,6 +40,35 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
 
 def _to_erase(count: int) -> str:
     return f"{plural(count, 'compte à effacer', 'comptes à effacer')} : le service le fait de lui-même, --yes aussi"
+
+
+def erase(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    """Erase a student on request; without `--yes`, only tell what would go. With `--cancel`, cancel a request."""
+    now = utc_now()
+    with database.read() as db:
+        account = links.find_account_by_login(db, arguments.login)
+        erasures.require_student(db, account)
+        shown = erasures.preview(db, account, None, now)
+    person = who(account)
+    if arguments.cancel:
+        with database.write() as db:
+            erasures.cancel_erasure(db, account, None, account)
+        return Answer([f"{person} : effacement annulé."], {**told(account), "cancelled": True})
+    counts = [
+        plural(shown.attempts, "essai"),
+        plural(shown.marks, "note saisie", "notes saisies"),
+        plural(shown.messages, "message"),
+        plural(shown.sittings, "contrôle commencé", "contrôles commencés"),
+        plural(shown.classes, "classe"),
+    ]
+    lines = [f"{person} : {', '.join(counts)}. Restent le journal des classes, sans son nom, et les sauvegardes."]
+    done = arguments.yes and _personal(database, settings).erase_on_request(account.id)
+    if shown.tests:
+        when = f"à leur publication, et au plus tard dans {plural(settings.erasure_days, 'jour')}"
+        lines.append(f"Résultats à publier d’abord : {', '.join(shown.tests)}. L’effacement se fait {when}.")
+    end = "effacé" if done else "effacement demandé" if arguments.yes else "rien n’est effacé sans --yes"
+    data = {**told(account), "attempts": shown.attempts, "marks": shown.marks, "messages": shown.messages}
+    return Answer([*lines, f"{person} : {end}."], {**data, "tests": shown.tests, "erased": done})
 
 
 def purge_guests(database: Database, settings: Settings, arguments: Namespace) -> Answer:
