@@ -17,8 +17,8 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.rights import service as rights
-from server.text.highlight import lines as coloured
 from server.text.plain import visible
+from server.text.python_colours import colour_lines
 from server.web import verdicts
 from server.web.schemas import CheckView, ExerciseTexts
 from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer_view
@@ -143,7 +143,7 @@ def code_view(code: str, talks: Sequence[Conversation], account: Account | None)
     for talk in talks:
         if talk.lines is not None:
             below.setdefault(talk.lines.last, []).append(talk)
-    html = coloured(visible(code))
+    html = colour_lines(visible(code))
     lines = tuple(
         LineView(number, Markup(line), thread_views(below.get(number, ()), account))
         for number, line in enumerate(html[:MOST_NUMBERED], 1)
@@ -287,5 +287,5 @@ def _around(code: str, place: LineRange | None) -> tuple[LineView, ...]:
     if place is None:
         return ()
     first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND
-    html = coloured(visible(code))[first - 1 : last]
+    html = colour_lines(visible(code))[first - 1 : last]
     return tuple(LineView(number, Markup(line)) for number, line in enumerate(html, first))

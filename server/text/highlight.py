@@ -1,4 +1,7 @@
-"""Code to HTML with CSS classes (Pygments): the colours are the style sheet's."""
+"""The course's own code to HTML with CSS classes (Pygments): the colours are the style sheet's.
+
+Texts of strangers go to `server.text.python_colours`, which reads anything in linear time.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,6 @@ COLOURED = frozenset(
     }
 )
 MAX_CACHED_CHARACTERS = 2_000_000  # characters of HTML
-#: The attempt that one looks at is looked at again, and the solution of an exercise by all.
 _cache: LRUCache[tuple[str, str], str] = LRUCache(MAX_CACHED_CHARACTERS, len)
 
 
@@ -38,13 +40,6 @@ def highlight(code: str, language: str = "python") -> str:
     """A whole `<pre>` element; plain where the language is unknown or not said."""
     body = _body(code, language)
     return f'<pre class="code" tabindex="0"><code>{body}</code></pre>\n'
-
-
-def lines(code: str, language: str = "python") -> list[str]:
-    """The HTML of each line of a text without other ends of line than `\n`: no element goes from one to the next."""
-    body = _body(code, language).removesuffix("\n").split("\n")
-    plain = code.removesuffix("\n").split("\n")
-    return body if len(body) == len(plain) else [html.escape(line) for line in plain]
 
 
 def is_known(language: str) -> bool:

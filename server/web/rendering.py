@@ -23,8 +23,8 @@ from server.course import Course, Module
 from server.identity.models import Account
 from server.marks import means
 from server.marks.own import column_mark_text
-from server.text.highlight import highlight
 from server.text.plain import visible
+from server.text.python_colours import colour
 from server.text.said import said
 from server.text.spoken import spoken
 from server.web import assets, threads, verdicts, views, words
@@ -90,8 +90,8 @@ def sentence(message: str) -> str:
 
 
 def python(code: str) -> Markup:
-    """Highlighted Python (a student's too: Pygments escapes it)."""
-    return Markup(highlight(visible(code)))
+    """Return Python with colours, a student's too: the text is escaped, and read in linear time."""
+    return Markup(colour(visible(code)))
 
 
 def written(message: str) -> Markup:
