@@ -120,6 +120,45 @@ def test_a_mark_is_set_kept_and_withdrawn(site: Site, term: Term, martin: TestCl
     assert Right.change_marks.value in helper.browser(site).post(path, data=form).text
 
 
+def test_a_mark_that_another_teacher_has_set_meanwhile_is_told(term: Term, martin: TestClient, href: str) -> None:
+    given, ada = term.assignment("DM 1", {POSES: 1.0}), term.student("Ada", "Lovelace")
+    path = f"{href}/carnet/{ada.id}/{given.id}"
+    drawn = re.search(r'name="version" value="([^"]+)"', martin.get(path).text)
+    assert drawn
+    typed = {"exercice": POSES, "action": "noter", "motif": "oral", "version": drawn[1]}
+    assert martin.post(path, data={**typed, "points": "15"}).status_code == 303
+    late = martin.post(path, data={**typed, "points": "9", "motif": "revu"})
+    assert late.status_code == 409
+    assert all(text in unescape(late.text) for text in ("15, dans ce devoir", "9 revu", "Enregistrer ma version"))
+    assert "15 / 20" in text_of(martin, path)
+    decided = martin.post(path, data={"action": "decider", "etat": "absent", "version": drawn[1]})
+    assert decided.status_code == 409
+    fields = dict(re.findall(r'<input type="hidden" name="([^"]+)" value="([^"]*)">', late.text))
+    assert martin.post(path, data=fields).status_code == 303
+    assert "9 / 20" in text_of(martin, path)
+
+
+def test_a_mark_holds_where_the_teacher_says(term: Term, martin: TestClient, href: str) -> None:
+    first, second = (term.assignment(title, {POSES: 1.0}) for title in ("DM 1", "DM 2"))
+    ada = term.student("Ada", "Lovelace")
+    path, other = (f"{href}/carnet/{ada.id}/{assignment.id}" for assignment in (first, second))
+    form = {"exercice": POSES, "action": "noter", "motif": "oral", "points": "15"}
+    assert "aussi « DM 2 »" in text_of(martin, path)
+    martin.post(path, data=form)
+    assert "dans ce devoir seulement, par" in text_of(martin, path)
+    assert "15 / 20" not in text_of(martin, other)
+    martin.post(path, data={**form, "points": "11", "portee": "partout"})
+    assert "dans tous les devoirs, par" in text_of(martin, other)
+    assert "15 / 20" in text_of(martin, path), "that of the assignment takes precedence there"
+    log = text_of(martin, f"{href}/journal")
+    assert "dans tous les devoirs" in log
+    assert "dans le devoir « DM 1 » seulement" in log
+    martin.post(path, data={"exercice": POSES, "action": "retirer"})
+    assert "11 / 20" in text_of(martin, path)
+    martin.post(other, data={"exercice": POSES, "action": "retirer", "portee": "partout"})
+    assert "11 / 20" not in text_of(martin, path)
+
+
 def copies_of(martin: TestClient, path: str) -> tuple[zipfile.ZipFile, list[list[str]]]:
     answer = martin.get(path)
     assert answer.status_code == 200

@@ -7,15 +7,17 @@ from collections.abc import Mapping
 from server.base.errors import NotFound
 from server.course import Course
 from server.desk.marks.cells import assignment_cell, cell_text, points_text
-from server.desk.marks.schemas import AveragePage, ExerciseView, MarkPage
+from server.desk.marks.schemas import AveragePage, ExerciseView, MarkForm, MarkPage
 from server.desk.marks.views import UNKNOWN
 from server.desk.views import class_head
 from server.marks.files import exercise_cell, state_words, unique_titles
+from server.marks.means import format_number
 from server.marks.own import list_terms
-from server.marks.schemas import AssignmentMark, Gradebook
-from server.marks.states import MarkState
+from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, Gradebook
+from server.marks.states import DecidedState, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.web.form_version import version_of
 from server.web.words import plural, short_moment
 
 #: What is said beside the mark itself, which says the state where there are no points.
@@ -25,6 +27,12 @@ STATE_DETAILS: Mapping[MarkState, str] = {
     MarkState.done: "fini",
     MarkState.not_handed_in: "fini, rien n’a été envoyé",
     MarkState.late_refused: "fini, tout est venu trop tard",
+}
+WHOLE = "Tout le devoir"
+DECISION_WORDS: Mapping[str, str] = {
+    DecidedState.absent: "absent",
+    DecidedState.excused: "dispensé",
+    DecidedState.zero: "compte 0",
 }
 SENT_AHEAD = "pas encore ouvert, et déjà travaillé"
 
@@ -63,6 +71,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
         ),
         may_change=may_change,
         may_decide=may_change and is_assignment,
+        version=version_of(stored_texts(gradebook, assignment_id)),
     )
 
 
@@ -74,6 +83,35 @@ def _notes(mark: AssignmentMark) -> tuple[str, ...]:
     texts = [f"{word} le {short_moment(date)}" for word, date in dates if date is not None]
     late = plural(mark.days_late, "jour de retard", "jours de retard") if mark.days_late else ""
     return tuple(text for text in (detail, *texts, late) if text)
+
+
+def stored_texts(gradebook: Gradebook, assignment_id: str) -> Mapping[str, str]:
+    """Return what teachers have set for one student at one assignment, by exercise; empty where nothing is set."""
+    for row in gradebook.rows:
+        for assignment, mark in zip(gradebook.assignments, row.marks, strict=True):
+            if str(assignment.id) == assignment_id:
+                texts = {each.exercise: _override_text(each.override) for each in mark.exercises}
+                return {WHOLE: "" if mark.decision is None else _decision_text(mark.decision), **texts}
+    return {}
+
+
+def _override_text(override: ActiveOverride | None) -> str:
+    if override is None:
+        return ""
+    scope = "" if override.assignment_id is None else ", dans ce devoir"
+    points = "dispense" if override.points is None else format_number(override.points)
+    return f"{points}{scope} ({override.by or 'compte effacé'}, {short_moment(override.at)}) : {override.reason}"
+
+
+def _decision_text(decision: ActiveDecision) -> str:
+    return f"{DECISION_WORDS[decision.state]} ({decision.by or 'compte effacé'}, {short_moment(decision.at)})"
+
+
+def changed_texts(stored: Mapping[str, str], state: str, form: MarkForm) -> list[tuple[str, str, str]]:
+    """Return label, stored and typed text of what a form is about."""
+    name = form.exercise or WHOLE
+    typed = " ".join(filter(None, (DECISION_WORDS.get(state, ""), form.points, form.reason)))
+    return [(name, stored.get(name, ""), typed)]
 
 
 def average_page(course: Course, access: ClassAccess, gradebook: Gradebook) -> AveragePage:

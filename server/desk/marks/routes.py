@@ -12,7 +12,7 @@ from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.marks.mark_views import average_page, mark_page
+from server.desk.marks.mark_views import average_page, changed_texts, mark_page, stored_texts
 from server.desk.marks.schemas import MarkForm
 from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
 from server.desk.requests import UNKNOWN_ACTION, GroupQuery, redirect_to_login
@@ -28,7 +28,8 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.form_version import require_version, version_of
+from server.web.forms import Field, FormFields, redirect
 from server.web.rendering import render_page
 from server.web.words import short_moment
 
@@ -37,6 +38,11 @@ router = APIRouter(include_in_schema=False)
 Name = Annotated[str, Query(max_length=300)]
 PageNumber = Annotated[int, Query(ge=1, le=10**6)]
 EMPTY = MarkForm()
+SET_MEANWHILE = (
+    "Quelqu’un d’autre a changé les notes de cet élève à ce devoir depuis que cette page est ouverte. Rien de votre "
+    "saisie n’est encore enregistré, et rien n’est perdu."
+)
+SAVE_MINE = "Enregistrer ma version"
 #: The value of the field `portee` of an override that holds in all assignments.
 EVERYWHERE = "partout"
 
@@ -118,14 +124,17 @@ def _mark_page(
 @router.post("/classes/{class_id}/carnet/{student}/{assignment_id}")
 def change_mark(
     request: Request, class_id: str, student: str, assignment_id: str, account: SignedIn, db: Db, course: CourseOf,
-    action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "", portee: Field = "",
-    etat: Field = "",
+    fields: FormFields, action: Field = "", exercice: Field = "", points: Field = "", motif: Field = "",
+    portee: Field = "", etat: Field = "",
 ) -> Response:  # fmt: skip
     """Set, keep or withdraw an override, or a decision about the whole assignment."""
     access = rights.require_right(db, account, Right.change_marks, class_id)
     school_class = access.school_class
     form = MarkForm(exercice, points, motif, portee == EVERYWHERE)
     target = parse_uuid(student, UNKNOWN), parse_uuid(assignment_id, UNKNOWN)
+    service.lock_student(db, school_class, target[0])
+    stored = stored_texts(load_gradebook(db, course, school_class, utc_now(), target[:1]), assignment_id)
+    require_version(fields, account, version_of(stored), SET_MEANWHILE, SAVE_MINE, changed_texts(stored, etat, form))
     try:
         if action == "decider":
             decisions.decide_state(db, school_class, account, *target, etat, motif)

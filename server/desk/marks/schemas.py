@@ -139,6 +139,7 @@ class MarkPage:
     exercises: tuple[ExerciseView, ...]
     may_change: bool
     may_decide: bool
+    version: str
 
 
 @dataclass(frozen=True)
