@@ -10,6 +10,7 @@ import numpy as np
 from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
+from graders.core.compare.told_apart import instead
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 
 #: What two answers to a probe may differ by and still be the same.
@@ -64,8 +65,9 @@ def _told(name: str, wanted: Floats, found: Floats, right: bool) -> str:
     if right:
         return f"{name} : c'est juste."
     if found.ndim == 0:
-        value = "« nan », qui n'est pas un nombre," if np.isnan(found) else render.number(float(found))
-        return f"{name} : {value} au lieu de {render.number(float(wanted))}."
+        if np.isnan(found):
+            return f"{name} : « nan », qui n'est pas un nombre, au lieu de {render.number(float(wanted))}."
+        return f"{name} : {instead(float(wanted), float(found))}."
     gap = worst_difference(wanted, found)
     return f"{name} : {gap[0].lower()}{gap[1:]}"
 

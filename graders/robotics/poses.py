@@ -22,6 +22,7 @@ from graders.core.compare.comparison import (
     wrong_shape,
 )
 from graders.core.compare.shrinking import shrink_number
+from graders.core.compare.told_apart import angle_instead
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
 #: Radians within which reducing an angle loses nothing that a tolerance would see.
@@ -81,7 +82,7 @@ class SamePose(RowComparator):
             return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
 
         def gap() -> str:
-            return f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
+            return f"Le cap est faux : {angle_instead(wanted, theta)}."
 
         is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
         return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)

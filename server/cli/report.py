@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from graders.core.compare import words
+from graders.core.compare.told_apart import text_pair
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 
@@ -59,8 +60,11 @@ def _check(check: CheckResult, repeated: set[str]) -> Iterator[str]:
 def _counterexample(example: Counterexample) -> Iterator[str]:
     for name, value in example.inputs.items():
         yield from _value(name, value)
-    yield from _value("attendu", example.expected)
-    yield from _value("obtenu", example.got)
+    expected, got = example.expected, example.got
+    if not (isinstance(expected, str) or isinstance(got, str)):
+        expected, got = text_pair(expected, got)
+    yield from _value("attendu", expected)
+    yield from _value("obtenu", got)
 
 
 def _value(name: str, value: Any) -> Iterator[str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from graders.core.compare.told_apart import NOISE, are_near, number_pair
 from graders.core.compare.words import number
 
 MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
+#: A number is marked where it differs by more; the finer tolerance counts where the coarse one marks nothing.
+MARKED, MARKED_ALONE = 1e-6, 1e-9
 SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}
 Kind = Literal["text", "matrix", "plan", "list", "fields"]
 
@@ -36,13 +38,48 @@ class ValueView:
     note: str = ""
 
 
+@dataclass(frozen=True)
+class _Beside:
+    """The value that another one is shown beside: by it numbers get their digits and, beyond `tolerance`, their marks.
+
+    Without a tolerance, nothing is marked.
+    """
+
+    value: Any = None
+    tolerance: float | None = None
+
+    def parts(self, count: int) -> list[_Beside]:
+        """The counterparts of the items of a list of that length."""
+        items = self.value if isinstance(self.value, list) and len(self.value) == count else [None] * count
+        return [_Beside(item, self.tolerance) for item in items]
+
+
 def value_view(value: Any, expected: Any = None) -> ValueView:
     """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked."""
+    marks = any(_differs(*pair, MARKED) for pair in _number_pairs(value, expected))
+    return _layout(value, _Beside(expected, MARKED if marks else MARKED_ALONE))
+
+
+def value_view_pair(expected: Any, got: Any) -> tuple[ValueView, ValueView]:
+    """Lay out two values side by side: the numbers that differ have digits to tell them apart, the second's a mark."""
+    return _layout(expected, _Beside(got)), value_view(got, expected)
+
+
+def _number_pairs(value: Any, other: Any) -> Iterator[tuple[Any, Any]]:
+    """Yield the numbers of a value with those at the same place of another one of its shape."""
+    if isinstance(value, list) and isinstance(other, list) and len(value) == len(other):
+        for item, counterpart in zip(value, other, strict=True):
+            yield from _number_pairs(item, counterpart)
+    elif _is_number(value) and _is_number(other):
+        yield value, other
+
+
+def _layout(value: Any, beside: _Beside) -> ValueView:
     if isinstance(value, Mapping):
         return _summary(value) if _is_summary(value) else _fields(value)
     if isinstance(value, list) and value:
-        return _sequence(value, expected)
-    return ValueView("text", format_scalar(value))
+        return _sequence(value, beside)
+    return ValueView("text", _format_beside(value, beside.value))
 
 
 def name_parts(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
@@ -66,6 +103,15 @@ def format_scalar(value: Any) -> str:
     return "[ ]" if value == [] else str(value)
 
 
+def _format_beside(value: Any, beside: Any) -> str:
+    """A scalar, with the digits that tell it from the one that it is shown beside, if both are numbers."""
+    if any(isinstance(it, bool) or not isinstance(it, int | float) for it in (value, beside)):
+        return format_scalar(value)
+    if are_near(value, beside, NOISE):
+        return format_scalar(value)
+    return number_pair(value, beside)[0]
+
+
 def _is_summary(value: Mapping[str, Any]) -> bool:
     """Whether it stands for an array too large to be kept; a dictionary that a program returned may look like one."""
     parts = [value.get("forme"), value.get("premiers", [])]
@@ -82,14 +128,14 @@ def _fields(value: Mapping[str, Any]) -> ValueView:
     return ValueView("fields", items=tuple((str(name), value_view(item)) for name, item in value.items()))
 
 
-def _sequence(value: list[Any], expected: Any) -> ValueView:
+def _sequence(value: list[Any], beside: _Beside) -> ValueView:
     if _is_row(value):
-        return _matrix([value], [expected] if isinstance(expected, list) else None)
+        return _matrix([value], _Beside([beside.value], beside.tolerance))
     if all(isinstance(row, list) and _is_row(row) for row in value) and len({len(row) for row in value}) == 1:
         if all(isinstance(item, bool) for row in value for item in row):
             return _plan(value)
-        return _matrix(value, expected)
-    return _list(value, expected)
+        return _matrix(value, beside)
+    return _list(value, beside)
 
 
 def _is_row(value: list[Any]) -> bool:
@@ -100,11 +146,14 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) or (isinstance(value, str) and value in SPECIAL)
 
 
-def _matrix(rows: list[list[Any]], expected: Any) -> ValueView:
-    same = _same_shape(rows, expected)
+def _matrix(rows: list[list[Any]], beside: _Beside) -> ValueView:
+    same, tolerance = _same_shape(rows, beside.value), beside.tolerance
     cells = tuple(
         tuple(
-            MatrixCell(format_scalar(item), same and _differs(item, expected[i][j]))
+            MatrixCell(
+                _format_beside(item, beside.value[i][j] if same else None),
+                same and tolerance is not None and _differs(item, beside.value[i][j], tolerance),
+            )
             for j, item in enumerate(row[:MAX_COLUMNS])
         )
         for i, row in enumerate(rows[:MAX_ROWS])
@@ -120,11 +169,11 @@ def _same_shape(rows: list[list[Any]], expected: Any) -> bool:
     return all(isinstance(row, list) and len(row) == len(rows[0]) and _is_row(row) for row in expected)
 
 
-def _differs(got: Any, wanted: Any) -> bool:
-    left, right = float(got), float(wanted)
-    if math.isnan(left) or math.isnan(right):
-        return math.isnan(left) != math.isnan(right)
-    return not math.isclose(left, right, rel_tol=1e-6, abs_tol=1e-6)
+def _differs(got: Any, wanted: Any, tolerance: float) -> bool:
+    left, right = (float(it) if isinstance(it, str) else it for it in (got, wanted))
+    if "nan" in (str(left), str(right)):
+        return str(left) != str(right)
+    return not are_near(left, right, tolerance)
 
 
 def _plan(rows: list[list[bool]]) -> ValueView:
@@ -132,9 +181,9 @@ def _plan(rows: list[list[bool]]) -> ValueView:
     return ValueView("plan", drawing, note=f"{len(rows)} × {len(rows[0])} ; « . » vaut True, « # » vaut False")
 
 
-def _list(value: list[Any], expected: Any) -> ValueView:
-    wishes = expected if isinstance(expected, list) and len(expected) == len(value) else [None] * len(value)
-    items = tuple(("", value_view(item, wish)) for item, wish in zip(value[:MAX_LIST], wishes, strict=False))
+def _list(value: list[Any], beside: _Beside) -> ValueView:
+    parts = beside.parts(len(value))[:MAX_LIST]
+    items = tuple(("", _layout(item, part)) for item, part in zip(value[:MAX_LIST], parts, strict=True))
     left = len(value) - MAX_LIST
     return ValueView("list", items=items, note=f"et {left} autres" if left > 0 else "")
 

@@ -136,12 +136,11 @@ def _counterexample(
     given = counterexample.inputs if shows_inputs else {}
     judged = counterexample.expected is not None or counterexample.got is not None
     parts = _parts(given, functions)
+    expected, got = values.value_view_pair(counterexample.expected, counterexample.got)
     return CounterexampleView(
         inputs=tuple((name, values.value_view(value)) for name, value in given.items()),
-        expected=values.name_parts(values.value_view(counterexample.expected), parts) if judged else None,
-        got=values.name_parts(values.value_view(counterexample.got, expected=counterexample.expected), parts)
-        if judged
-        else None,
+        expected=values.name_parts(expected, parts) if judged else None,
+        got=values.name_parts(got, parts) if judged else None,
         code=values.inputs_as_code(given),
     )
 

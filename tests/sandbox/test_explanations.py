@@ -82,7 +82,7 @@ def plain(text: str) -> str:
         ("a, b = v", "À gauche du signe « = », 2 noms ; à droite, plus de valeurs"),
         ("return np.array(v.tolist(), copy=False)", "s’écrit np.asarray(…)"),
         ("return math.sqrt(-x)", "racine ou logarithme d’un négatif"),
-        ("return g(1, 2)", "g prend 1 argument, et en reçoit 2"),
+        ("return g(1, 2)", "« g » prend 1 argument, et en reçoit 2"),
         ("return g()", "Il manque à l’appel de g : 'argument'"),
         ("return np.zeros(2, 3)", "entre parenthèses : np.zeros((2, 3))"),
         ("return np.linalg.inv(m)", "Il faut une matrice carrée"),

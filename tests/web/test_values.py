@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from server.text.plain import visible
 from server.web.rendering import jinja_environment, ticks
-from server.web.values import MAX_ROWS, ValueView, inputs_as_code, value_view
+from server.web.values import MAX_ROWS, ValueView, inputs_as_code, value_view, value_view_pair
 from server.web.words import format_mark, format_points, plural
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
@@ -46,6 +46,20 @@ def test_what_differs_from_the_expected_is_marked() -> None:
     ]
     assert odd == [[False, True], [False, True]]
     assert not any(cell.odd for cell in value_view([1, 2], expected=[1, 2, 3]).rows[0])
+
+
+def test_values_side_by_side_have_the_digits_that_tell_them_apart() -> None:
+    """Only numbers that differ get more digits, and a gap below six digits is marked when it is all that differs."""
+    expected, got = value_view_pair([-0.25, -2.1415926536], [-0.25, -2.1415926464])
+    texts = [[cell.text for cell in row] for view in (expected, got) for row in view.rows]
+    assert texts == [["−0,25", "−2,1415926536"], ["−0,25", "−2,1415926464"]]
+    assert [cell.odd for cell in got.rows[0]] == [False, True]
+    assert not any(cell.odd for cell in expected.rows[0])
+    number, other = value_view_pair(1.0, 1.00000001)
+    assert number.text != other.text
+    listed, others = value_view_pair([[1.0, 2.0], 3.0], [[1.0, 2.00000001], 3.0])
+    assert listed.items[0][1].rows[0][1].text != others.items[0][1].rows[0][1].text
+    assert value_view_pair(["a", None], [10**400, True])
 
 
 def test_large_values_are_cut_and_say_so() -> None:

@@ -22,6 +22,7 @@ from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, neighbours
+from graders.core.compare.told_apart import text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, PlannedCalls, StudentFault
@@ -285,7 +286,7 @@ class Cases(Check):
             return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected, call=call)
         assert failure.mismatch is not None
         inputs_text = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
-        expected_text, got_text = render.text(failure.expected), render.text(failure.got)
+        expected_text, got_text = text_pair(failure.expected, failure.got)
         message = f"Pour {inputs_text}, on attend {expected_text} et {self.function} renvoie {got_text}."
         return Rejection(
             f"{message} {failure.mismatch.message}",

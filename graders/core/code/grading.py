@@ -18,6 +18,7 @@ from graders.core.code.diagnosis import combine_diagnoses, diagnose, slip_diagno
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
+from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
 from graders.core.compare.shrinking import Budget
@@ -142,6 +143,8 @@ class CodeGrader:
         if ids:
             touched = {MODIFIED_ARGUMENT} & {finding.slip for _, finding in pairs} - set(ids)
             return combine_diagnoses((*ids, *touched), self.misconceptions)
+        if all(finding.cause in JUDGED for _, finding in pairs) and (rounded := rounded_constant_diagnosis(source)):
+            return rounded
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )

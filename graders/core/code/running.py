@@ -8,7 +8,8 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.runner import Runner
 from graders.core.code.simplifying import PendingShrink, run_and_shrink, shrink_all
-from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
+from graders.core.compare.told_apart import tidy_pair
+from graders.core.compare.words import to_jsonable, whole_jsonable
 from graders.core.contract.findings import Finding
 from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault
 from graders.core.contract.streams import stream
@@ -130,7 +131,8 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
     counterexample = None
     if rejection.inputs is not None:
         inputs = {name: to_jsonable(value) for name, value in rejection.inputs.items()}
-        counterexample = Counterexample(inputs, tidy(to_jsonable(rejection.expected)), tidy(to_jsonable(rejection.got)))
+        shown = tidy_pair(to_jsonable(rejection.expected), to_jsonable(rejection.got))
+        counterexample = Counterexample(inputs, *shown)
     # A drawing of a part would be a drawing of something else.
     figure = None if rejection.figure is None else whole_jsonable(rejection.figure, limit=FIGURE_ITEMS)
     result = CheckResult(

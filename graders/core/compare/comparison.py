@@ -15,6 +15,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.slips import shape_slip, value_slip
+from graders.core.compare.told_apart import instead
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
 
@@ -166,5 +167,4 @@ def worst_difference(expected: Floats, got: Floats) -> str:
         gaps = np.nan_to_num(np.abs(got - expected), nan=np.inf)
     where = np.unravel_index(int(np.argmax(gaps)), gaps.shape) if gaps.ndim else ()
     position = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
-    wanted, obtained = render.number(float(expected[where])), render.number(float(got[where]))
-    return f"L'écart le plus grand est{position} : {obtained} au lieu de {wanted}."
+    return f"L'écart le plus grand est{position} : {instead(float(expected[where]), float(got[where]))}."

@@ -112,6 +112,13 @@ SLIPS = {
             "Pourquoi arrondir avant d'avoir fini le calcul ?",
         ),
         Slip(
+            "constante_arrondie",
+            "Une constante écrite avec trop peu de chiffres",
+            "π a une infinité de chiffres ; en écrire quelques-uns fausse tous les calculs à partir du suivant, et "
+            "numpy en donne autant que la machine en garde.",
+            "À combien de chiffres près votre résultat est-il juste ?",
+        ),
+        Slip(
             "virgule_decimale",
             "Une virgule décimale dans un nombre",
             "En Python, la virgule sépare deux valeurs : « 0,5 » en fait deux, 0 et 5. Le séparateur décimal est le "

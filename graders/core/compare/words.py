@@ -130,7 +130,7 @@ def number(value: complex, digits: int = 6) -> str:
     """
     if isinstance(value, complex):
         return f"{number(value.real, digits)} + {number(value.imag, digits)} i"
-    named = _beyond(value) or _fraction_of_pi(value)
+    named = _beyond(value) or fraction_of_pi(value)
     if named is not None:
         return named
     if abs(value) < NEGLIGIBLE:
@@ -153,7 +153,7 @@ def _beyond(value: float) -> str | None:
     return None
 
 
-def _fraction_of_pi(value: float) -> str | None:
+def fraction_of_pi(value: float) -> str | None:
     """« π/2 » rather than 1,5708: only for simple fractions, exact to rounding."""
     if abs(value) > 12 * math.pi or abs((twelfths := value * 12 / math.pi) - round(twelfths)) > 1e-10:
         return None  # most numbers are no twelfths of it, and are seen at once to be none of the simple fractions

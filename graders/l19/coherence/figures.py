@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from scipy.special import gammaln
 
+from graders.core.compare.told_apart import number_pair
 from graders.l19.coherence.pictures import BAND, ERROR, RUNS
 from graders.l19.ellipses import draw_belief
 from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
@@ -20,9 +21,10 @@ def draw_error(figure: Figure, data: dict[str, Any]) -> None:
     centre, P = np.asarray(data["estimated"], dtype=float), np.asarray(data["P"], dtype=float)
     for k in (1, 2, 3):
         draw_belief(axes, (centre, k * k * P), ink_of(axes), "1, 2 et 3 écarts-types" if k == 1 else "_", style="--")
-    draw_belief(axes, (centre, data["expected"] * P), EXPECTED, f"NEES attendu : {_number(data['expected'])}", width=3)
+    wanted, obtained = number_pair(data["expected"], 0.0 if data["got"] is None else data["got"], 4)
+    draw_belief(axes, (centre, data["expected"] * P), EXPECTED, f"NEES attendu : {wanted}", width=3)
     if data["got"] is not None and 0.0 < data["got"] < 100.0 * max(data["expected"], 1.0):
-        draw_belief(axes, (centre, data["got"] * P), OBTAINED, f"NEES obtenu : {_number(data['got'])}")
+        draw_belief(axes, (centre, data["got"] * P), OBTAINED, f"NEES obtenu : {obtained}")
     axes.plot(*data["true"], "*", color=THIRD, ms=14, label="vraie position")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="première composante", ylabel="seconde composante", title="Sur quelle ellipse la vérité est-elle ?")
@@ -63,10 +65,6 @@ def draw_runs(figure: Figure, data: dict[str, Any]) -> None:
 
 def _runs(count: int) -> str:
     return f"{count} essais" if count > 1 else "1 essai"
-
-
-def _number(value: float) -> str:
-    return f"{value:.4g}".replace(".", ",")
 
 
 FIGURES = {ERROR: draw_error, BAND: draw_band, RUNS: draw_runs}

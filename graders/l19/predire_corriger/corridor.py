@@ -10,7 +10,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.drawable import drawable
-from graders.core.compare import words as render
+from graders.core.compare.told_apart import text_pair
 from graders.core.contract.values import Value
 from graders.l19.pairs import SamePair, read_pair
 from graders.l19.predire_corriger.pictures import MEASURED, MOVED, belief_figure
@@ -70,9 +70,9 @@ def _follow(bench: Bench, start: tuple[float, float], steps: Sequence[Step]) -> 
         if mismatch is not None:
             names = ("m", "v", *(("u", "q") if function == "predire" else ("z", "r")))
             args = (*believed, value, variance)
+            wanted, obtained = text_pair(right, got)
             raise Rejection(
-                f"{_place(count)} {function} : on attend {render.text(right)} et l'on reçoit {render.text(got)}. "
-                f"{mismatch.message}",
+                f"{_place(count)} {function} : on attend {wanted} et l'on reçoit {obtained}. {mismatch.message}",
                 inputs=dict(zip(names, args, strict=True)),
                 expected=right,
                 got=got,

@@ -10,6 +10,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable
+from graders.core.compare.told_apart import number_pair, text_pair
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.icp.descent import Registration, Step, descend, staircase
@@ -98,11 +99,12 @@ def _at(answer: Answer, step: Step) -> bool:
 
 
 def _compared(answer: Answer, step: Step) -> str:
-    turned, wanted = (render.number(math.degrees(math.atan2(R[1, 0], R[0, 0])), 4) for R in (answer.R, step.R))
-    places = render.text(answer.t, digits=4), render.text(step.t, digits=4)
-    if turned == wanted and places[0] == places[1]:
+    turned, wanted = (math.degrees(math.atan2(R[1, 0], R[0, 0])) for R in (answer.R, step.R))
+    same_angle = render.number(turned, 4) == render.number(wanted, 4)
+    if same_angle and render.text(answer.t, digits=4) == render.text(step.t, digits=4):
         return "R et t sont proches de ce qui est attendu, mais pas à 10⁻⁶ près : sont-ils arrondis ?"
-    return f"R tourne de {turned}° au lieu de {wanted}°, et t vaut {places[0]} au lieu de {places[1]}."
+    angles, places = number_pair(turned, wanted, 4), text_pair(answer.t, step.t, digits=4)
+    return f"R tourne de {angles[0]}° au lieu de {angles[1]}°, et t vaut {places[0]} au lieu de {places[1]}."
 
 
 def _elsewhere(case: Registration, answer: Answer, steps: Sequence[Step]) -> str:

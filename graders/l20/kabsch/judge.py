@@ -9,6 +9,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable
+from graders.core.compare.told_apart import number_pair, text_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.registration import RigidAlignment, squared_residual
 
@@ -134,13 +135,7 @@ def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
         return None
     total = "Avec votre (R, t), la somme des carrés vaut {} ; le minimum est {}."
     minimum = 0.0 if best.residual < _tolerance(P, Q, 0.0) else best.residual
-    return Mismatch(f"{total.format(*_told_apart(cost, minimum))} {_culprit(P, Q, best, R, t)}".strip())
-
-
-def _told_apart(value: float, other: float) -> tuple[str, str]:
-    """Two different numbers with as many digits as it takes to tell them apart."""
-    texts = [(render.number(value, digits), render.number(other, digits)) for digits in (5, 8, 12, 17)]
-    return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
+    return Mismatch(f"{total.format(*number_pair(cost, minimum, 5))} {_culprit(P, Q, best, R, t)}".strip())
 
 
 def _tolerance(P: Floats, Q: Floats, minimum: float) -> float:
@@ -154,7 +149,8 @@ def _culprit(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -
     """Which of R and t is to blame, in one French sentence."""
     own_t = Q.mean(axis=0) - R @ P.mean(axis=0)
     t_fits = bool(np.all(np.abs(t - own_t) <= LOOKS_THE_SAME * np.maximum(1.0, np.abs(own_t))))
-    right_t = f"le meilleur t est {render.text(own_t, digits=5)}, le vôtre est {render.text(t, digits=5)}."
+    best_t, your_t = text_pair(own_t, t, digits=5)
+    right_t = f"le meilleur t est {best_t}, le vôtre est {your_t}."
     if np.allclose(R, best.R_q_p, atol=LOOKS_THE_SAME):
         return f"R est juste ; {right_t}"
     if not best.unique:
@@ -168,4 +164,5 @@ def _angles(R: Floats, best: Floats) -> str:
         return ""
     turned, wanted = (math.degrees(math.atan2(M[1, 0], M[0, 0])) % 360.0 for M in (R, best))
     turned, wanted = (angle - 360.0 * (angle > 180.0 + 1e-9) for angle in (turned, wanted))
-    return f" : elle tourne de {render.number(turned, 4)}° au lieu de {render.number(wanted, 4)}°"
+    turned_text, wanted_text = number_pair(turned, wanted, 4)
+    return f" : elle tourne de {turned_text}° au lieu de {wanted_text}°"

@@ -9,6 +9,7 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.told_apart import number_pair
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.localisation.grid_filter import Cell, Grid
 
@@ -17,8 +18,6 @@ LIKELIEST = 10
 VISIBLE = 5e-10
 #: Two cells as likely as each other are not told apart by this much.
 ROUNDING = 1e-6
-DIGITS = 6
-MOST_DIGITS = 17
 
 
 @dataclass(frozen=True)
@@ -107,12 +106,9 @@ class SameLikeliest(SameBelief):
 
 
 def instead(got: float, wanted: float) -> str:
-    """« 0,9999991 au lieu de 1 »: with six significant digits, or as many more as it takes to tell them apart."""
-    for digits in range(DIGITS, MOST_DIGITS):
-        texts = render.number(got, digits), render.number(wanted, digits)
-        if texts[0] != texts[1]:
-            break
-    return f"{texts[0]} au lieu de {texts[1]}"
+    """« 0,9999991 au lieu de 1 »."""
+    obtained, expected = number_pair(got, wanted)
+    return f"{obtained} au lieu de {expected}"
 
 
 def spot(flat: int, shape: tuple[int, ...]) -> Cell:

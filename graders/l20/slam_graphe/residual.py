@@ -12,6 +12,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Cases, Trial
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.told_apart import angle_instead
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import PlannedCalls, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -61,7 +62,7 @@ class SameError:
     @staticmethod
     def _angle(wanted: float, theta: float) -> Mismatch | None:
         if abs(math.remainder(theta - wanted, math.tau)) > TOLERANCE:
-            return Mismatch(f"L'angle de l'erreur est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}.")
+            return Mismatch(f"L'angle de l'erreur est faux : {angle_instead(wanted, theta)}.")
         if abs(theta) <= math.pi + TOLERANCE:
             return None
         return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")

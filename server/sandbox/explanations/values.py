@@ -126,7 +126,7 @@ def _explain_broadcast(match: re.Match[str], source: str) -> str:
 def _explain_arguments(match: re.Match[str], source: str) -> str:
     function, takes, given = match.groups()
     count = takes.replace("from", "de").replace("to", "à")
-    return f"{function} prend {count} argument{_plural(takes)}, et en reçoit {given}."
+    return f"« {function} » prend {count} argument{_plural(takes)}, et en reçoit {given}."
 
 
 def _explain_unpacking(match: re.Match[str], source: str) -> str:
