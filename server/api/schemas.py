@@ -107,6 +107,12 @@ class VerdictOut(Strict):
     stdout: str
     seed: int
     timings: dict[str, float]
+    remarks: Annotated[
+        list[str], Field(default=[], description="What was let through in the file; absent where there is nothing.")
+    ]
+    load_error: Annotated[
+        str, Field(default="", description="Why the file does not run, or what it lacks; absent where it does.")
+    ]
 
 
 class SubmissionOut(Strict):
@@ -129,6 +135,13 @@ class SubmissionOut(Strict):
             "`running` until then, whatever was found, and nothing is to be gained by waiting."
         ),
     ]
+    load_error: Annotated[
+        str | None,
+        Field(
+            description="Of an attempt whose verdict a test holds back: why its file does not run, or what it lacks, "
+            "in French; null where it runs, whatever was found, and as long as that is not known."
+        ),
+    ] = None
     verdict: VerdictOut | None
     url: Annotated[str, Field(examples=["/api/v1/submissions/7d0c1a54-6b0e-4c69-9d3b-9a3f3a3c7a10"])]
     exercise: str

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -25,13 +25,14 @@ class Resource:
     """A submission as JSON (`api.schemas.SubmissionOut`), written in the thread that reads it: the loop passes it on.
 
     A verdict is what a student's program made of it, within `graders.core.contract.bounds`. `done`: nothing more is to
-    be waited for here, as there is a verdict, or as a test holds it back.
+    be waited for here, as there is a verdict, or as a test holds it back; `settles_in`: seconds until that is so.
     """
 
     id: UUID
     done: bool
     held: bool
     text: str
+    settles_in: float | None = field(default=None, compare=False)
 
 
 def url_of(submission_id: UUID) -> str:
@@ -51,15 +52,16 @@ def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool 
         "position": place.position,
         "notice": attempt.held_text if attempt.held else place.notice,
         "held": attempt.held is not None,
+        "load_error": attempt.load_error or None,
         "verdict": verdict.to_json() if verdict else None,
         "url": root_path.external_path(url_of(submission.id)),
         "exercise": submission.exercise,
         "created_at": submission.created_at.isoformat(),
     }
     text = json.dumps(members, ensure_ascii=False, allow_nan=False)
-    return Resource(
-        submission.id, attempt.held is not None or place.state == SubmissionState.done, attempt.held is not None, text
-    )
+    if attempt.held:
+        return Resource(submission.id, not attempt.settles_in, True, text, attempt.settles_in)
+    return Resource(submission.id, place.state == SubmissionState.done, False, text)
 
 
 def reader(database: Database, store: Submissions, account: Account, submission_id: UUID) -> Callable[[], Resource]:

@@ -78,7 +78,8 @@ async def create(
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there.
 
-    Nothing is waited for where a test holds the verdict back; 409 before one has begun the test, and after its end.
+    Where a test holds the verdict back, only that the file does not run is waited for (`load_error`), some seconds at
+    most; 409 before one has begun the test, and after its end.
     Whoever had no answer, or 503, may send the same again with the same `Idempotency-Key`.
     """
     sending = Sending(body, reuse, client_address(request), key, waits=bool(wait))
@@ -91,7 +92,8 @@ async def create(
     account, current = await run_in_threadpool(stored)
     if wait and not current.done:
         look = reader(database, store, account, current.id)
-        current = await _wait(_hub(request.app), look, current, min(wait, LONGEST_WAIT))
+        longest = LONGEST_WAIT if current.settles_in is None else current.settles_in
+        current = await _wait(_hub(request.app), look, current, min(wait, longest))
     return _json(current, 200 if current.done and not current.held else 202)
 
 

@@ -32,6 +32,8 @@ def _lines(verdict: Verdict) -> Iterator[str]:
     else:
         yield f"{verdict.exercise} : la correction a échoué de notre côté ; rien n’est compté."
         yield "Vous pouvez renvoyer le fichier tel quel."
+    for remark in verdict.remarks:
+        yield from paragraph(f"Remarque : {remark}", indent=2)
     yield ""
     repeated: set[str] = set()
     for check in verdict.checks:

@@ -32,18 +32,16 @@ def run(arguments: Namespace) -> int:
             verdict = _verdict(client, {"exercise": arguments.exercise, **body})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CannotRun(explained(error, server)) from error
-    if verdict is None:
-        print("Reçu ; résultat après la publication par l’enseignant.")
-        return report.FULL_MARKS
+    if isinstance(verdict, str):
+        print(verdict or "Reçu ; résultat après la publication par l’enseignant.")
+        return report.NOT_FULL if verdict else report.FULL_MARKS
     print(report.render(verdict))
     return report.exit_status(verdict)
 
 
-def _verdict(client: httpx.Client, submission: Json) -> Verdict | None:
-    """None where a test holds it back."""
+def _verdict(client: httpx.Client, submission: Json) -> Verdict | str:
+    """Return the verdict; where a test holds it back, why the file does not run, or an empty text."""
     stored = _sent(client, submission)
-    if stored.get("held"):
-        return None
     if stored.get("status") == "done":
         print("déjà envoyé : voici son verdict.", file=sys.stderr)
     url = stored.get("url")
@@ -53,12 +51,17 @@ def _verdict(client: httpx.Client, submission: Json) -> Verdict | None:
     for pause in (0.0, *PAUSES):
         time.sleep(pause)
         with suppress(httpx.TransportError, _AwayError):
+            held = bool(stored.get("held"))
             for current in _events(client, url):
-                if current.get("held"):
-                    return None
+                held = bool(current.get("held"))
+                if held and current.get("load_error"):
+                    return str(current.get("notice"))
                 if current.get("status") == "done":
                     return _read(current.get("verdict"))
-                _tell(current)
+                if not held:
+                    _tell(current)
+            if held:
+                return ""
     raise CannotRun(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
 
 

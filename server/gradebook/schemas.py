@@ -34,13 +34,14 @@ class Attempt:
     """A submission with the grading that counts, as an account may see it.
 
     `grading` is None while it waits, and while a test withholds it (`held`). The two look the same to the account, but
-    for an internal error (`failed`).
+    for an internal error (`failed`) and for a file that does not run (`load_error`).
     """
 
     submission: Submission
     grading: Grading | None
     feedback: FeedbackHolds = NO_HOLDS
     failed: bool = False
+    load_error: str = ""
 
     @property
     def held(self) -> HoldingTest | None:
@@ -49,7 +50,20 @@ class Attempt:
     @property
     def held_text(self) -> str:
         """The text shown in place of a withheld verdict; empty otherwise."""
-        return "" if self.held is None else (FAILED if self.failed else HELD).format(title=self.held.title)
+        if self.held is None:
+            return ""
+        sentence = FAILED if self.failed else NOT_LOADED if self.load_error else HELD
+        return sentence.format(title=self.held.title, error=self.load_error)
+
+    @property
+    def settles_in(self) -> float:
+        """Seconds until nothing more is waited for of a withheld attempt, whether it was graded or not.
+
+        How long a grading takes would tell how it ends; only a file that does not run is told of before.
+        """
+        if self.failed or self.load_error:
+            return 0.0
+        return max(0.0, LOAD_SECONDS - (utc_now() - self.submission.created_at).total_seconds())
 
     @cached_property
     def verdict(self) -> Verdict | None:
@@ -60,6 +74,12 @@ class Attempt:
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."
+#: Seconds after its sending during which a withheld attempt is watched for a file that does not run.
+LOAD_SECONDS = 7.0
+NOT_LOADED = (
+    "Reçu, mais ce fichier ne s’exécute pas en entier. {error} Vous pouvez le corriger et l’envoyer de nouveau tant "
+    "que dure le contrôle « {title} » ; le reste paraîtra avec ses résultats."
+)
 FAILED = (
     "Reçu, mais pas corrigé : c’est une erreur de notre côté, elle ne compte pas contre vous et sera regardée. Tant "
     "que dure le contrôle « {title} », vous pouvez envoyer de nouveau."

@@ -116,7 +116,8 @@ def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, gradi
     if holds.test_holding(submission.created_at) is None:
         return Attempt(submission, grading, holds)
     failed = grading is not None and grading.outcome == Outcome.INTERNAL_ERROR
-    return Attempt(submission, None, holds, failed)
+    load_error = "" if grading is None else grading.verdict.get("load_error", "")
+    return Attempt(submission, None, holds, failed, load_error)
 
 
 def find_latest_attempt(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:

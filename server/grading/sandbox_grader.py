@@ -8,6 +8,7 @@ import hashlib
 import logging
 import time
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from uuid import UUID
 
 from graders.core.contract.findings import Judgement
@@ -26,6 +27,8 @@ log = logging.getLogger(__name__)
 
 TRIES = 2
 FILENAME = "solution.py"
+#: Characters of the sentence that says why a file does not load.
+MAX_LOAD_ERROR = 600
 
 
 class JudgingTimeBudget:
@@ -99,9 +102,16 @@ class SandboxPrograms:
     `library` is what the file may import from `mes_fonctions`.
     """
 
-    def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[LibraryFile] = ()) -> None:
+    def __init__(
+        self, sandbox: Sandbox, policy: Policy, library: Sequence[LibraryFile] = (), asked: Sequence[str] = ()
+    ) -> None:
+        """`asked` are the functions that the file must define."""
         self._sandbox, self._policy, self._budget = sandbox, policy, JudgingTimeBudget(policy)
         self._library = tuple(library)
+        #: What was let through in the file, and why it did not load, as of its first start.
+        self.remarks: tuple[str, ...] = ()
+        self.load_error = ""
+        self._asked, self._has_started = tuple(asked), False
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
         self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
@@ -117,8 +127,18 @@ class SandboxPrograms:
                 source, kit=settings, policy=self._policy, filename=FILENAME, first_calls=list(map(_calls, ahead))
             )
         except ProgramFault as fault:
+            if not self._has_started:
+                self.load_error = _first_paragraph(fault.message)
             raise student_fault(fault) from fault
+        finally:
+            is_first, self._has_started = not self._has_started, True
+        if is_first:
+            self.remarks, self.load_error = session.remarks, session.describe_missing(self._asked)
         return SandboxProgram(session, self._budget, ahead)
+
+
+def _first_paragraph(message: str) -> str:
+    return message.partition("\n")[0][:MAX_LOAD_ERROR]
 
 
 def _calls(planned: PlannedCalls) -> CallBatch:
@@ -159,7 +179,9 @@ class SandboxGrader:
         self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN, tested: Collection[str] = ()
     ) -> SandboxPrograms:
         """Return a starter of files for one grading of an exercise, under a policy; the others are as in `grade`."""
-        return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own, tested))
+        library = reuse.shelves(self._course, exercise_id, own, tested)
+        asked = [function.name for function in self._course.exercises[exercise_id].functions]
+        return SandboxPrograms(self._sandbox, policy, library, asked)
 
     def grade(
         self,
@@ -182,7 +204,9 @@ class SandboxGrader:
             try:
                 exercise = self._course.exercises[exercise_id]
                 programs = self.programs(exercise_id, policy or exercise.policy, own, tested)
-                return exercise.grader.grade(source, programs, seed=seed, version=version)
+                judgement = exercise.grader.grade(source, programs, seed=seed, version=version)
+                verdict = replace(judgement.verdict, remarks=programs.remarks, load_error=programs.load_error)
+                return replace(judgement, verdict=verdict)
             except Exception:
                 # Enough to reproduce the grading: the source is in the database, or the caller has it.
                 digest = hashlib.sha256(source).hexdigest()

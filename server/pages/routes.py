@@ -283,7 +283,5 @@ async def events(
     watch = Watched(account, store, database, identity)
     await run_in_threadpool(watch.look)  # a 404 must come before the stream begins
     snapshots = hub.follow(job_key(identity), watch.look)
-    lines: AsyncIterator[str] = stream_sse(
-        snapshots, lambda snapshot: json.dumps({"status": snapshot.status, "text": snapshot.text})
-    )
+    lines: AsyncIterator[str] = stream_sse(snapshots, lambda snapshot: json.dumps(snapshot.to_json()))
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)

@@ -67,7 +67,7 @@ class MarkView:
 class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
-    `held` says which test holds its verdict back, which looks the same whether it was graded or not.
+    `held` says which test holds its verdict back, which looks the same whether it was graded or not, if it `runs`.
 
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
     attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
@@ -88,6 +88,7 @@ class WorkView:
     asks: bool = False
     regraded: RegradedView | None = None
     held: str = ""
+    runs: bool = True
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

@@ -235,7 +235,9 @@ def _work(
     submission, verdict = attempt.submission, behaviour.load_verdict(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
     place = (
-        GradingProgress(SubmissionState.done) if attempt.held else reader.submissions.progress(reader.db, submission)
+        GradingProgress(SubmissionState.running if attempt.settles_in else SubmissionState.done)
+        if attempt.held
+        else reader.submissions.progress(reader.db, submission)
     )
     work = WorkView(
         id=str(submission.id),
@@ -243,6 +245,7 @@ def _work(
         status=place.state.value,
         waiting=waiting_text(place),
         held=attempt.held_text,
+        runs=not attempt.load_error,
         verdict=None,
         page=href,
         events=f"{href}/evenements",

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 from uuid import UUID
 
 from server.database import Database
 from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress, Submissions
@@ -35,10 +37,23 @@ class Waiting:
 
     status: str
     text: str
+    settles_in: float | None = field(default=None, compare=False)
 
     @property
     def done(self) -> bool:
         return self.status == SubmissionState.done
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the members of its event; `held`: the page shows what it has at once."""
+        members = {"status": self.status, "text": self.text}
+        return members if self.settles_in is None else {**members, "held": True}
+
+
+def held_state(attempt: Attempt) -> Waiting:
+    """Return the state of a withheld attempt: it is watched for a file that does not run, for a fixed time."""
+    settles_in = attempt.settles_in
+    status = SubmissionState.running if settles_in else SubmissionState.done
+    return Waiting(status, attempt.held_text, settles_in)
 
 
 @dataclass
@@ -59,7 +74,7 @@ class Watched:
             if place is None:
                 attempt = gradebook.find_attempt(db, self.account, self.submission)
                 if attempt.held:
-                    return Waiting(SubmissionState.done, "")
+                    return held_state(attempt)
                 place = self.store.progress(db, attempt.submission)
             self.waits = place.state is not SubmissionState.done
             return Waiting(place.state, waiting_text(place))

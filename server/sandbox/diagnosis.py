@@ -9,8 +9,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from server.sandbox import messages
-from server.sandbox.child.program import MAX_NAME as MAX_NAME_OF_FUNCTION
-from server.sandbox.child.program import MAX_NAMES
 from server.sandbox.child.report import MAX_FRAMES, MAX_NAME, MAX_SOURCE, MAX_TEXT
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
@@ -110,13 +108,6 @@ def parse_fault(fault: Any, policy: Policy, file_lines: Sequence[str] = ()) -> P
         exception=exception or None,
         fatal=kind == FaultKind.TIMEOUT,
     )
-
-
-def parse_function_names(reported: Any) -> frozenset[str] | None:
-    """Parse the names of the functions that the file defines; None when they do not have that form."""
-    if not isinstance(reported, tuple) or len(reported) > MAX_NAMES:
-        return None
-    return frozenset(reported) if all(_is_text(name, MAX_NAME_OF_FUNCTION) for name in reported) else None
 
 
 def _is_line(line: object) -> bool:

@@ -8,7 +8,7 @@ import signal
 import sys
 from collections.abc import Iterable, Sequence
 
-from server.sandbox.child import library
+from server.sandbox.child import drawing_stand_ins, library
 from server.sandbox.explanations import explain_error, explain_import
 from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import (
@@ -196,8 +196,8 @@ _NOT_GIVEN = (
 
 def _module_advice(module: str) -> str:
     root = module.partition(".")[0]
-    if root in ("matplotlib", "pylab", "seaborn", "plotly"):
-        return 'Rien ne se trace pendant l’évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
+    if root in drawing_stand_ins.ROOTS:
+        return "Rien ne se trace pendant l’évaluation."
     for names in (("numpy", "scipy"), sys.stdlib_module_names):
         near = difflib.get_close_matches(root, names, 1, 0.75)
         if near and near[0] != root:
@@ -205,16 +205,19 @@ def _module_advice(module: str) -> str:
     return "Sont disponibles numpy, scipy et la bibliothèque standard de Python."
 
 
-def missing_function(name: str, present: Iterable[str]) -> str:
+def missing_function(name: str, present: Iterable[str], exit_line: int | None = None, *, written: bool = True) -> str:
+    """`exit_line`: where the file stopped by itself; `written`: whether it holds anything."""
     functions = sorted(map(clean, present))
     by_lower_case = {function.casefold(): function for function in functions}
     near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
     sentence = f"La fonction « {name} » est attendue et n’est pas dans votre fichier. "
+    if exit_line is not None:
+        return f"{sentence}La lecture du fichier s’est arrêtée ligne {exit_line}, à « exit » : retirez cette ligne."
     if near:
         return sentence + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
     if functions:
         return sentence + f"Il contient : {', '.join(functions[:10])}."
-    return sentence + "Il ne contient aucune fonction."
+    return sentence + ("Il ne contient aucune fonction." if written else "Il est vide : a-t-il été enregistré ?")
 
 
 def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:

@@ -124,7 +124,7 @@ class Sandbox:
         `Session.trace` runs it.
         """
         policy = policy or self.policy
-        sources.require_text(source, policy)
+        sources.require_text(source, policy, cell=echo_last)
         imports = sources.import_set_of_program(source, kit, drawing=drawing)
 
         if kit is not None and sources.may_call_course(source, kit):
@@ -134,6 +134,7 @@ class Sandbox:
             if kit is not None and kit.course_functions:
                 start = partial(self._start_course_process, kit, policy)
                 session.course_calls = CourseCalls(lambda: _try_twice(start))
+            session.stands_in = not drawing
             session.load(source, filename, kit, echo_last=echo_last, deferred=deferred, first_calls=first_calls)
 
         return _try_twice(lambda: self._open_session(imports, policy, load))

@@ -20,6 +20,7 @@ from server.sandbox.connection import EXIT_SECONDS, ChildConnection, encode_conf
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child
+from server.sandbox.remarks import parse_loaded
 from server.sandbox.values import CallBatch, Kit, Replies, Reply, TraceResult, Usage, encode_library
 
 #: Index of a request, and one or more of its answers that arrived together.
@@ -44,6 +45,11 @@ class Session(ChildConnection):
         self._closed = False
         self._final_stdout, self._final_truncated = "", False
         self.functions: frozenset[str] = frozenset()
+        #: Whether libraries that draw are stood in for.
+        self.stands_in = True
+        #: What was let through in the file, in French.
+        self.remarks: tuple[str, ...] = ()
+        self._exit_line: int | None = None
         #: Answers to the calls that were sent with the file.
         self.first_answers: Iterator[AnswerBlock] = iter(())
 
@@ -73,10 +79,10 @@ class Session(ChildConnection):
             + first.payload(None)
         )
         self._expect(configure, frames.CONFIGURED)
-        functions = diagnosis.parse_function_names(self._decode_outcome(*self._receive(load, _ANSWERS)))
-        if functions is None:
+        loaded = parse_loaded(self._decode_outcome(*self._receive(load, _ANSWERS)))
+        if loaded is None:
             self._raise_forged()
-        self.functions = functions
+        self.functions, self.remarks, self._exit_line = loaded
         self._register_group(first)
         self.first_answers = self._batch_answers(first, more)
 
@@ -88,6 +94,7 @@ class Session(ChildConnection):
             "waits": waits,
             "library": encode_library(kit.own_files if kit else ()),
             "course_functions": kit.course_functions if kit else (),
+            "stands_in": self.stands_in,
             "wall": self._seconds_left,
         }
         return codec.encode(question, frames.QUESTION_LIMITS)
@@ -164,8 +171,14 @@ class Session(ChildConnection):
         return self._batch_answers(None, group_batches(requests))
 
     def _missing_function_fault(self, function: str) -> ProgramFault:
-        message = messages.missing_function(function, self.functions)
+        written = any(line.strip() for line in self._lines)
+        message = messages.missing_function(function, self.functions, self._exit_line, written=written)
         return ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
+
+    def describe_missing(self, functions: Iterable[str]) -> str:
+        """Return what to tell of the first of these functions that the file lacks; empty if it has them all."""
+        missing = [function for function in functions if function not in self.functions]
+        return self._missing_function_fault(missing[0]).message if missing else ""
 
     def figures(self) -> tuple[bytes, ...]:
         """Return the PNG files of the program's open figures: untrusted bytes.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from server.sandbox import messages
 from server.sandbox.faults import FaultKind, ProgramFault
+from server.sandbox.foreign_files import describe_foreign_file
 from server.sandbox.install import import_set_of
 from server.sandbox.policy import Policy
 from server.sandbox.values import LIBRARY_MENTION, Kit
@@ -25,11 +26,13 @@ def may_call_course(source: bytes, kit: Kit) -> bool:
     return bool(kit.course_functions) and LIBRARY_MENTION in source
 
 
-def require_text(source: bytes, policy: Policy) -> None:
-    """Raise ProgramFault for a source that is too big, or no text."""
+def require_text(source: bytes, policy: Policy, *, cell: bool = False) -> None:
+    """Raise ProgramFault for a source that is too big, or no text of a program; a `cell` may be a value alone."""
     if len(source) > policy.source_bytes:
         message = messages.source_too_big(len(source), policy)
         raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
+    if not cell and (foreign := describe_foreign_file(source)):
+        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(foreign), exception="SyntaxError", fatal=True)
     if b"\0" in source:
         line = source[: source.index(b"\0")].count(b"\n") + 1
         message = messages.syntax_error(messages.null_byte(), "", line)

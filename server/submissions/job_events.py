@@ -5,6 +5,7 @@ All of it runs on the web process's event loop; a waiting watcher holds neither 
 
 import asyncio
 import logging
+import math
 import re
 import time
 from collections import defaultdict
@@ -28,6 +29,7 @@ REFRESH_SECONDS = 0.3  # minimum seconds between refreshes of queue positions
 SAFETY_POLL = 2.0  # seconds after which watchers poll, should a notification be lost
 REFRESH_BATCH = 15  # watchers refreshed at a time; the others follow in later batches
 POLLS_PER_SECOND = 50  # bound on polls of all watchers together
+MIN_SETTLING_SECONDS = 0.05  # between two looks at what is about to be done by itself
 MAX_RECENT_JOBS = 4096  # recently changed jobs: one may end before its sender starts to wait
 
 
@@ -141,7 +143,7 @@ class JobEvents:
                     return
                 if self._closed:
                     return
-                await _wait(event, self._poll_interval())
+                await _wait(event, min(self._poll_interval(), _settling_time(snapshot)))
 
     async def wait_until_done(self, key: str, read: Callable[[], SnapshotType], seconds: float) -> SnapshotType:
         """Return the snapshot once it is done, or as it is after `seconds`.
@@ -166,6 +168,12 @@ class JobEvents:
 
     def _poll_interval(self) -> float:
         return max(SAFETY_POLL, self.count_watchers() / POLLS_PER_SECOND)
+
+
+def _settling_time(snapshot: Snapshot | None) -> float:
+    """Return the seconds until a snapshot that says so is done by itself."""
+    settles_in = getattr(snapshot, "settles_in", None)
+    return math.inf if settles_in is None else max(settles_in, MIN_SETTLING_SECONDS)
 
 
 @contextmanager

@@ -166,6 +166,7 @@ class VerdictView:
     version: str
     texts: ExerciseTexts | None
     films: tuple[FilmView, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def passed(self) -> int:

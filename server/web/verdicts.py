@@ -75,6 +75,7 @@ def verdict_view(
         version=verdict.exercise_version,
         texts=texts,
         films=_films(verdict.checks, films, grading),
+        remarks=tuple(verdict.remarks),
     )
 
 

@@ -305,7 +305,7 @@ def test_what_a_test_holds_back_is_received_and_not_waited_for(
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 0
     assert capsys.readouterr().out == "Reçu ; résultat après la publication par l’enseignant.\n"
-    assert asked == (["POST"] if at_once else ["POST", "GET"])
+    assert asked == ["POST", "GET"]
 
 
 def test_an_exchange_that_is_cut_off_is_made_again_under_the_same_name(

@@ -219,7 +219,7 @@ def frame_texts(frame: Any) -> tuple[str, str]:
 
 
 DONE = struct.pack("<I", 0) + BATCH + bytes([frames.DONE])
-LOADED = framed(encode(("f",), LIMITS))
+LOADED = framed(encode((("f",), ()), LIMITS))
 #: Wait statuses: exits, then deaths by KILL, SEGV, SYS, XCPU, ALRM, ABRT.
 STATUSES = (0, 256, 9, 11, 31, 24, 14, 6)
 

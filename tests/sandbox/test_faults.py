@@ -76,7 +76,6 @@ def test_a_file_beyond_its_bound_is_refused_with_the_bound(fault_of: FaultOf) ->
 @pytest.mark.parametrize(
     ("source", "told"),
     [
-        ("import matplotlib.pyplot as plt", "mettez vos tracés sous"),
         ("import nunpy as np", "« numpy »"),
         ("import pandas", "« pandas » n’est pas disponible"),
         ("from math import racine", "pas dans ce module"),

@@ -114,7 +114,7 @@ def test_a_bad_line_is_no_line_and_no_forgery(line: Any) -> None:
     "names", [["f"], ("f", 1), ("x" * 121,), ("f",) * 1001, "f"], ids=lambda names: type(names).__name__
 )
 def test_names_in_another_form_than_a_childs_are_a_forgery(names: Any) -> None:
-    answer = reading.framed(encode(names, reading.LIMITS))
+    answer = reading.framed(encode((names, ()), reading.LIMITS))
     assert reading.converse_soundly(answer, loading=True) == "invalid_output"
 
 

@@ -51,6 +51,9 @@ class ObjectReader:
     def text(self, name: str) -> str:
         return str(self._typed(name, (str,), "a text"))
 
+    def texts(self, name: str) -> tuple[str, ...]:
+        return self.items(name, _text)
+
     def flag(self, name: str) -> bool:
         return bool(self._typed(name, (bool,), "true or false"))
 

@@ -133,6 +133,9 @@ class Diagnosis:
 class Verdict:
     """The whole verdict; `score` in [0, 1], `points` on the French scale of 20.
 
+    `remarks` say what was let through in the file; `load_error`, why it does not run, or what it lacks. JSON has these
+    two only where there is something to say.
+
     Raises ValueError for an outcome that the checks do not bear out: OK is every check passed, which earn 20 points
     together; what counts has checks; only an error of ours may come without any.
     """
@@ -145,9 +148,12 @@ class Verdict:
     diagnosis: Diagnosis | None = None
     stdout: str = ""
     timings: Mapping[str, float] = field(default_factory=dict)
+    remarks: Sequence[str] = ()
+    load_error: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "checks", tuple(self.checks))
+        object.__setattr__(self, "remarks", tuple(self.remarks))
         failed = [check.id for check in self.checks if not check.passed]
         earned = sum(check.points for check in self.checks)
         if self.outcome is Outcome.OK and (failed or abs(earned - MAX_POINTS) > DUST):
@@ -189,6 +195,8 @@ class Verdict:
             "stdout": self.stdout,
             "seed": self.seed,
             "timings": dict(self.timings),
+            **({"remarks": list(self.remarks)} if self.remarks else {}),
+            **({"load_error": self.load_error} if self.load_error else {}),
         }
 
     @classmethod
@@ -204,6 +212,8 @@ class Verdict:
                 "stdout": members.text("stdout"),
                 "seed": members.whole("seed"),
                 "timings": members.numbers("timings"),
+                "remarks": members.texts("remarks") if members.has("remarks") else (),
+                "load_error": members.text("load_error") if members.has("load_error") else "",
             }
             stated = {name: members.number(name) for name in ("score", "points", "max_points")}
         try:

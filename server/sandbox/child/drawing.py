@@ -85,7 +85,8 @@ def warm_up() -> None:
 
 
 def is_loaded() -> bool:
-    return "matplotlib.pyplot" in sys.modules
+    """Whether matplotlib itself is loaded, and no stand-in of it (`drawing_stand_ins`)."""
+    return "get_fignums" in vars(sys.modules.get("matplotlib.pyplot", sys))
 
 
 def figures() -> tuple[Array, ...]:

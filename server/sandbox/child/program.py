@@ -10,20 +10,24 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from types import CodeType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
 
 from . import course_calls, drawing, last_expression, library, report
 from .codec import UnsendableValue, Value, ValueLimits, ValueTooBig, encode, encode_returned
+from .drawing_stand_ins import STAND_INS, Dessin, display, get_ipython
 from .frames import FAULT_LIMITS
 from .kits import KitModules, expose_kit
+from .notebook_text import Note, clean_notebook_text
 from .tracer import Tracer
 
 MODULE = "solution"
 #: Among a kit's names: functions that call some functions of the file, by the names of these.
 DRIVERS = "__drivers__"
+#: Kinds of notes on what was let through, besides those of `notebook_text`.
+EXIT, DRAWING = "exit", "drawing"
 MAX_NAMES, MAX_NAME = 1000, 120
 #: Python frames that the stack of a child can always hold.
 RECURSION = 20_000
@@ -55,6 +59,7 @@ class Program:
         self._deferred_code: list[CodeType] = []
         self._course_functions: ModuleType = library.EarlierFunctions((), {})
         self._offered: frozenset[str] = frozenset()
+        self._notes: list[Note] = []
 
     def set_answer_limits(self, limits: ValueLimits) -> None:
         """Set the bounds of answers."""
@@ -70,11 +75,12 @@ class Program:
         library_files: Sequence[library.EarlierFile] = (),
         course_functions: Sequence[str] = (),
         ask: course_calls.Ask | None = None,
+        stands_in: bool = True,
     ) -> bytes:
-        """Run the file's top level; return the encoded names of the callables that it defines.
+        """Run the file's top level; return, encoded, the names of the callables in it and what was let through.
 
         With `echo_last`, the value of a last expression is printed. With `deferred`, only `trace` runs it. `ask` calls
-        the functions of the course that the file may import.
+        the functions of the course that the file may import; `stands_in` for libraries that draw.
         """
         codes = self._compile(source, filename, last_expression.split_last_expression if echo_last else _compile_whole)
         if echo_last:
@@ -82,16 +88,18 @@ class Program:
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module
+        STAND_INS.enabled = stands_in
         library.install_library(library.EarlierFunctions(library_files, self._injected, course_functions, ask))
         self._globals = module.__dict__
         self._deferred_code = codes
         if not deferred:
-            self._run_student_code(self._run_deferred)
+            self._run_student_code(self._run_top_level)
         if drawing.is_loaded():
             self._globals[drawing.FIGURES] = drawing.figures
         names = self._defined_names()
         self._functions = frozenset(names)
-        return encode(names, self._limits)
+        drawings = [(DRAWING, root) for root in STAND_INS.used]
+        return encode((names, (*self._notes, *drawings)), self._limits)
 
     def hold_course_functions(self, files: Sequence[library.EarlierFile], offered: Sequence[str]) -> None:
         """Hold the course's functions instead of a program, for `answer_call`.
@@ -113,6 +121,21 @@ class Program:
     def defines(self, function: str) -> bool:
         """Whether `load` returned this name."""
         return function in self._functions
+
+    def _run_top_level(self) -> None:
+        """Run the file's top level, up to an `exit` if it has defined something by then."""
+        try:
+            self._run_deferred()
+        except SystemExit as stop:
+            if not any(map(self._is_written_in_file, self._globals.values())):
+                raise
+            lines = report.own_lines(stop.__traceback__, self._filename)
+            self._notes.append((EXIT, lines[0] if lines else 1))
+
+    def _is_written_in_file(self, value: object) -> bool:
+        if isinstance(value, FunctionType):
+            return value.__code__.co_filename == self._filename
+        return isinstance(value, type) and value.__module__ == MODULE
 
     def _run_deferred(self) -> None:
         """Run the deferred code of the file's top level."""
@@ -156,7 +179,7 @@ class Program:
         """Release the file and its kit: their names, which refer to each other, its module and its lines."""
         self._globals.clear()
         self._globals, self._injected, self._drivers, self._functions = {}, {}, {}, frozenset()
-        self._lines, self._filename = [], ""
+        self._lines, self._filename, self._notes = [], "", []
         linecache.clearcache()
         sys.modules.pop(MODULE, None)
 
@@ -195,9 +218,23 @@ class Program:
         self._lines, self._filename = re.split("\r\n|\r|\n", text), filename
         linecache.cache[filename] = (len(text), None, [line + "\n" for line in self._lines], filename)
         try:
-            return parts(source, filename)
+            return self._compile_parts(source, text, filename, parts)
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
             raise ProgramFailure(report.describe_syntax(error, self._lines)) from None
+
+    def _compile_parts(
+        self, source: bytes, text: str, filename: str, parts: Callable[[bytes, str], list[CodeType]]
+    ) -> list[CodeType]:
+        """Compile the file as it is, or else without traces of a notebook, if it has some."""
+        try:
+            return parts(source, filename)
+        except SyntaxError:
+            cleaned, notes = clean_notebook_text(text)
+            if not notes:
+                raise
+        codes = parts(cleaned.encode(), filename)
+        self._notes += notes
+        return codes
 
     def _run_student_code(self, action: Callable[..., Any], *arguments: Any) -> Any:
         try:
@@ -230,7 +267,10 @@ class Program:
         names = [
             name
             for name, value in self._globals.items()
-            if isinstance(name, str) and callable(value) and not (name in injected and injected[name] is value)
+            if isinstance(name, str)
+            and callable(value)
+            and type(value) is not Dessin
+            and not (name in injected and injected[name] is value)
         ]
         return tuple(name[:MAX_NAME] for name in names[:MAX_NAMES])
 
@@ -273,7 +313,7 @@ def prepare_interpreter(modules_of_ours: str) -> None:
     """Prepare the interpreter for students: `exit`, a bounded recursion, no module of ours."""
     sys.argv[:] = ["solution.py"]
     sys.dont_write_bytecode = True
-    vars(builtins).update(exit=sys.exit, quit=sys.exit)
+    vars(builtins).update(exit=sys.exit, quit=sys.exit, get_ipython=get_ipython, display=display)
     set_limit = sys.setrecursionlimit
     sys.setrecursionlimit = lambda limit: set_limit(min(limit, RECURSION))
     for name in [name for name in sys.modules if name.partition(".")[0] == modules_of_ours or name == "__main__"]:

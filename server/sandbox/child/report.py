@@ -58,6 +58,16 @@ def _text(error: BaseException) -> str:
     return text
 
 
+def own_lines(traceback: TracebackType | None, filename: str) -> list[int]:
+    """Return the lines of the file in a traceback, outermost first."""
+    lines = []
+    while traceback is not None:
+        if traceback.tb_frame.f_code.co_filename == filename:
+            lines.append(traceback.tb_lineno)
+        traceback = traceback.tb_next
+    return lines
+
+
 def _own_frames(traceback: TracebackType | None, filename: str, lines: list[str]) -> list[tuple[int, str, str]]:
     frames: list[tuple[int, str, str]] = []
     while traceback is not None:

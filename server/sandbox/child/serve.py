@@ -149,6 +149,7 @@ class ForkServer:
                 library_files=library.decode_library(question["library"]),
                 course_functions=question["course_functions"],
                 ask=self._ask,
+                stands_in=question["stands_in"],
             ),
         )
         self.send(self._token, outcome, names)
@@ -319,7 +320,7 @@ def sample_configure() -> bytes:
 
 def sample_load(source: bytes) -> bytes:
     load: dict[str, Value] = {"source": np.frombuffer(source, np.uint8), "filename": "solution.py", "wall": 1000.0}
-    load |= {"shows_last": False, "waits": False, "library": (), "course_functions": ()}
+    load |= {"shows_last": False, "waits": False, "library": (), "course_functions": (), "stands_in": True}
     return _framed(3, frames.LOAD, _encoded(load))
 
 

@@ -33,6 +33,7 @@ from . import (
     serve,
 )
 from .codec import Value, ValueLimits
+from .drawing_stand_ins import STAND_INS
 from .imports import ForkHookRecorder, modules_to_import
 from .program import prepare_interpreter
 
@@ -79,6 +80,8 @@ class Template:
         stage, filters = inner.prepare_seccomp(self._lifted, folder=nest is not None and nest.folder)
         self._nest, self._wall_builder = nest, inner.WallBuilder(nest, filters, self._lifted, rules=rules)
         self._wall_builder.base_memory = inner.address_space(self._memory_statistics)
+        if not drawing.is_loaded():
+            sys.meta_path.insert(0, STAND_INS)
         self._child = serve.ForkServer(self._kits, self._wall_builder.reserve.close)
         prepare_interpreter(__package__)
         huge_pages.collapse_into_huge_pages(spread)

@@ -79,7 +79,9 @@ def verdicts(draw: Any) -> Verdict:
     diagnosis = draw(st.none() | st.builds(Diagnosis, st.text(), st.text(), st.text()))
     timings = draw(st.dictionaries(st.text(), st.floats(0, 1e6), max_size=3))
     seed = draw(st.integers(0, 2**53))
-    return Verdict(draw(st.text()), draw(st.text()), outcome, seed, results, diagnosis, draw(st.text()), timings)
+    remarks, error = draw(st.lists(st.text(), max_size=2)), draw(st.text())
+    stdout = draw(st.text())
+    return Verdict(draw(st.text()), draw(st.text()), outcome, seed, results, diagnosis, stdout, timings, remarks, error)
 
 
 @given(verdicts())
@@ -194,7 +196,10 @@ def test_a_verdict_that_its_checks_do_not_bear_out_cannot_be_made() -> None:
 @pytest.mark.parametrize(
     ("documented", "written"),
     [
-        (VerdictOut, STORED["wrong_answer"]),
+        (
+            VerdictOut,
+            dataclasses.replace(Verdict.from_json(STORED["wrong_answer"]), remarks=["r"], load_error="e").to_json(),
+        ),
         (CheckOut, STORED["wrong_answer"]["checks"][0]),
         (CounterexampleOut, STORED["wrong_answer"]["checks"][0]["counterexample"]),
         (DiagnosisOut, Diagnosis("a", "A", "Ainsi.", TEACHER).to_json()),
