@@ -42,6 +42,7 @@ class ImportPlan:
 
     school_class: SchoolClass
     roster: Roster
+    choice: ReadingChoice = AS_WRITTEN
     added: tuple[RosterLine, ...] = ()
     joining: tuple[tuple[RosterLine, Account], ...] = ()
     updated: tuple[tuple[RosterLine, Member], ...] = ()
@@ -96,7 +97,9 @@ def plan_import(
     )
     plan = _plan_class(db, school_class, roster, routes.here, by, replace=replace, is_first=True)
     warnings = (*roster.warnings, *routes.warnings)
-    return dataclasses.replace(plan, others=others, warnings=warnings, values=routes.values, skipped=routes.skipped)
+    return dataclasses.replace(
+        plan, choice=choice, others=others, warnings=warnings, values=routes.values, skipped=routes.skipped
+    )
 
 
 def _plan_class(
@@ -142,7 +145,7 @@ def _plan_class(
     )
     rejected.sort(key=lambda rejection: rejection.line)
     return ImportPlan(
-        school_class, roster, tuple(added), tuple(joining), tuple(updated), tuple(unchanged),
+        school_class, roster, AS_WRITTEN, tuple(added), tuple(joining), tuple(updated), tuple(unchanged),
         missing if replace else (), () if replace else missing, tuple(rejected),
     )  # fmt: skip
 

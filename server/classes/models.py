@@ -76,3 +76,15 @@ class Membership(Base):
     @property
     def is_staff(self) -> bool:
         return self.role in {ClassRole.assistant, ClassRole.teacher}
+
+
+class ListReading(Base):
+    """How a teacher said that the columns of a list are read: `columns`, the fields in order (`headers.Field`), empty
+    to leave one aside. `signature` is that of the row of headers (`roster.header_signatures`)."""
+
+    __tablename__ = "list_reading"
+
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True)
+    signature: Mapped[str] = mapped_column(String(64), primary_key=True)
+    columns: Mapped[list[str]] = mapped_column(JSON)
+    used_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)

@@ -1,5 +1,6 @@
 """When members were last seen: recorded every few minutes, so that reading a page does not write each time."""
 
+from datetime import timedelta
 from threading import Lock
 from uuid import UUID
 
@@ -7,11 +8,29 @@ from cachetools import TTLCache
 from sqlalchemy.orm import Session
 
 from server.classes import repository
-from server.classes.service import PRESENCE_INTERVAL, record_presence
 from server.database import Database, utc_now
 from server.identity.models import Account
 
+PRESENCE_INTERVAL = timedelta(minutes=5)
 MAX_CACHED_ACCOUNTS = 10_000
+
+
+def record_presence(db: Session, account_id: UUID) -> None:
+    """Record that a member is present; written every few minutes only."""
+    now = utc_now()
+    repository.update_last_seen(db, account_id, now, now - PRESENCE_INTERVAL)
+
+
+def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
+    """Whether the account is an active member of a class that is not archived, which gives its work priority.
+
+    `seen` also records its presence, as `record_presence` does.
+    """
+    memberships = repository.load_presence(db, account_id)
+    since = utc_now() - PRESENCE_INTERVAL
+    if seen and any(last_seen is None or last_seen < since for last_seen, _ in memberships):
+        record_presence(db, account_id)
+    return any(archived_at is None for _, archived_at in memberships)
 
 
 class PresenceRecorder:

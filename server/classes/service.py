@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from datetime import timedelta
 from uuid import UUID
 
 from sqlalchemy.exc import IntegrityError
@@ -20,7 +19,8 @@ from server.classes import importing, repository
 from server.classes.codes import new_code, parse_code
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.classes.roster import AS_WRITTEN, ReadingChoice, read_roster
+from server.classes.remembered_columns import recall_columns, remember_columns
+from server.classes.roster import AS_WRITTEN, ReadingChoice, parse_roster, read_roster
 from server.classes.roster_line import parse_groups
 from server.classes.schemas import (
     DEFAULT_CODE_LIFETIME,
@@ -29,14 +29,13 @@ from server.classes.schemas import (
     code_expiry,
     validate_class_name,
 )
-from server.classes.sheets import to_csv
+from server.classes.sheets import read_rows, to_csv
 from server.database import Database, utc_now
 from server.identity import administration, links
 from server.identity import service as identity
 from server.identity.models import Account, Role
 from server.limits import service as limits
 
-PRESENCE_INTERVAL = timedelta(minutes=5)
 UNKNOWN_CLASS = "Cette classe n’existe pas."
 NO_SUCH_CODE = "Aucune classe n’a ce code, ou il n’est plus valable : demandez le code du jour à votre enseignant."
 TOO_MANY_CODES = "Trop d’essais de codes : réessayez dans {seconds} s."
@@ -212,24 +211,6 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     repository.move_memberships(db, guest_id, account_id)
 
 
-def record_presence(db: Session, account_id: UUID) -> None:
-    """Record that a member is present; written every few minutes only."""
-    now = utc_now()
-    repository.update_last_seen(db, account_id, now, now - PRESENCE_INTERVAL)
-
-
-def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
-    """Whether the account is an active member of a class that is not archived, which gives its work priority.
-
-    `seen` also records its presence, as `record_presence` does.
-    """
-    memberships = repository.load_presence(db, account_id)
-    since = utc_now() - PRESENCE_INTERVAL
-    if seen and any(last_seen is None or last_seen < since for last_seen, _ in memberships):
-        record_presence(db, account_id)
-    return any(archived_at is None for _, archived_at in memberships)
-
-
 Hook = Callable[[Session, UUID], AbstractContextManager[None]]
 
 
@@ -282,12 +263,18 @@ class ClassService:
         choice: ReadingChoice = AS_WRITTEN,
         *,
         replace: bool = False,
+        recall: bool = False,
     ) -> tuple[ImportPlan, str]:
-        """Return the planned changes of a list, and the list as CSV. Raises Invalid, Conflict or Overloaded."""
+        """Return the planned changes of a list, and the list as CSV. `recall`: read as its teacher said before.
+
+        Raises Invalid, Conflict or Overloaded.
+        """
         require_open(school_class)
-        roster = read_roster(content, choice)
+        source = read_rows(content, choice.encoding or None)
         with self.database.read() as db:
-            planned = importing.plan_import(db, school_class, roster, by, choice, replace=replace)
+            used = recall_columns(db, by.id, source, choice) if recall else choice
+            roster = parse_roster(source, used)
+            planned = importing.plan_import(db, school_class, roster, by, used, replace=replace)
             return planned, to_csv(roster.rows)
 
     def import_list(
@@ -319,6 +306,7 @@ class ClassService:
                 planned = importing.plan_import(db, school_class, roster, by, choice, replace=replace)
                 applied = expected is None or expected == planned.digest
                 if applied:
+                    remember_columns(db, by.id, roster, choice)
                     for plan in (planned, *planned.others):
                         with around(db, plan.school_class.id):
                             importing.apply_import(db, plan, utc_now())

@@ -44,6 +44,7 @@ NEW_STAFF = "{name} enseigne ou assiste ici depuis le {when}, à la demande de {
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
 NEW_ACCOUNT_NOTE, EXISTING_ACCOUNT_NOTE = "compte à créer", "a déjà un compte ici"
 UPDATE_NOTES = {Status.left: "revient dans la classe", Status.pending: "est admis", Status.active: "fiche complétée"}
+CODE_LEAVING_NOTE = "entré par le code : aucune liste ne le nomme ; sort de la classe, son travail est gardé"
 LEAVING_NOTE = "n’est pas dans la liste : sort de la classe, son travail est gardé"
 
 
@@ -221,9 +222,14 @@ def build_import_page(course: Course, access: ClassAccess, plan: ImportPlan, tex
         "updated": [
             (line.line, line.name, member.account.login, UPDATE_NOTES[member.status]) for line, member in plan.updated
         ],
-        "left": [("", member.name, member.account.login, LEAVING_NOTE) for member in plan.left],
+        "left": [("", member.name, member.account.login, _leaving_note(member)) for member in plan.left],
+        "others": plan.others,
         "text": text,
     }
+
+
+def _leaving_note(member: Member) -> str:
+    return LEAVING_NOTE if member.membership.created_by_list else CODE_LEAVING_NOTE
 
 
 def build_slips_page(

@@ -15,7 +15,7 @@ from server.assignments import sittings
 from server.base.errors import Invalid, RateLimited
 from server.base.settings import Settings
 from server.base.validation import encode_bounded, parse_uuid
-from server.classes import service as classes
+from server.classes import presence
 from server.course.models import SEED_BITS, Exercise
 from server.database import utc_now
 from server.identity.models import Account
@@ -198,7 +198,7 @@ class Submissions:
         seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
         submission = repository.add(db, id=submission_id, account_id=account.id, exercise=exercise_id, **values)
-        sender = queue_sender(account, address, member=classes.is_member(db, account.id, seen=True))
+        sender = queue_sender(account, address, member=presence.is_member(db, account.id, seen=True))
         needs = None if self._version_of is None else version_requirement(exercise_id, self._version_of(exercise_id))
         self._queue.enqueue(
             db, GRADE, job_key(submission.id), sender=sender, limits=backlog_limits, required_version=needs
@@ -209,7 +209,7 @@ class Submissions:
         """Enqueue a submission (again); False where it is queued already."""
         if self._queue.position(db, GRADE, job_key(submission.id)) is not None:
             return False
-        sender = queue_sender(account, "", member=classes.is_member(db, account.id))
+        sender = queue_sender(account, "", member=presence.is_member(db, account.id))
         self._queue.enqueue(db, GRADE, job_key(submission.id), sender=sender)
         return True
 

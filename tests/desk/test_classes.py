@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from typing import Any
 from uuid import UUID
 
@@ -117,8 +118,6 @@ def test_a_list_is_shown_then_written(site: Site, martin: TestClient, href: str)
 
 
 def fields_of(page: str) -> dict[str, str]:
-    from html import unescape
-
     text = re.search(r'<textarea name="texte" hidden>\n(.*?)</textarea>', page, re.S)
     digest = re.search(r'name="attendu" value="(\w+)"', page)
     assert text
@@ -267,3 +266,64 @@ def test_a_class_asks_no_more_for_more_students(site: Site, martin: TestClient, 
             db.add(Membership(class_id=UUID(href.rpartition("/")[2]), account_id=account.id))
     assert statements() == few <= 6
     assert "40 élèves" in text_of(martin, f"{href}/eleves")
+
+
+def test_a_list_replaces_the_class_only_when_asked_and_by_names(site: Site, martin: TestClient, href: str) -> None:
+    shown = martin.post(f"{href}/liste", data={"texte": LIST}).text
+    martin.post(f"{href}/liste", data=fields_of(shown))
+    site.client.post(f"/rejoindre/{code_of(martin, href)}", data={"given": "Grace", "family": "Hopper"})
+    part = {"texte": "Élève;Bourse\nLOVELACE Ada;oui\nNOETHER Emmy;non\n"}
+    shown = martin.post(f"{href}/liste", data=part).text
+    assert "2 élèves de la classe ne sont pas dans la liste et y restent" in shown
+    assert "Remplacer la classe" in shown
+    replacing = martin.post(f"{href}/liste", data={**part, "mode": "remplacer"}).text
+    assert "Remplacer&nbsp;: 2 élèves sortent" in replacing
+    assert re.search(r"Grace Hopper.*?entré par le code", replacing, re.S)
+    martin.post(f"{href}/liste", data=fields_of(shown))
+    assert "4 élèves" in text_of(martin, f"{href}/eleves")
+    again = martin.post(f"{href}/liste", data={**part, "mode": "remplacer"}).text
+    martin.post(f"{href}/liste", data={**fields_of(again), "mode": "remplacer"})
+    assert "2 élèves" in text_of(martin, f"{href}/eleves")
+
+
+def test_columns_in_doubt_are_asked_and_remembered_for_the_next_file(site: Site, martin: TestClient, href: str) -> None:
+    content = "Kind;Vorname;Stufe\nLovelace;Ada;9\n"
+    asked = martin.post(f"{href}/liste", files={"fichier": ("a.csv", content.encode("utf-16"))})
+    assert asked.status_code == 422
+    assert "Quelle colonne est quoi" in asked.text
+    assert asked.text.count('<select name="colonne"') == 3
+    text = re.search(r'<textarea name="texte" hidden>\n(.*?)</textarea>', asked.text, re.S)
+    assert text
+    by_hand = {"texte": unescape(text[1]), "colonne": ["nom", "prenom", ""], "premiere": "2", "lu": "utf-16"}
+    shown = martin.post(f"{href}/liste", data=by_hand).text
+    assert "1 ajout" in shown
+    assert martin.post(f"{href}/liste", data={**by_hand, **fields_of(shown)}).status_code == 303
+    shown = martin.post(f"{href}/liste", data={"texte": "Kind;Vorname;Stufe\nTuring;Alan;9\n"}).text
+    assert "comme vous l’avez dit la dernière fois" in shown
+    assert "Alan Turing" in shown
+    other = person(site, Role.teacher, "M. Durand").browser(site)
+    made = other.post("/classes", data={"name": "PSI", "module": "l20"}).headers["location"]
+    assert other.post(f"{made}/liste", data={"texte": "Kind;Vorname;Stufe\nTuring;Alan;9\n"}).status_code == 422
+
+
+def test_accents_are_read_again_as_the_teacher_says(martin: TestClient, href: str) -> None:
+    content = "nom;prenom\nŒuvrard;Ana\n".encode("mac_roman")
+    shown = martin.post(f"{href}/liste", files={"fichier": ("a.csv", content)}).text
+    assert "Les accents sont lus comme écrits par Windows, mais" in shown
+    text = re.search(r'<textarea name="texte" hidden>\n(.*?)</textarea>', shown, re.S)
+    assert text
+    again = martin.post(f"{href}/liste", data={"texte": unescape(text[1]), "lu": "cp1252", "accents": "mac_roman"}).text
+    assert "Ana Œuvrard" in again
+
+
+def test_a_list_of_several_classes_is_shown_by_class(martin: TestClient, href: str) -> None:
+    other = martin.post("/classes", data={"name": "PCSI", "module": "l20"}).headers["location"]
+    listed = {"texte": "Classe;Nom;Prénom\nMPSI <2>;Lovelace;Ada\nPCSI;Turing;Alan\nPSI;Hopper;Grace\n"}
+    shown = martin.post(f"{href}/liste", data=listed).text
+    assert "<h2>PCSI</h2>" in shown
+    assert "1 ligne de « PSI »" in shown
+    martin.post(f"{href}/liste", data=fields_of(shown))
+    assert "Alan Turing" in text_of(martin, f"{other}/eleves")
+    chosen = martin.post(f"{href}/liste", data={**listed, "lu": "utf-8", "valeur": "PSI", "ici": "oui"}).text
+    assert "Grace Hopper" in chosen
+    assert "<h2>PCSI</h2>" not in chosen

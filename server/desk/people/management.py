@@ -1,10 +1,11 @@
 """Pages by which a teacher keeps a class: its list, its passwords, its settings."""
 
+from collections.abc import Mapping
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 from uuid import UUID
 
-from fastapi import APIRouter, File, Form, Request, UploadFile
+from fastapi import APIRouter, Form, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import editing as assignments
@@ -17,11 +18,13 @@ from server.classes import copying, service, slips
 from server.classes.dependencies import ClassServiceOf
 from server.classes.models import ClassRole
 from server.classes.repository import count_students
+from server.classes.roster import UnreadColumns
 from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
+from server.classes.sheets import to_csv
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.people import date_shift
+from server.desk.people import date_shift, list_import
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -47,8 +50,6 @@ SETTINGS = "Ce réglage de la classe"
 CHOOSE_ALL = "Dites de chaque cas s’il compte 0 ou ne compte pas."
 MAX_VERSION_DIGITS = 10
 NOBODY = "Cochez d’abord des élèves."
-REPLACE = "remplacer"
-NO_LIST = "Collez une liste, ou choisissez un fichier."
 STAFF_ROLES = {"assistant": ClassRole.assistant, "enseignant": ClassRole.teacher}
 LIFETIME_CHOICES = tuple(zip(CODE_LIFETIMES, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
 
@@ -82,10 +83,17 @@ def show_list_form(request: Request, class_id: str, reader: CurrentReader) -> Re
 
 
 def _render_list_form(
-    request: Request, account: Account, course: CourseOf, access: ClassAccess, text: str = "", problem: str = ""
+    request: Request,
+    account: Account,
+    course: CourseOf,
+    access: ClassAccess,
+    text: str = "",
+    problem: str = "",
+    question: Mapping[str, Any] | None = None,
 ) -> HTMLResponse:
     head, status = views.class_head(course, access, "/eleves"), 422 if problem else 200
-    return render_page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
+    context: dict[str, Any] = {"head": head, "text": text, "problem": problem, "question": question}
+    return render_page(request, "classes/list.html", account, status=status, **context)
 
 
 @router.post("/classes/{class_id}/liste")
@@ -96,11 +104,7 @@ def import_list(
     database: DatabaseOf,
     course: CourseOf,
     classes: ClassServiceOf,
-    texte: Field = "",
-    attendu: Field = "",
-    reprendre: Field = "",
-    mode: Field = "",
-    fichier: Annotated[UploadFile | None, File()] = None,
+    fields: FormFields,
 ) -> Response:
     """Shows what the list would change; with `attendu`, the digest of what was shown, writes it.
 
@@ -108,24 +112,37 @@ def import_list(
     """
     with database.read() as db:
         access = rights.require_right(db, account, Right.manage_roster, class_id)
-    if reprendre:
-        return _render_list_form(request, account, course, access, texte)
-    content = fichier.file.read() if fichier is not None and fichier.filename else texte.encode()
+    form = list_import.read_list_form(fields)
+    if fields.get("reprendre"):
+        return _render_list_form(request, account, course, access, form.text)
     try:
-        if not content.strip():
-            raise Invalid(NO_LIST)
-        if attendu:
+        form.require_content()
+        if form.expected:
             around = partial(recording_membership_changes, by=account.id)
-            _, written = classes.import_list(
-                access.school_class.id, account, content, attendu, around, replace=mode == REPLACE
-            )
+            write = partial(classes.import_list, around=around, choice=form.choice, replace=form.replace)
+            _, written = write(access.school_class.id, account, form.content, form.expected)
             if written:
                 return redirect(f"{views.class_href(access.school_class)}/eleves")
-        plan, text = classes.preview_import(access.school_class, account, content, replace=mode == REPLACE)
+        plan, text = classes.preview_import(
+            access.school_class, account, form.content, form.choice, replace=form.replace, recall=form.is_first
+        )
+    except UnreadColumns as refused:
+        question = list_import.build_columns(refused.source, refused.columns, form.read_as, 0)
+        text = to_csv(refused.source.rows)
+        return _render_list_form(request, account, course, access, text, refused.detail, question)
     except Invalid as refused:
-        return _render_list_form(request, account, course, access, texte, refused.detail)
-    view = views.build_import_page(course, access, plan, text)
-    return render_page(request, "classes/preview.html", account, page=view, again=bool(attendu))
+        return _render_list_form(request, account, course, access, form.text, refused.detail)
+    page = views.build_import_page(course, access, plan, text)
+    header = plan.roster.header
+    question = list_import.build_columns(plan.roster.source, header.columns, form.read_as, header.rows)
+    is_recalled = bool(plan.choice.columns) and not form.choice.columns
+    context: dict[str, Any] = {
+        "page": page,
+        "question": question,
+        "again": bool(form.expected),
+        "is_recalled": is_recalled,
+    }
+    return render_page(request, "classes/preview.html", account, **context, replace=form.replace)
 
 
 @router.post("/classes/{class_id}/acces")
