@@ -13,7 +13,6 @@ from server.database.engine import (
 from server.database.hot_path import (
     detached_instance,
     detached_instances,
-    equals_any,
     prepared_statement,
     select_core,
     write_core,
@@ -28,7 +27,6 @@ __all__ = [
     "UtcDateTime",
     "detached_instance",
     "detached_instances",
-    "equals_any",
     "is_lock_timeout",
     "is_unavailable",
     "prepared_statement",
