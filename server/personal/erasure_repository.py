@@ -26,6 +26,11 @@ def find_request(db: Session, account_id: UUID, class_id: UUID | None) -> Erasur
     return db.execute(query.where(same)).scalar_one_or_none()
 
 
+def load_account_requests(db: Session, account_id: UUID) -> Sequence[ErasureRequest]:
+    query = select(ErasureRequest).where(ErasureRequest.account_id == account_id)
+    return db.execute(query.order_by(ErasureRequest.requested_at)).scalars().all()
+
+
 def load_requests(db: Session) -> Sequence[ErasureRequest]:
     """Load all requests that stand, oldest first."""
     return db.execute(select(ErasureRequest).order_by(ErasureRequest.requested_at)).scalars().all()

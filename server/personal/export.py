@@ -24,7 +24,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
-from server.personal import repository
+from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
 from server.personal.marks_data import format_time, marks_data
 from server.polls import repository as polls
@@ -102,6 +102,10 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "login": account.login,
         "role": account.role,
         "created_at": format_time(account.created_at),
+        "erasure_requests": [
+            {"requested_at": format_time(request.requested_at), "by_staff": request.by_staff}
+            for request in erasure_repository.load_account_requests(db, account.id)
+        ],
         "known_browsers": [
             {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
         ],

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
+import json
 import re
 import threading
+import zipfile
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
@@ -113,6 +116,9 @@ def test_who_sits_a_test_is_erased_when_it_is_published_and_told_so(school: Scho
     assert "Interro" in page
     assert "L’effacement de votre compte est demandé" in told(school.ada.get("/compte"))
     assert school.begin() == 303, "they may go on"
+    with zipfile.ZipFile(io.BytesIO(school.ada.get("/compte/donnees").content)) as files:
+        (request,) = json.loads(files.read("compte.json"))["erasure_requests"]
+    assert request["by_staff"] is False
     school.tidy()
     with school.site.database.read() as db:
         assert db.execute(select(func.count()).select_from(Sitting)).scalar_one() == 1
