@@ -166,3 +166,12 @@ def test_english_is_cut_to_its_first_line_and_unknown_errors_keep_their_advice()
     assert "np.int a disparu" in message
     assert "Un diviseur est nul" in messages.runtime_error("ZeroDivisionError", "division by zero", 1, ())
     assert explain_error("ValueError", "quelque chose", "x vaut 1", (), ()) is None
+
+
+def test_a_file_of_many_names_costs_little() -> None:
+    """Whatever a hostile file holds: the nearest name is sought among some of its names, which are found once."""
+    lines = tuple(f"nom_{number} = {number}" for number in range(5000))
+    for _ in range(5):
+        assert explain_error("NameError", "name 'nom_x' is not defined", "", (), lines)
+    assert explain_error("NameError", "name 'x' is not defined", "", (), ("(" * 50_000,))
+    assert explain_error("NameError", "name 'x' is not defined", "", (), ("x = 1\n" * 50_000,))

@@ -9,14 +9,16 @@ import keyword
 import math
 import re
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from itertools import islice
 
 from server.sandbox import renamed_names
 from server.sandbox.explanations.attributes import explain_numpy_name, numpy_names
 from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import describe_odd_letters, latin_spelling
 
-#: Longest file whose names are searched.
-_LONGEST = 100_000
+#: Longest file whose names are searched, and how many of its names.
+_LONGEST, _MOST_NAMES = 100_000, 1000
 _MODULE_NAMES = {"math", "cmath", "random", "itertools", "functools", "collections", "copy", "time", "sys", "os", "re"}
 _LIBRARIES = {
     "numpy": "import numpy",
@@ -135,13 +137,18 @@ def _explain_unbound(name: str, function: str, file_lines: Sequence[str]) -> str
 
 def _bound_names(file_lines: Sequence[str]) -> list[tuple[str, str, int]]:
     """Return the function (empty for the file itself), the name and the line of everything that gets a value."""
-    text = "\n".join(file_lines)
+    return list(_bindings_of_text("\n".join(file_lines)))
+
+
+@lru_cache(maxsize=4)
+def _bindings_of_text(text: str) -> tuple[tuple[str, str, int], ...]:
+    """Return the bindings of a file in the order of its lines; at most `_MOST_NAMES`, none for one that is too long."""
     if len(text) > _LONGEST:
-        return []
+        return ()
     try:
-        return sorted(_bindings(ast.parse(text)), key=lambda it: it[2])
+        return tuple(sorted(islice(_bindings(ast.parse(text)), _MOST_NAMES), key=lambda it: it[2]))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return []
+        return ()
 
 
 def _bindings(tree: ast.AST) -> Iterator[tuple[str, str, int]]:
