@@ -135,6 +135,9 @@ class AssignmentOut(Strict):
     time_factor: Annotated[float | None, Field(description="Of the student who asks; null to the staff.")]
     excused: Annotated[bool | None, Field(description="The same.")]
     url: str
+    warnings: Annotated[
+        list[str], Field(default_factory=list, description="To the staff: what its dates may do unmeant.")
+    ]
 
 
 class ExceptionIn(Strict):
@@ -170,6 +173,7 @@ class ExceptionOut(Strict):
     reason: str
     created_at: datetime
     revoked_at: datetime | None
+    warnings: Annotated[list[str], Field(default_factory=list, description="As it is made: what dates may do unmeant.")]
 
 
 class SaidOut(Strict):

@@ -1,5 +1,6 @@
 """Assignments of a class, and who is exempted from what."""
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
@@ -36,6 +37,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.lines import tidy_line
+from server.web.time_warnings import load_time_warnings
 
 router = APIRouter(tags=["assignments"])
 
@@ -88,7 +90,8 @@ def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: Cours
     told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _lateness(body.late)
     told |= {"exercises": _weighted(body.exercises), "opens_at": body.opens_at or utc_now()}
     made = editing.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
-    return _out(made, editing.load_assignment_input(db, made))
+    warnings = list(load_time_warnings(db, made))
+    return _out(made, editing.load_assignment_input(db, made), warnings=warnings)
 
 
 @router.get(ALL, responses=problems(401, 403, 404))
@@ -122,7 +125,8 @@ def read(class_id: str, aid: str, account: ApiAccount, db: Db) -> AssignmentOut:
     place = rights.require_right(db, account, Right.see_assignments, class_id)
     assignment = editing.find_assignment(db, place.school_class, aid)
     if place.has(Right.see_students):
-        return _out(assignment, editing.load_assignment_input(db, assignment))
+        warnings = list(load_time_warnings(db, assignment))
+        return _out(assignment, editing.load_assignment_input(db, assignment), warnings=warnings)
     return _own(student_assignments.load_student_assignment(db, assignment, account.id, _seat(place).groups, utc_now()))
 
 
@@ -142,7 +146,8 @@ def change(
         told["exercises"] = _weighted(body.exercises)
     told["opens_at"] = told["opens_at"] or utc_now()
     editing.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
-    return _out(assignment, editing.load_assignment_input(db, assignment))
+    warnings = list(load_time_warnings(db, assignment))
+    return _out(assignment, editing.load_assignment_input(db, assignment), warnings=warnings)
 
 
 @router.delete(ONE, status_code=204, responses=problems(401, 403, 404, 409))
@@ -166,10 +171,10 @@ def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: 
     whom = ExemptionTarget((body.student,) if body.student else (), tidy_line(body.group or ""))
     members = classes.load_members(db, place.school_class.id)
     (made,) = exemption_service.grant_exemptions(db, place.school_class, account.id, assignment, members, whom, effect)
-    return _exception(made)
+    return _exception(made, list(load_time_warnings(db, assignment)))
 
 
-def _exception(exemption: Exemption) -> ExceptionOut:
+def _exception(exemption: Exemption, warnings: Sequence[str] = ()) -> ExceptionOut:
     return ExceptionOut(
         id=exemption.id,
         student=exemption.account_id,
@@ -182,6 +187,7 @@ def _exception(exemption: Exemption) -> ExceptionOut:
         reason=exemption.reason,
         created_at=exemption.created_at,
         revoked_at=exemption.revoked_at,
+        warnings=list(warnings),
     )
 
 

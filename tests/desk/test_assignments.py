@@ -340,6 +340,9 @@ def test_a_copy_takes_the_assignments_along_at_their_time_of_day(school: School)
         ({"semaines": "52"}, "2032-03-22T08:00", "2032-03-29T18:00"),
         ({"semaines": "-3"}, "2031-03-03T08:00", "2031-03-10T18:00"),
         ({"rentree": "2031-09-01", "semaines": "7"}, "2031-09-01T08:00", "2031-09-08T18:00"),
+        ({"rentree": "2031-09-02"}, "2031-09-08T08:00", "2031-09-15T18:00"),
+        ({"rentree": "2031-03-19"}, "2031-03-24T08:00", "2031-03-31T18:00"),
+        ({"rentree": "2030-10-01"}, "2030-10-07T08:00", "2030-10-14T18:00"),
         ({}, "2032-03-22T08:00", "2032-03-29T18:00"),
     ):
         copied = school.martin.post(f"{school.href}/copier", data={"name": "PSI", **fields})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from uuid import UUID
 
@@ -42,6 +42,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.text.plain import visible
 from server.web.form_version import version_of
+from server.web.time_warnings import time_warnings
 from server.web.words import short_moment
 
 ORDERS = ("eleve", "date")
@@ -63,12 +64,13 @@ def build_exemptions_page(
     members = classes.load_members(db, access.school_class.id)
     order = order if order in ORDERS else ORDERS[0]
     names = words.field_names(is_test=assignment.mode == Mode.test)
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     return ExemptionsPage(
         head=views.class_head(course, access, TAB),
         title=assignment.title,
         href=assignment_href(assignment),
         version=version or exemptions_version(db, assignment),
-        rows=tuple(_sorted_rows(db, assignment, members, order)),
+        rows=tuple(_sorted_rows(assignment, exemptions, members, order)),
         order=order,
         students=tuple((str(each.id), each.name) for each in active_students(members)),
         groups=tuple(student_labels(members)),
@@ -80,6 +82,7 @@ def build_exemptions_page(
             (names[name], words.format_field_value(name, getattr(assignment, name)))
             for name in ("opens_at", "due_at", "closes_at")
         ),
+        warnings=time_warnings(db, assignment, exemptions, members),
     )
 
 
@@ -89,7 +92,9 @@ def exemptions_version(db: Session, assignment: Assignment) -> str:
     return version_of({str(exemption.id): "" for exemption in active})
 
 
-def _sorted_rows(db: Session, assignment: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
+def _sorted_rows(
+    assignment: Assignment, exemptions: Collection[Exemption], members: Sequence[Member], order: str
+) -> Sequence[ExemptionRow]:
     """Those that hold first, then those revoked; by the class's list, groups before, or the newest first."""
     places = {each.id: (access, each) for access, each in enumerate(members)}
 
@@ -100,10 +105,7 @@ def _sorted_rows(db: Session, assignment: Assignment, members: Sequence[Member],
             return held, -each.created_at.timestamp()
         return held, seat is not None, seat[0] if seat else 0, (each.label or "").casefold(), each.created_at
 
-    return [
-        _exemption_row(assignment, each, places)
-        for each in sorted(repository.load_exemptions(db, [assignment.id]).get(assignment.id, ()), key=key)
-    ]
+    return [_exemption_row(assignment, each, places) for each in sorted(exemptions, key=key)]
 
 
 def _exemption_row(assignment: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
@@ -135,7 +137,8 @@ def exemptions_csv(db: Session, access: ClassAccess, assignment: Assignment, ord
     names = list(words.field_names(is_test=assignment.mode == Mode.test).values())
     header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
     rows = []
-    for row in _sorted_rows(db, assignment, classes.load_members(db, access.school_class.id), order):
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    for row in _sorted_rows(assignment, exemptions, classes.load_members(db, access.school_class.id), order):
         told = dict(row.effects)
         who = ["", row.who] if row.is_group else [row.who, ""]
         effects_of = [told.get(name, "") for name in names]

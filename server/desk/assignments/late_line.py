@@ -26,6 +26,7 @@ class LateLine:
 
     svg: Markup
     sentences: tuple[str, ...]
+    is_test: bool = False
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def draw_late_line(rules: Rules) -> LateLine:
     """Of the rules in force."""
     sentences = tuple(_sentences(rules))
     pieces = list(_line_segments(rules))
-    return LateLine(_render_svg(rules, pieces, " ".join(sentences)), sentences)
+    return LateLine(_render_svg(rules, pieces, " ".join(sentences)), sentences, rules.is_test)
 
 
 def _line_segments(rules: Rules) -> Iterator[_LineSegment]:
@@ -53,25 +54,26 @@ def _line_segments(rules: Rules) -> Iterator[_LineSegment]:
     if rules.late is LatePolicy.accept and accepted > on_time:
         yield _LineSegment(on_time, accepted, MAX_POINTS, MAX_POINTS)
     elif rules.late is LatePolicy.penalty:
-        yield from _penalty_steps(on_time, accepted, rules.late_per_day)
+        yield from _penalty_steps(rules, on_time, accepted)
     shut = on_time if rules.late is LatePolicy.refuse else accepted
     if end > shut:
         yield _LineSegment(shut, end, None, None)
 
 
-def _penalty_steps(due: datetime, end: datetime, per_day: float) -> Iterator[_LineSegment]:
-    """A step for each day begun, down to nothing."""
-    days = min(math.ceil((end - due) / DAY), math.ceil(MAX_POINTS / per_day))
+def _penalty_steps(rules: Rules, due: datetime, end: datetime) -> Iterator[_LineSegment]:
+    """A step for each day begun on the school's clock, down to nothing."""
+    per_day = rules.late_per_day
+    days = min(rules.count_days_late(end), math.ceil(MAX_POINTS / per_day))
     if days > MAX_DRAWN_STEPS:
-        bottom = min(due + days * DAY, end)
+        bottom = min(school_time.end_of_day(due, days, rules.zone), end)
         yield _LineSegment(due, bottom, MAX_POINTS, max(0.0, MAX_POINTS - days * per_day))
         days, reached = 0, bottom
     else:
         reached = due
     for day in range(1, days + 1):
         worth = max(0.0, MAX_POINTS - day * per_day)
-        reached = min(due + day * DAY, end)
-        yield _LineSegment(due + (day - 1) * DAY, reached, worth, worth)
+        begin, reached = reached, min(school_time.end_of_day(due, day, rules.zone), end)
+        yield _LineSegment(begin, reached, worth, worth)
     if reached < end:
         yield _LineSegment(reached, end, 0.0, 0.0)
 
@@ -122,13 +124,20 @@ def _render_svg(rules: Rules, pieces: Sequence[_LineSegment], told: str) -> Mark
 
 
 def _named_dates(rules: Rules) -> Iterator[tuple[datetime, str]]:
-    for when, name in ((rules.opens_at, "ouvre"), (rules.due_at, "à rendre"), (rules.closes_at, "ferme")):
+    for when, name in (
+        (rules.opens_at, "ouvre"),
+        (rules.due_at, "à commencer" if rules.is_test else "à rendre"),
+        (rules.closes_at, "ferme"),
+    ):
         if when is not None:
             yield when, name
 
 
 def _sentences(rules: Rules) -> Iterator[str]:
     opens, due, closes = rules.opens_at, rules.due_at, rules.closes_at
+    if rules.is_test:
+        yield from _test_sentences(rules)
+        return
     if due is None:
         until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
         yield f"À partir du {long_moment(opens)}, {until}, rien n’est en retard."
@@ -146,6 +155,27 @@ def _sentences(rules: Rules) -> Iterator[str]:
         yield f"Ensuite, {until}, {_penalty_sentence(rules.late_per_day)}"
     if closes:
         yield "Après la fermeture, plus rien ne compte."
+
+
+def _test_sentences(rules: Rules) -> Iterator[str]:
+    """A test is as late as it was begun."""
+    due, closes = rules.due_at, rules.closes_at
+    first = min((end for end in (due, closes) if end is not None), default=None)
+    begun = (
+        f"du {long_moment(rules.opens_at)} au {long_moment(first)}"
+        if first
+        else f"dès le {long_moment(rules.opens_at)}"
+    )
+    yield f"Commencé {begun}, tout ce qui est envoyé jusqu’à sa fin compte en entier."
+    if due is not None and (closes is None or closes > due):
+        if rules.late is LatePolicy.refuse:
+            yield "Ensuite, on ne le commence plus ; qui l’a commencé garde son temps."
+        elif rules.late is LatePolicy.accept:
+            yield "Commencé ensuite, il compte en entier et il est marqué en retard."
+        else:
+            yield f"Commencé ensuite, {_penalty_sentence(rules.late_per_day)}"
+    if closes is not None:
+        yield "À la fermeture, il finit pour tous."
 
 
 def _penalty_sentence(per_day: float) -> str:

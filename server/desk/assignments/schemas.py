@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from server.classes.schemas import Member
@@ -84,6 +84,7 @@ class AssignmentPage:
     may_keep: bool
     may_compare: bool
     release: ReleaseView | None
+    warnings: Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,7 @@ class ExemptionsPage:
     may_keep: bool
     zone: str
     own: tuple[tuple[str, str], ...]
+    warnings: Sequence[str]
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import editing, repository
+from server.assignments.exemption_service import active_students
 from server.assignments.models import Assignment, Mode
 from server.assignments.rules import Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
@@ -35,6 +36,7 @@ from server.desk.assignments.schemas import (
 from server.desk.sitting.views import release_view
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.web.time_warnings import time_warnings
 from server.web.views import exercise_href, exercises_in_reading_order
 from server.web.words import iso_moment, long_moment
 
@@ -107,7 +109,9 @@ def _assignment_row(
 
 def build_assignment_page(db: Session, course: Course, access: ClassAccess, assignment: Assignment) -> AssignmentPage:
     wanted = editing.load_assignment_input(db, assignment)
-    exempted = repository.count_exemptions(db, [assignment.id]).get(assignment.id, 0)
+    exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
+    members = classes.load_members(db, access.school_class.id)
+    exempted = sum(each.revoked_at is None for each in exemptions)
     finished = desk.count_finished_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
     return AssignmentPage(
         head=views.class_head(course, access, TAB),
@@ -115,12 +119,13 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
         exercises=tuple(_weighted_exercise_row(course, each.exercise, each.weight) for each in wanted.exercises),
         facts=tuple(_rule_facts(wanted)),
         line=draw_late_line(common_rules(assignment)),
-        students=classes.count_students(db, [access.school_class.id])[access.school_class.id][0],
+        students=len(active_students(members)),
         may_keep=may_manage(access),
         may_compare=access.has(Right.compare_codes),
         release=release_view(db, assignment)
         if assignment.mode == Mode.test and access.has(Right.release_feedback)
         else None,
+        warnings=time_warnings(db, assignment, exemptions, members),
     )
 
 

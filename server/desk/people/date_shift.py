@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import date
 
 from sqlalchemy.orm import Session
@@ -20,9 +21,9 @@ TOO_FAR = "Cette date est à plus de dix ans de la première ouverture."
 
 
 def shift_in_days(db: Session, original: SchoolClass, weeks: str, first_day: str) -> int:
-    """From a number of weeks (a year's where nothing is said); or so that the first assignment opens on that day.
+    """From a number of weeks (a year's where nothing is said); or so that the first assignment opens from that day on.
 
-    Raises Invalid.
+    Always whole weeks, so that each date stays on its weekday. Raises Invalid.
     """
     if not first_day.strip():
         return WEEK * _parse_weeks(weeks.strip() or DEFAULT_WEEKS)
@@ -33,7 +34,7 @@ def shift_in_days(db: Session, original: SchoolClass, weeks: str, first_day: str
     rows = repository.load_class_assignments(db, original.id)
     if not rows:
         return 0
-    moved = (wanted - school_time.to_local(rows[0].opens_at).date()).days
+    moved = WEEK * math.ceil((wanted - school_time.to_local(rows[0].opens_at).date()).days / WEEK)
     if abs(moved) > WEEK * MAX_WEEKS:
         raise Invalid(TOO_FAR)
     return moved
