@@ -10,7 +10,7 @@ from server.marks.cells import Cell
 from server.marks.files import column_cell, exercise_cell, mark_cell
 from server.marks.means import format_number, format_points
 from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_withheld
-from server.marks.states import UNMARKED_STATES, MarkState
+from server.marks.states import UNMARKED_STATES, Counting, MarkState
 from server.web.words import short_moment
 
 NO_POINTS = "—"
@@ -62,7 +62,14 @@ def exercise_mark_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) 
     state = exercise.state_in(mark.state)
     late = 0 if state in {MarkState.excused, MarkState.absent} else exercise.days_late
     text = cell_text(exercise_cell(exercise, mark))
-    return MarkCell(text, href, late, exercise.override is not None, exercise.stale, state=state)
+    counts = COUNTS_ZERO if counts_as_blank(exercise, mark) else ""
+    return MarkCell(text, href, late, exercise.override is not None, exercise.stale, state=state, counts=counts)
+
+
+def counts_as_blank(exercise: ExerciseMark, mark: AssignmentMark) -> bool:
+    """Whether an exercise without points counts 0 in an assignment that was handed in."""
+    is_blank = mark.state is MarkState.done and exercise.state_in(mark.state) in UNMARKED_STATES
+    return is_blank and not mark.endless and mark.marking.unanswered is Counting.zero
 
 
 def column_mark_cell(mark: ColumnMark, href: str) -> MarkCell:

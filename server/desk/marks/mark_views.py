@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 from server.base.errors import NotFound
 from server.course import Course
-from server.desk.marks.cells import assignment_cell, cell_text, points_text
+from server.desk.marks.cells import COUNTS_ZERO, assignment_cell, cell_text, counts_as_blank, points_text
 from server.desk.marks.schemas import AveragePage, ExerciseView, MarkForm, MarkPage
 from server.desk.marks.views import UNKNOWN
 from server.desk.views import class_head
-from server.marks.files import exercise_cell, state_words, unique_titles
+from server.marks.files import exercise_cell, unique_titles
 from server.marks.means import format_number
 from server.marks.own import list_terms
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, Gradebook
@@ -63,7 +63,7 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
             ExerciseView(
                 title=gradebook.title_of(exercise.exercise),
                 points=cell_text(exercise_cell(exercise, mark)),
-                state=state_words(exercise.state_in(mark.state)),
+                counts=COUNTS_ZERO if counts_as_blank(exercise, mark) else "",
                 mark=exercise,
                 others=tuple(asking.get(exercise.exercise, ())),
             )

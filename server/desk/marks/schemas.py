@@ -117,11 +117,12 @@ class GradebookPage:
 
 @dataclass(frozen=True)
 class ExerciseView:
-    """One exercise of an assignment, for one student. `others`: the titles of the other assignments that ask it."""
+    """One exercise of an assignment, for one student. `others`: the titles of the other assignments that ask it;
+    `counts`: how it counts where it has no points."""
 
     title: str
     points: str
-    state: str
+    counts: str
     mark: ExerciseMark
     others: tuple[str, ...]
 
