@@ -39,7 +39,6 @@ FIELDS: Mapping[str, str] = {
     "bonus": "bonus",
     "published_at": "publiée le",
     "position": "place",
-    "comment": "remarque",
     "role": "rôle",
     "name": "nom",
     "explanation": "explication",

@@ -223,11 +223,12 @@ def _store_mark(
         about=column.title,
         before=_mark_values(seen),
         after=_mark_values(wanted),
+        reason=wanted.comment if wanted.comment != seen.comment else "",  # erased with the student, as values are not
     )
 
 
 def _mark_values(mark: TypedMark) -> dict[str, object]:
-    return {"points": mark.points, "state": mark.state, "comment": mark.comment or None}
+    return {"points": mark.points, "state": mark.state}
 
 
 def _values(column: ManualColumn) -> dict[str, object]:
