@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -16,7 +16,9 @@ from server.base.settings import Settings
 from server.classes import repository, service
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
+from server.database import utc_now
 from server.identity import links
+from server.identity import repository as identity
 from server.identity.models import Role
 
 NO_PASSWORD_HERE = (
@@ -27,24 +29,38 @@ NO_PASSWORD_HERE = (
 
 @dataclass(frozen=True)
 class PasswordSlip:
-    """The data of a paper slip: name, login, and the token of a one-time link to a first password."""
+    """The data of a paper slip: name, login, and the code of a one-time link to a first password, until it ends."""
 
     name: str
     login: str
     token: str
+    expires_at: datetime
 
 
 def create_password_slips(
-    db: Session, school_class: SchoolClass, accounts: Collection[UUID] | None, settings: Settings, *, made_by: UUID
+    db: Session,
+    school_class: SchoolClass,
+    accounts: Collection[UUID] | None,
+    settings: Settings,
+    *,
+    made_by: UUID,
+    renew: bool = False,
 ) -> tuple[list[PasswordSlip], list[str]]:
-    """Create one-time links to a first password, sorted by name; also return why chosen accounts get none.
+    """Return slips with one-time links to a first password, sorted by name; also why chosen accounts get none.
 
-    `accounts` None: every account without a password. Only accounts created by this class's list whose owner is nothing
+    A slip that this class has given out and that is not used yet stays the same, and lasts anew; with `renew` all are
+    made anew, and the old ones stop working. `accounts` None: every account without a password.
+
+    Only accounts created by this class's list whose owner is nothing
     but a student anywhere get a link: members who joined with their own account keep control of it.
     """
     service.require_open(school_class)
     students = [member for member in repository.load_members(db, school_class.id) if member.is_active_student]
     staff = repository.filter_staff(db, {member.id for member in students})
+    earlier = (
+        {} if renew else identity.load_slip_links(db, {member.id for member in students}, school_class.id, utc_now())
+    )
+    lifetime = timedelta(days=settings.first_password_days)
     slips, refused = [], []
     for member in students:
         if accounts is not None and member.id not in accounts:
@@ -53,9 +69,15 @@ def create_password_slips(
             if accounts is not None:
                 refused.append(NO_PASSWORD_HERE.format(name=member.name))
         elif accounts is not None or member.account.password_hash is None:
-            lifetime = timedelta(days=settings.first_password_days)
-            token = links.create_password_link(db, member.account, lifetime, class_id=school_class.id, made_by=made_by)
-            slips.append(PasswordSlip(member.name, str(member.account.login), token))
+            link = earlier.get(member.id)
+            if link is not None and link.code and link.role == member.account.role:
+                code = link.code
+                link.made_by, link.expires_at = made_by, utc_now() + lifetime
+            else:
+                code = links.create_password_link(
+                    db, member.account, lifetime, class_id=school_class.id, made_by=made_by
+                )
+            slips.append(PasswordSlip(member.name, str(member.account.login), code, utc_now() + lifetime))
     return slips, refused
 
 

@@ -30,6 +30,7 @@ from server.database import utc_now
 from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
 from server.identity.models import Account
+from server.identity.secrets import format_code as format_slip_code
 from server.marks.repository import load_marking
 from server.rights import service as rights
 from server.rights.models import Right
@@ -238,7 +239,7 @@ def build_slips_page(
     links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in slips]
     return {
         "head": class_head(course, access, "/eleves"),
-        "slips": [(slip, link, render_qr_code(link)) for slip, link in links],
+        "slips": [(slip, format_slip_code(slip.token), render_qr_code(link)) for slip, link in links],
         "refused": refused,
         "days": days,
         "address": base,

@@ -79,11 +79,13 @@ def create_password_link(
 ) -> str:
     """Return the token by which an account chooses a password; an earlier one stops working.
 
-    `class_id` and `made_by` are those of a teacher's slip: it ends with their right to make it.
+    `class_id` and `made_by` are those of a teacher's slip: it ends with their right to make it; its token is a code.
     """
-    token = secrets.new_token()
-    expires_at = utc_now() + lifetime
-    repository.upsert_password_link(db, account, secrets.digest(token), expires_at, class_id=class_id, made_by=made_by)
+    token = secrets.new_token() if class_id is None else secrets.new_code()
+    repository.upsert_password_link(
+        db, account, secrets.digest(token), utc_now() + lifetime, class_id=class_id, made_by=made_by,
+        code=None if class_id is None else token,
+    )  # fmt: skip
     return token
 
 
@@ -100,7 +102,7 @@ def find_link_owner(db: Session, token: str, is_in_force: LinkCheck = accept_eve
 
     Raises NotFound.
     """
-    row = repository.find_link_with_account(db, secrets.digest(token), utc_now())
+    row = repository.find_link_with_account(db, secrets.digest(secrets.read_token(token)), utc_now())
     if row is None or not is_in_force(db, row[0]):
         raise NotFound(ENDED)
     return row[1]
@@ -108,10 +110,11 @@ def find_link_owner(db: Session, token: str, is_in_force: LinkCheck = accept_eve
 
 def use_password_link(db: Session, token: str, is_in_force: LinkCheck = accept_every_link) -> Account:
     """Use a link up, and return its account; of two simultaneous uses only one succeeds. Raises Conflict."""
-    row = repository.find_link_with_account(db, secrets.digest(token), utc_now())
+    token_digest = secrets.digest(secrets.read_token(token))
+    row = repository.find_link_with_account(db, token_digest, utc_now())
     if row is None or not is_in_force(db, row[0]):
         raise Conflict(ENDED)
-    account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
+    account_id = repository.use_password_link(db, token_digest, utc_now())
     account = None if account_id is None else repository.lock_account(db, account_id)
     if account is None or account.disabled_at is not None or account.role != row[0].role:
         raise Conflict(ENDED)

@@ -83,7 +83,8 @@ class PasswordLink(Base):
     """A one-time link by which the account's owner chooses a new password: one at most for each account.
 
     It ends when the account's role is no longer `role`. The link of a slip has the class of the slip and the teacher
-    who made it, and ends when they could make it no longer (`server.rights.slips`); that of an administrator has
+    who made it, and ends when they could make it no longer (`server.rights.slips`); its token is the short `code`, kept
+    as it is until it is used, so that the slips can be shown again. That of an administrator has
     neither.
     """
 
@@ -94,6 +95,7 @@ class PasswordLink(Base):
     class_id: Mapped[UUID | None]
     made_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
     token_digest: Mapped[str] = mapped_column(String(DIGEST_LENGTH), unique=True)
+    code: Mapped[str | None] = mapped_column(String(8))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
 

@@ -1,6 +1,6 @@
 """Queries on accounts, browser sessions, API tokens, invitations and links to a new password."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -200,12 +200,23 @@ def upsert_password_link(
     *,
     class_id: UUID | None = None,
     made_by: UUID | None = None,
+    code: str | None = None,
 ) -> None:
     """Store a link, replacing the account's earlier one."""
     row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
-    row |= {"role": account.role, "class_id": class_id, "made_by": made_by}
+    row |= {"role": account.role, "class_id": class_id, "made_by": made_by, "code": code}
     statement = upsert_statement(db, PasswordLink).values(account_id=account.id, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
+
+
+def load_slip_links(
+    db: Session, accounts: Collection[UUID], class_id: UUID, now: datetime
+) -> Mapping[UUID, PasswordLink]:
+    """Load the links with a code that have not ended, by account, of the slips of a class."""
+    query = select(PasswordLink).where(
+        PasswordLink.class_id == class_id, PasswordLink.code.is_not(None), PasswordLink.expires_at > now
+    )
+    return {link.account_id: link for link in db.execute(query).scalars() if link.account_id in accounts}
 
 
 def delete_password_link(db: Session, account_id: UUID) -> None:

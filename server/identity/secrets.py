@@ -6,12 +6,31 @@ from functools import lru_cache
 
 from pwdlib import PasswordHash
 
+from server.text.lines import tidy_line
+
 API_PREFIX = "balise_"
+CODE_LETTERS, CODE_LENGTH = "ABCDEFGHJKMNPQRSTUVWXYZ23456789", 8  # without 0, O, 1, I, L
 
 
 def new_token(prefix: str = "") -> str:
     """Return a secret of 256 bits, fit for a URL or a header."""
     return prefix + secrets.token_urlsafe(32)
+
+
+def new_code() -> str:
+    """Return a code of 8 readable characters, some 40 random bits: tries are rate limited, and each code ends soon."""
+    return "".join(secrets.choice(CODE_LETTERS) for _ in range(CODE_LENGTH))
+
+
+def read_token(text: str) -> str:
+    """Return the token of a link: a code as it is typed, in any case and with spaces and dashes, or the text itself."""
+    code = "".join(letter for letter in tidy_line(text).upper() if letter not in " -–—")
+    return code if len(code) == CODE_LENGTH and set(code) <= set(CODE_LETTERS) else text
+
+
+def format_code(code: str) -> str:
+    """Format a code for reading: ABCD-EFGH."""
+    return f"{code[: CODE_LENGTH // 2]}-{code[CODE_LENGTH // 2 :]}"
 
 
 def digest(token: str) -> str:

@@ -269,11 +269,14 @@ class AccountService:
         with self.database.write() as db:
             limits.take_token(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            return self.find_link_owner(db, token)
+            return links.find_link_owner(db, token, self.is_link_in_force)
 
-    def find_link_owner(self, db: Session, token: str) -> Account:
-        """Return the account of a link to a password that is in force. Raises NotFound."""
-        return links.find_link_owner(db, token, self.is_link_in_force)
+    def find_link_owner(self, token: str, address: str) -> Account:
+        """Return the account of a link or a typed code; wrong ones count. Raises NotFound or RateLimited."""
+        owner = self._owner_of_link(token, address)
+        with self.database.write() as db:
+            limits.give_back_token(db, f"login-from:{address}")
+        return owner
 
     def _choose(self, token: str, hashed: str, visitor: Account | None, device: str) -> OpenedSession:
         with self.database.write() as db:

@@ -1,12 +1,14 @@
 """Pages by which one comes and goes: sign up, log in, log out, one-time links."""
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
 from server.base.http import client_address, device_token, local_path, session_token
 from server.database.dependencies import Db
-from server.identity import links, service
+from server.identity import links, secrets, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, validate_new_account
@@ -17,6 +19,8 @@ from server.web.forms import Field, account_form, redirect
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
+
+CodeQuery = Annotated[str, Query(max_length=100)]
 
 
 @router.get("/inscription")
@@ -118,11 +122,20 @@ async def log_in(
     return render_page(request, "resend.html", opened.account, **context)
 
 
+@router.get("/nouveau-mot-de-passe")
+def open_slip(request: Request, account: OptionalAccount, code: CodeQuery = "") -> Response:
+    """Asks for the code of a slip, and leads to its page."""
+    letters = "".join(letter for letter in secrets.read_token(code) if letter.isalnum())
+    if letters:
+        return redirect(f"/nouveau-mot-de-passe/{letters}")
+    return account_form(request, "billet.html", account)
+
+
 @router.get("/nouveau-mot-de-passe/{token}")
 def new_password_form(
-    request: Request, account: OptionalAccount, accounts: AccountServiceOf, db: Db, token: str
+    request: Request, account: OptionalAccount, accounts: AccountServiceOf, token: str
 ) -> HTMLResponse:
-    owner = accounts.find_link_owner(db, token)
+    owner = accounts.find_link_owner(token, client_address(request))
     return account_form(request, "nouveau_mot_de_passe.html", account, login=owner.login)
 
 

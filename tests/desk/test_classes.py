@@ -130,14 +130,25 @@ def test_slips_lead_to_a_first_password(site: Site, martin: TestClient, href: st
     martin.post(f"{href}/liste", data=fields_of(shown))
     slips = martin.post(f"{href}/acces")
     assert slips.headers["cache-control"] == "private, no-store"
-    links = re.findall(r">http://testserver(/nouveau-mot-de-passe/[\w-]+)<", slips.text)
-    assert len(links) == 2
+    codes = re.findall(r'<strong class="slip-code">([A-Z2-9]{4}-[A-Z2-9]{4})<', slips.text)
+    assert len(codes) == 2
+    assert re.findall(r'"slip-code">([\w-]+)<', martin.post(f"{href}/acces").text) == codes, "a reload kills none"
+    links = [f"/nouveau-mot-de-passe/{code.lower()}" for code in codes]
+    typed = site.client.get("/nouveau-mot-de-passe", params={"code": f" {codes[0].lower()}\u200b "})
+    assert typed.headers["location"] == f"/nouveau-mot-de-passe/{codes[0].replace('-', '')}"
     ada = TestClient(site.app, follow_redirects=False)
     assert "ada" in text_of(ada, links[0])
     assert ada.post(links[0], data={"login": "ada", "new_password": "notes sur la machine"}).status_code == 303
     assert "Aller aux exercices" in text_of(ada, href)
     assert text_of(ada, links[0], 404)
-    assert "1 bande" in martin.post(f"{href}/acces").text, "who has chosen one needs none"
+    assert "1 billet" in martin.post(f"{href}/acces").text, "who has chosen one needs none"
+    renewed = martin.post(f"{href}/acces", data={"nouveaux": "oui"}).text
+    assert "remplacent ceux d’avant" in renewed
+    assert codes[1] not in renewed
+    text_of(ada, links[1], 404)
+    site.tighten(guest_burst=2, guest_refill_seconds=1000.0)
+    stranger = TestClient(site.app, follow_redirects=False)
+    assert [stranger.get(f"/nouveau-mot-de-passe/AAAABBB{last}").status_code for last in "234"] == [404, 404, 429]
     assert martin.post(f"{href}/acces", data={"choix": "coches"}).status_code == 422
 
 

@@ -150,13 +150,20 @@ def create_password_slips(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, settings: SettingsOf,
     eleve: AccountIds = None,
     choix: Field = "",
+    nouveaux: Field = "",
 ) -> HTMLResponse:  # fmt: skip
-    """Slips to print: for those who were chosen, else for all whose account has no password yet."""
+    """Slips to print: for those who were chosen, else for all whose account has no password yet.
+
+    They stay the same until they are used; `nouveaux` makes new ones, and the old ones stop working.
+    """
     access = rights.require_right(db, account, Right.hand_out_passwords, class_id)
     if choix and not eleve:
         raise Invalid(NOBODY)
-    given, refused = slips.create_password_slips(db, access.school_class, eleve or None, settings, made_by=account.id)
+    chosen, renew = eleve or None, bool(nouveaux)
+    create = partial(slips.create_password_slips, made_by=account.id, renew=renew)
+    given, refused = create(db, access.school_class, chosen, settings)
     view = views.build_slips_page(course, access, given, refused, settings.first_password_days, service_url(request))
+    view |= {"chosen": chosen or (), "renewed": renew}
     return render_page(
         request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view
     )
