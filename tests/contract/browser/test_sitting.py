@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select, update
 
+from server.assignments import sittings
 from server.assignments.models import Assignment, Mode, Sitting
 from server.base.settings import Settings
 from server.database import Database, utc_now
@@ -107,3 +108,23 @@ def test_without_a_script_one_begins_saves_and_hands_in(visit: NewVisit, sat: Sa
     page.get_by_role("button", name="Rendre définitivement").click()
     expect(page.locator("main")).to_contain_text("Rendu le")
     assert sat.codes() == ["x = 4"]
+
+
+def test_a_file_that_does_not_run_is_told_while_one_sits(visit: NewVisit, sat: Sat) -> None:
+    """By itself, on the page from which it was sent; of one that runs nothing is told."""
+    with sat.database.write() as db:
+        sittings.begin_sitting(db, sat.test, sat.account.id, (), utc_now())
+    here = sat.enters(visit(width=390))
+    here.open()
+    here.write("def composer(a, b)\n    return a")
+    here.page.get_by_role("button", name="Envoyer").click()
+    verdict = here.page.locator("#verdict")
+    expect(verdict).to_contain_text("reçu, mais à corriger", timeout=15_000)
+    expect(verdict).to_contain_text("Ligne 1")
+    expect(verdict).not_to_contain_text("/ 20")
+    check(here, "a file that does not run, in a test")
+    here.open()
+    here.write("def composer(a, b):\n    return a\ndef inverse(a):\n    return a\ndef relatif(a, b):\n    return a")
+    here.page.get_by_role("button", name="Envoyer").click()
+    expect(verdict).to_contain_text("Essai n° 2 reçu")
+    expect(verdict).not_to_contain_text("à corriger")
