@@ -101,20 +101,27 @@ def shelves(
 ) -> tuple[LibraryFile, ...]:
     """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's.
 
-    Not offered of the course's are the functions of `tested` exercises, which a test asks the author to write, nor
-    those that the exercise itself asks for. All its files go along: they import from one another.
+    All files of the course go along, as they import from one another, offered or not (`offers_course_functions`).
     """
-    asked = frozenset(function.name for function in course.exercises[exercise].functions)
-    return tuple(_library_files(course.reused(exercise), asked, own, tested))
+    return tuple(_library_files(course.exercises[exercise], course.reused(exercise), own, tested))
+
+
+def offers_course_functions(exercise: Exercise, reused: Exercise, tested: Collection[str]) -> bool:
+    """Whether programs of an exercise may have the course's functions of an earlier one called.
+
+    Not those of `tested` exercises, which a test asks the author to write, nor any that the exercise itself asks for.
+    """
+    asked = {function.name for function in exercise.functions}
+    return reused.id not in tested and asked.isdisjoint(function.name for function in reused.functions)
 
 
 def _library_files(
-    reused: Iterable[Exercise], asked: frozenset[str], own: Own, tested: Collection[str]
+    exercise: Exercise, reused_exercises: Iterable[Exercise], own: Own, tested: Collection[str]
 ) -> Iterator[LibraryFile]:
-    for exercise in reused:
-        functions = tuple(function.name for function in exercise.functions)
-        file = own.get(exercise.id)
+    for reused in reused_exercises:
+        functions = tuple(function.name for function in reused.functions)
+        file = own.get(reused.id)
         if file is not None:
-            yield LibraryFile(exercise.slug, functions, file)
-        offered = file is None and exercise.id not in tested and not asked.intersection(functions)
-        yield LibraryFile(exercise.slug, functions, exercise.solution.encode(), sealed=True, offered=offered)
+            yield LibraryFile(reused.slug, functions, file)
+        offered = file is None and offers_course_functions(exercise, reused, tested)
+        yield LibraryFile(reused.slug, functions, reused.solution.encode(), sealed=True, offered=offered)

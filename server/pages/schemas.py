@@ -157,12 +157,20 @@ class AttemptRow:
 
 @dataclass(frozen=True)
 class ReusedView:
-    """An earlier exercise whose functions may be imported; `when` is None where they are the course's."""
+    """An earlier exercise whose functions may be imported.
+
+    `when` says since when one's own are; without it, they are the course's if these are `offered`.
+    """
 
     title: str
     href: str
     functions: tuple[str, ...]
     when: datetime | None
+    offered: bool = True
+
+    @property
+    def importable(self) -> bool:
+        return self.when is not None or self.offered
 
 
 @dataclass(frozen=True)

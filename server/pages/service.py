@@ -11,11 +11,14 @@ from markupsafe import Markup
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
+from server.assignments import sittings
 from server.assignments.feedback import FeedbackHold
 from server.assignments.models import SavedWork
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
 from server.course import Exercise, Module
+from server.course.reuse import offers_course_functions
+from server.database import utc_now
 from server.gradebook import importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
@@ -88,9 +91,13 @@ def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
         if reader.account
         else {}
     )
+    tested = frozenset[str]()
+    if reader.account and earlier:
+        tested = sittings.load_tested_exercises(reader.db, reader.account.id, utc_now())
     for reused in earlier:
         functions = tuple(function.name for function in reused.functions)
-        yield ReusedView(reused.title, exercise_href(reused), functions, own.get(reused.id))
+        offered = offers_course_functions(exercise, reused, tested)
+        yield ReusedView(reused.title, exercise_href(reused), functions, own.get(reused.id), offered)
 
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:

@@ -81,3 +81,15 @@ def test_the_courses_answer_to_an_exercise_is_not_on_its_own_shelf(pupil: Pupil,
     verdict = pupil.submit("from mes_fonctions import initialiser, pas_mcl, estimer\n", exercise)
     assert (verdict["outcome"], verdict["score"]) == (Outcome.IMPORT_ERROR, 0.0)
     assert "mes_fonctions ne donne pas" in verdict["checks"][0]["message"]
+
+
+def test_the_page_says_which_functions_of_the_course_there_are(pupil: Pupil) -> None:
+    browser = pupil.who.browser(pupil.site)
+
+    def told(slug: str) -> list[bool]:
+        text = browser.get(f"/l20/exercices/{slug}").text
+        return ["celle du cours, en attendant la vôtre" in text, "la vôtre, une fois cet exercice réussi" in text]
+
+    assert (told("slam_graphe"), told("defi_kidnappe")) == ([True, False], [True, True])
+    pupil.begin()
+    assert told("slam_graphe") == [False, True]
