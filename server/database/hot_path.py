@@ -1,9 +1,9 @@
 """Fast statements for the hot path, from a submission to its verdict; other code should use the ORM or `select`.
 
 Three shortcuts: statements are built once and take bind parameters, rows are read as columns on the session's
-connection, and ORM objects are built from columns, detached. Statements built anew and run by the session cost at most
-2 ms of processor time more per submission (in one process, a busy machine: 14 to 15 ms with the shortcuts, 14 to 16
-without), under the 10 ms that would justify them: remove the rest where its callers are changed anyway.
+connection, and ORM objects are built from columns, detached. The first two make no difference beyond the noise of a
+busy machine (median processor time of a submission in one process: 14 to 15 ms with them, 14 to 16 without), under the
+10 ms that would justify them; the third was not measured. Remove them where their callers are changed anyway.
 """
 
 from __future__ import annotations
