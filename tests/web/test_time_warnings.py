@@ -82,7 +82,7 @@ def test_an_earlier_date_is_the_teacher_s_choice_and_is_told(site: Site, made: t
 SAID = [
     (
         "all past",
-        {"opens_at": -3 * DAY, "due_at": -2 * DAY, "closes_at": -DAY, "late": "refuse"},
+        {"opens_at": -3 * DAY, "due_at": -2 * DAY, "late": "refuse"},
         "Tout est déjà passé",
     ),
     ("due in the past", {"opens_at": -3 * DAY, "due_at": -2 * DAY}, "est déjà passée"),
