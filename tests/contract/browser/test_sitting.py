@@ -94,6 +94,25 @@ def test_what_is_on_the_screen_at_the_end_counts(visit: NewVisit, sat: Sat) -> N
 
 
 @pytest.mark.slow
+def test_an_end_that_is_put_off_is_told_at_once(visit: NewVisit, sat: Sat) -> None:
+    here = sat.enters(visit())
+    page = here.page
+    page.on("dialog", lambda dialog: dialog.accept())
+    page.goto(sat.server.address + sat.path)
+    page.get_by_role("button", name="Commencer").click()
+    with sat.database.write() as db:
+        began = utc_now() - timedelta(minutes=60) + timedelta(seconds=8)
+        db.execute(update(Sitting).where(Sitting.account_id == sat.account.id).values(began_at=began))
+    here.open()
+    expect(page.locator(".countdown")).to_contain_text("il reste")
+    with sat.database.write() as db:
+        db.execute(update(Assignment).where(Assignment.id == sat.test.id).values(duration_minutes=90))
+    expect(page.locator("#annonce")).to_contain_text("La fin du contrôle a changé")
+    expect(page.locator(".countdown")).to_contain_text("il reste 30 min")
+    expect(page.locator(".test-over")).to_have_count(0)
+
+
+@pytest.mark.slow
 def test_without_a_script_one_begins_saves_and_hands_in(visit: NewVisit, sat: Sat) -> None:
     visitor = sat.enters(visit(java_script_enabled=False))
     page = visitor.page
