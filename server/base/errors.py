@@ -44,6 +44,12 @@ class TooLarge(ServiceError):
     title = "Contenu trop volumineux"
 
 
+class LengthRequired(ServiceError):
+    status = HTTPStatus.LENGTH_REQUIRED
+    slug = "longueur-inconnue"
+    title = "Longueur inconnue"
+
+
 class RetryLater(ServiceError):
     """Refused for now; `retry_after` is in whole seconds, at least 1."""
 

@@ -133,7 +133,7 @@ def _pointer(path: Sequence[object]) -> str:
 
 
 #: The longest head of a request, and the longest incomplete event of h11, in bytes.
-MAX_HEAD_BYTES = 64 * 1024
+MAX_HEAD_BYTES = 16 * 1024
 
 
 def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:

@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
 from server.base.counters import VISITS
-from server.base.errors import Forbidden, Invalid, ServiceError, TooLarge
+from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
 from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
@@ -40,6 +40,10 @@ SECURITY_HEADERS = {
 }
 _SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()]
 API = "/api/"
+UNKNOWN_LENGTH = (
+    "Cette demande n’annonce pas sa longueur : envoyez l’en-tête « Content-Length » plutôt que des morceaux "
+    "(« Transfer-Encoding: chunked »)."
+)
 CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
 #: Who asks there watches the service, and is no visitor.
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
@@ -203,13 +207,21 @@ def _is_forged(scope: Scope) -> bool:
 
 
 class BoundedBody:
-    """Refuses a body of more than `most` bytes before anything reads it whole."""
+    """Refuses a body of more than `most` bytes before anything reads it whole, and one whose length is not announced.
+
+    A body in chunks may have pieces of one byte: each is parsed in Python on the loop that serves everybody. The
+    connection is closed by the refusal. Browsers, curl and proxies that buffer announce lengths.
+    """
 
     def __init__(self, app: ASGIApp, most: int, refuse: Refuse) -> None:
         self._app, self._most, self._refuse = app, most, refuse
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http" or scope["method"] in SAFE_METHODS:
+        if scope["type"] != "http":
+            return await self._app(scope, receive, send)
+        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
+            return await self._refuse(Request(scope), LengthRequired(UNKNOWN_LENGTH))(scope, receive, send)
+        if scope["method"] in SAFE_METHODS:
             return await self._app(scope, receive, send)
         try:
             body = await self._read(receive)
