@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
+from server.assignments import editing
 from server.base import middleware, root_path, school_time
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, run_periodically
@@ -169,6 +170,7 @@ class Services:
 
     def tidy(self) -> None:
         with self.database.write() as db:
+            editing.delete_removed(db, utc_now())
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
         self.personal.erase_lost_guests(utc_now())

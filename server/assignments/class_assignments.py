@@ -47,7 +47,7 @@ def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
     query = (
         select(Assignment, AssignedExercise.exercise, AssignedExercise.weight)
         .outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
-        .where(Assignment.class_id == class_id)
+        .where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id, AssignedExercise.position)
     )
     exercises: dict[UUID, list[WeightedExercise]] = {}
@@ -68,7 +68,7 @@ def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
 
 def _load_exemptions(db: Session, class_id: UUID) -> Mapping[UUID, Sequence[Exemption]]:
     query = select(Exemption).join(Assignment, Assignment.id == Exemption.assignment_id)
-    query = query.where(Assignment.class_id == class_id)
+    query = query.where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
     exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
     for exemption in db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars():
         exemptions[exemption.assignment_id].append(exemption)
@@ -77,7 +77,7 @@ def _load_exemptions(db: Session, class_id: UUID) -> Mapping[UUID, Sequence[Exem
 
 def _load_sittings(db: Session, class_id: UUID) -> Mapping[UUID, Mapping[UUID, Sitting]]:
     query = select(Sitting).join(Assignment, Assignment.id == Sitting.assignment_id)
-    query = query.where(Assignment.class_id == class_id, Assignment.mode == Mode.test)
+    query = query.where(Assignment.class_id == class_id, Assignment.removed_at.is_(None), Assignment.mode == Mode.test)
     sittings: dict[UUID, dict[UUID, Sitting]] = defaultdict(dict)
     for sitting in db.execute(query.order_by(Sitting.assignment_id, Sitting.account_id)).scalars():
         sittings[sitting.assignment_id][sitting.account_id] = sitting

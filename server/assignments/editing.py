@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID
 
@@ -36,6 +36,8 @@ from server.course import Course
 from server.database import utc_now
 
 MAX_PAST_RULES = 100
+#: How long a deletion can be undone.
+RESTORABLE = timedelta(days=30)
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
 
@@ -144,7 +146,10 @@ def keep_past_rules(assignment: Assignment, after: AssignmentInput, now: datetim
 
 
 def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
-    """Delete an assignment with its exemptions, not the attempts. Raises Conflict, also while a test holds feedback."""
+    """Delete an assignment, not the attempts; `restore_assignment` undoes it for a while.
+
+    Raises Conflict, also while a test holds feedback.
+    """
     require_open(school_class)
     safeguards.lock_test(db, assignment)
     safeguards.require_nothing_held(db, assignment)
@@ -152,8 +157,29 @@ def delete_assignment(db: Session, school_class: SchoolClass, by: UUID, assignme
     exemptions = len(repository.load_active_exemptions(db, assignment.id))
     deleted = before | ({"exemptions": exemptions} if exemptions else {})
     audit.record_event(db, school_class.id, by, AuditAction.assignment_deleted, about=assignment.title, before=deleted)
-    db.delete(assignment)
+    assignment.removed_at = utc_now()
     db.flush()
+
+
+def restore_assignment(db: Session, school_class: SchoolClass, by: UUID, assignment_id: UUID | str) -> Assignment:
+    """Undo the deletion of an assignment, with its exemptions and sittings. Raises NotFound, or Conflict for an
+    archived class."""
+    require_open(school_class)
+    classes.lock_class(db, school_class.id)
+    wanted = parse_uuid(assignment_id, UNKNOWN)
+    removed = repository.load_removed_assignments(db, school_class.id)
+    assignment = next((assignment for assignment in removed if assignment.id == wanted), None)
+    if assignment is None:
+        return find_assignment(db, school_class, wanted)  # restored already, by a double click or another teacher
+    assignment.removed_at = None
+    values = _log_values(load_assignment_input(db, assignment))
+    audit.record_event(db, school_class.id, by, AuditAction.assignment_restored, about=assignment.title, after=values)
+    return assignment
+
+
+def delete_removed(db: Session, now: datetime) -> None:
+    """Delete for good what was removed too long ago to be restored."""
+    repository.delete_removed_before(db, now - RESTORABLE)
 
 
 def copy_assignments(

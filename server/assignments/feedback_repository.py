@@ -59,6 +59,7 @@ def _holding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
         )
         .where(
             Membership.role == ClassRole.student,
+            Assignment.removed_at.is_(None),
             or_(
                 Membership.status == Status.active,
                 and_(Membership.status == Status.left, Membership.left_voluntarily),

@@ -87,7 +87,8 @@ class Assignment(Base):
     """Exercises set for a class. Without `due_at` nothing is late; without `closes_at` it stays open.
 
     `late_per_day`: points out of 20 that each day begun costs, with `LatePolicy.penalty` alone. `duration_minutes`: the
-    time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown. Attempts
+    time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
+    `removed_at`: when it was deleted; it can be restored for a while, and counts nowhere meanwhile. Attempts
     that arrived under `past_rules` keep what they were told.
     """
 
@@ -109,6 +110,7 @@ class Assignment(Base):
     solution: Mapped[str] = mapped_column(String(16), default=Visibility.usual)
     duration_minutes: Mapped[int | None]
     released_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    removed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     past_rules: Mapped[Sequence[PastRules]] = mapped_column(PastRulesColumn, default=(), server_default="[]")

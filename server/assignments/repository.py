@@ -17,13 +17,25 @@ from server.database import detached_instances, prepared_statement, select_core,
 def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
     """Return an assignment of this class, or None."""
     query = select(Assignment).where(Assignment.id == assignment_id, Assignment.class_id == class_id)
+    query = query.where(Assignment.removed_at.is_(None))
     return db.execute(query).scalar_one_or_none()
 
 
 @prepared_statement
 def _of_class(class_id: UUID) -> Select[Assignment]:
-    query = select(Assignment).where(Assignment.class_id == class_id)
+    query = select(Assignment).where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
     return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
+
+
+def load_removed_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
+    """Load the deleted assignments of a class that can still be restored, the last deleted first."""
+    query = select(Assignment).where(Assignment.class_id == class_id, Assignment.removed_at.is_not(None))
+    return db.execute(query.order_by(Assignment.removed_at.desc(), Assignment.id)).scalars().all()
+
+
+def delete_removed_before(db: Session, before: datetime) -> None:
+    """Delete for good the assignments that were removed before that time."""
+    db.execute(delete(Assignment).where(Assignment.removed_at < before))
 
 
 def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
@@ -64,7 +76,7 @@ def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
     assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
     query = select(exercises.c.exercise, assignments.c.opens_at <= now)
     rows = assignments.outerjoin(exercises, exercises.c.assignment_id == assignments.c.id)
-    return query.select_from(rows).where(assignments.c.class_id == class_id)
+    return query.select_from(rows).where(assignments.c.class_id == class_id, assignments.c.removed_at.is_(None))
 
 
 def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
@@ -122,6 +134,7 @@ def _student_assignments(
             Membership.role == ClassRole.student,
             Membership.status == Status.active,
             SchoolClass.archived_at.is_(None),
+            Assignment.removed_at.is_(None),
             (Assignment.opens_at <= opened_by) | Assignment.id.in_(earlier),
         )
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id)
@@ -146,6 +159,7 @@ def load_student_exemptions(db: Session, account_id: UUID, class_id: UUID) -> Se
         select(Assignment.title, Exemption)
         .join(Exemption, Exemption.assignment_id == Assignment.id)
         .where(Exemption.account_id == account_id, Assignment.class_id == class_id, Exemption.revoked_at.is_(None))
+        .where(Assignment.removed_at.is_(None))
         .order_by(Exemption.created_at, Exemption.id)
     )
     return [(title, exemption) for title, exemption in db.execute(query)]

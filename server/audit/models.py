@@ -20,6 +20,7 @@ class AuditAction(StrEnum):
     assignment_made = "assignment_made"
     assignment_changed = "assignment_changed"
     assignment_deleted = "assignment_deleted"
+    assignment_restored = "assignment_restored"
     exemption_made = "exemption_made"
     exemption_revoked = "exemption_revoked"
     feedback_released = "feedback_released"
@@ -52,6 +53,7 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.assignment_made: "devoir créé",
     AuditAction.assignment_changed: "devoir modifié",
     AuditAction.assignment_deleted: "devoir supprimé",
+    AuditAction.assignment_restored: "devoir rétabli",
     AuditAction.exemption_made: "aménagement accordé",
     AuditAction.exemption_revoked: "aménagement retiré",
     AuditAction.feedback_released: "résultats d’un contrôle publiés",

@@ -15,8 +15,10 @@ from uuid import UUID, uuid4
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlalchemy import update
 
 from server.assignments.counting import AttemptMark
+from server.assignments.editing import delete_removed
 from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules, rules_in_force
 from server.assignments.schemas import AssignmentInput
@@ -111,8 +113,33 @@ def test_an_assignment_is_given_shown_changed_and_taken_back(school: School) -> 
     changed = GOOD | {"titre": "Deux", "ferme": "", "retard": "accept", "exercice": [OTHER]}
     assert school.martin.post(f"{href}/modifier", data=changed).headers["location"] == href
     assert "reste ouvert" in read(school.martin, href)
+    assert "Supprimé, ce devoir quitte le carnet et la page de 2 élèves." in read(school.martin, href)
     assert school.martin.post(f"{href}/supprimer").headers["location"] == f"{school.href}/devoirs"
-    assert school.stored(Assignment) == []
+    assert school.martin.get(href).status_code == 404
+
+
+def test_a_deletion_is_undone_for_thirty_days(school: School) -> None:
+    href = school.give()
+    own = read(school.ada.browser(school.site), school.href)
+    assert "Se <repérer>" in own
+    school.martin.post(f"{href}/supprimer")
+    assert school.martin.get(f"{href}/modifier").status_code == 404
+    listed = school.martin.get(f"{school.href}/devoirs").text
+    assert "Supprimés depuis peu" in listed
+    assert "Se <repérer>" not in read(school.ada.browser(school.site), school.href)
+    assert "Aucun devoir n’est encore donné" in listed
+    assert school.martin.post(f"{href}/retablir").headers["location"] == href
+    assert school.martin.post(f"{href}/retablir").status_code == 303, "it is restored already"
+    assert school.martin.post(f"{school.href}/devoirs/{uuid4()}/retablir").status_code == 404
+    assert "Supprimés depuis peu" not in school.martin.get(f"{school.href}/devoirs").text
+    assert read(school.ada.browser(school.site), school.href) == own
+
+    school.martin.post(f"{href}/supprimer")
+    for days, left in ((29, 1), (31, 0)):
+        with school.site.database.write() as db:
+            db.execute(update(Assignment).values(removed_at=utc_now() - timedelta(days=days)))
+            delete_removed(db, utc_now())
+        assert len(school.stored(Assignment)) == left
 
 
 def test_a_paper_of_the_course_is_given_as_a_test_of_its_time(school: School) -> None:

@@ -141,6 +141,14 @@ def update_assignment(
     return _render_form(request, account, view)
 
 
+@router.post(f"{ASSIGNMENT_PATH}/retablir")
+def restore_assignment(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
+    """Undoes a deletion."""
+    access = rights.require_right(db, account, Right.manage_assignments, class_id)
+    restored = editing.restore_assignment(db, access.school_class, account.id, aid)
+    return redirect(assignment_views.assignment_href(restored))
+
+
 @router.post(f"{ASSIGNMENT_PATH}/supprimer")
 def delete_assignment(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
     access = rights.require_right(db, account, Right.manage_assignments, class_id)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from server.assignments.models import Assignment
 from server.classes.schemas import Member
 from server.desk.assignments.late_line import LateLine
 from server.desk.schemas import ClassHead, OwnMembership, ReleaseView
@@ -54,6 +55,7 @@ class AssignmentsPage:
     may_keep: bool
     zone: str
     papers: tuple[PaperLink, ...]
+    removed: Sequence[Assignment]
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,8 @@ def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> 
     students = classes.count_students(db, [access.school_class.id])[access.school_class.id][0]
     given = exam_papers.paper_links(course, access.school_class.module, views.class_href(access.school_class))
     head, zone = views.class_head(course, access, TAB), school_time.time_zone_name()
-    return AssignmentsPage(head, shown, students, may_manage(access), zone, given)
+    removed = repository.load_removed_assignments(db, access.school_class.id) if may_manage(access) else ()
+    return AssignmentsPage(head, shown, students, may_manage(access), zone, given, removed)
 
 
 def may_manage(access: ClassAccess) -> bool:
