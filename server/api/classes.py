@@ -229,7 +229,7 @@ def students(class_id: str, account: ApiAccount, db: Db) -> list[StudentOut]:
     return [
         StudentOut(
             id=member.id,
-            name=member.name,
+            name=member.plain_name,
             groups=list(member.groups),
             joined_at=member.membership.joined_at,
             last_seen_at=member.membership.last_seen_at,

@@ -53,7 +53,7 @@ class MemberMatcher:
     def by_name(self) -> Mapping[str, list[Member]]:
         members: dict[str, list[Member]] = defaultdict(list)
         for member in self.members:
-            members[_key(member.name)].append(member)
+            members[_key(member.plain_name)].append(member)
         return members
 
     def match_member(self, line: RosterLine) -> Member | None:
@@ -94,12 +94,12 @@ class MemberMatcher:
         self.lines_by_name = Counter(_key(line.name) for line in lines if not line.account_login)
 
     def _match_namesakes(self, line: RosterLine, namesakes: Sequence[Member]) -> Member:
-        """Return the next of several namesakes where the list has as many, and changes none. Raises Invalid."""
-        free = [member for member in namesakes if member.id not in self.matched]
-        alike = not line.account_login and self.lines_by_name[_key(line.name)] == len(namesakes)
-        if not alike or any(self.changes(line, member) for member in namesakes):
+        """Return the namesake whom the line does not change, where the list has as many of them. Raises Invalid."""
+        free = (member for member in namesakes if member.id not in self.matched and not self.changes(line, member))
+        same = next(free, None)
+        if same is None or line.account_login or self.lines_by_name[_key(line.name)] != len(namesakes):
             raise Invalid(SEVERAL)
-        return free[0]
+        return same
 
     def mark_ambiguous(self, rejected: RejectedLine) -> None:
         """Mark the members that a rejected line may mean, so that they stay in the class."""

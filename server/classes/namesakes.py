@@ -30,5 +30,5 @@ def filter_doubtful(members: Sequence[Member]) -> frozenset[UUID]:
 
 
 def _name_keys(member: Member) -> frozenset[str]:
-    names = (member.name, member.account.name)
+    names = (member.plain_name, member.account.name)
     return frozenset(" ".join(sorted(normalise_name(name).split())) or name for name in names)

@@ -1,6 +1,7 @@
 """Queries on classes and their members."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from typing import TypeVarTuple
 from uuid import UUID
@@ -9,7 +10,15 @@ from sqlalchemy import Row, Select, and_, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.classes.schemas import ActiveStudent, JoinedClass, Member, StudentRecord, display_name, name_sort_key
+from server.classes.schemas import (
+    ActiveStudent,
+    JoinedClass,
+    Member,
+    StudentRecord,
+    display_name,
+    name_sort_key,
+    tell_apart,
+)
 from server.database import prepared_statement, select_core
 from server.identity.models import Account
 
@@ -96,18 +105,26 @@ def _members(class_id: UUID) -> Select[Membership, Account]:
 
 
 def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
-    members = (Member(*row) for row in db.execute(query))
+    members = [Member(*row) for row in db.execute(query)]
+    names = tell_apart([(member.plain_name, member.account.login or "", member.groups) for member in members])
+    members = [
+        member if name == member.plain_name else replace(member, told_apart=name)
+        for member, name in zip(members, names, strict=True)
+    ]
     return sorted(members, key=lambda member: (*member.sort_key, str(member.id)))
 
 
 def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]:
     """Load the active students of a class, sorted by name."""
     names = (Membership.given_name, Membership.family_name, Account.name)
-    query = select(Membership.account_id, *names, Membership.groups, Membership.last_seen_at)
+    query = select(Membership.account_id, *names, Account.login, Membership.groups, Membership.last_seen_at)
+    rows = db.execute(_active(query, class_id)).all()
+    own_names = [display_name(given, family, own) for _, given, family, own, *_ in rows]
+    shown = tell_apart([(name, row[4] or "", row[5]) for name, row in zip(own_names, rows, strict=True)])
     students = []
-    for account_id, given, family, own, groups, seen_at in db.execute(_active(query, class_id)):
-        student = ActiveStudent(account_id, display_name(given, family, own), tuple(groups), seen_at)
-        students.append((name_sort_key(family, student.name), str(account_id), student))
+    for (account_id, _, family, _, _, groups, seen_at), name, told in zip(rows, own_names, shown, strict=True):
+        student = ActiveStudent(account_id, told, tuple(groups), seen_at)
+        students.append((name_sort_key(family, name), str(account_id), student))
     return [student for *_, student in sorted(students, key=lambda row: row[:2])]
 
 
@@ -116,10 +133,11 @@ def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = N
     row = Membership
     columns = (row.account_id, row.family_name, row.given_name, Account.name, row.email, Account.login, row.groups)
     query = _active(select(*columns), class_id)
-    rows = db.execute(query if only is None else query.where(row.account_id.in_(only)))
+    rows = db.execute(query if only is None else query.where(row.account_id.in_(only))).all()
+    names = tell_apart([(display_name(row[2], row[1], row[3]), row[5] or "", row[6]) for row in rows])
     students = (
-        StudentRecord(account_id, display_name(given, family, own), family, given, email, login or "", tuple(groups))
-        for account_id, family, given, own, email, login, groups in rows
+        StudentRecord(account_id, name, family, given, email, login or "", tuple(groups))
+        for (account_id, family, given, _, email, login, groups), name in zip(rows, names, strict=True)
     )
     return sorted(students, key=lambda student: (*student.sort_key, str(student.id)))
 

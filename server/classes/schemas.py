@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import cached_property
@@ -23,11 +24,22 @@ CODE_LIFETIMES: Mapping[str, timedelta] = {
     "seance": timedelta(hours=3),
 }
 DEFAULT_CODE_LIFETIME = "mois"
+GUEST = "invité"
 
 
 def display_name(given: str | None, family: str | None, own: str) -> str:
     """Return the name in the school's list, else the account's own name."""
     return " ".join(filter(None, (given, family))) or own
+
+
+def tell_apart(people: Sequence[tuple[str, str, Sequence[str]]]) -> list[str]:
+    """Return the names of the people of a class, given as name, login and groups; namesakes have their login beside it,
+    or their group where they have none: « Inès Lacroix (ines.lacroix2) »."""
+    counts = Counter(normalise_name(name) for name, _, _ in people)
+    return [
+        name if counts[normalise_name(name)] < 2 or not name else f"{name} ({login or ', '.join(groups) or GUEST})"
+        for name, login, groups in people
+    ]
 
 
 def name_sort_key(family: str | None, name: str) -> tuple[str, str]:
@@ -63,10 +75,11 @@ class StudentRecord:
 
 @dataclass(frozen=True)
 class Member:
-    """A membership with its account."""
+    """A membership with its account. `told_apart`: the name with what tells its namesakes of the class apart."""
 
     membership: Membership
     account: Account
+    told_apart: str = ""
 
     @cached_property
     def id(self) -> UUID:
@@ -74,6 +87,10 @@ class Member:
 
     @property
     def name(self) -> str:
+        return self.told_apart or self.plain_name
+
+    @property
+    def plain_name(self) -> str:
         return display_name(self.membership.given_name, self.membership.family_name, self.account.name)
 
     @property

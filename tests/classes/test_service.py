@@ -215,7 +215,7 @@ def test_where_it_may_be_somebody_else_the_line_is_rejected_and_nobody_leaves(
         (4, "« pas bon » "),
     ]
     assert plan.left == ()
-    assert len(names(sqlite, made)) == 4  # two of one name
+    assert len(names(sqlite, made)) == 5
     assert set(names(sqlite, made).values()) == {"active"}
 
 
@@ -317,3 +317,22 @@ def test_a_list_is_sorted_as_it_is_read_aloud(database: Database) -> None:
             one.membership.family_name for one in repository.load_members(db, made.id) if one.membership.family_name
         ]
     assert names == ["aragon", "Dumas", "Éluard", "Zola"]
+
+
+def test_namesakes_are_told_apart_wherever_their_names_stand(
+    sqlite: Database, classes: ClassService, made: SchoolClass, imported: Imported
+) -> None:
+    listed = "nom;prenom;né le;groupe\nLacroix;Inès;1/2/2008;TP1\nLACROIX;Ines;3/4/2008;TP2\nPetit;Ana;;\n"
+    imported(listed)
+    guest = new_account(sqlite, Role.guest, "Invité")
+    classes.join_class(str(made.join_code), guest, address=ADDRESS, named=GuestName("Ana", "Petit"))
+    shown = [
+        "Ana Petit (ana.petit)", "Ana Petit (invité)", "Ines LACROIX (ines.lacroix2)", "Inès Lacroix (ines.lacroix)",
+    ]  # fmt: skip
+    with sqlite.read() as db:
+        members = [member for member in repository.load_members(db, made.id) if member.role is ClassRole.student]
+        assert sorted(member.name for member in members) == shown
+        assert sorted(student.name for student in repository.load_active_students(db, made.id)) == shown
+        assert sorted(student.name for student in repository.list_students(db, made.id)) == shown
+    again = imported(listed)
+    assert (len(again.unchanged), [line.line for line in again.rejected]) == (2, [4])

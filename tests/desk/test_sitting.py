@@ -468,7 +468,7 @@ def test_a_page_of_a_test_whose_results_are_out_does_not_pass_for_it(room: Room)
 def test_publishing_says_first_whom_it_shuts_out(room: Room) -> None:
     ines, malo = room.student(begins=False), room.student()
     page = room.teacher.browser(room.site).get(room.path).text
-    assert "1 élève n’a pas commencé et ne pourra plus : Ada." in page
+    assert "1 élève n’a pas commencé et ne pourra plus : Ada" in page
     assert "1 élève compose encore, jusqu’à sa propre fin : Ada." in page
     drawn = hidden_fields(page, f"{room.path}/publier")
     room.post(ines, "commencer")
