@@ -82,6 +82,7 @@ def create_demo_class(
         room = replace(room, school_class=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
         teaching.record_sittings(db, room, db.get_one(Assignment, test.id), past)
         teaching.write_comments(db, room, past, settings)
+        teaching.type_column(db, room, now)
     return DemoClass(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
 

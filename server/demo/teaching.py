@@ -28,7 +28,12 @@ from server.demo.people import GROUPS
 from server.demo.story import LESSON_DURATION, PlannedAttempt, exercises_by_lesson, lesson_starts
 from server.gradebook import service as gradebook
 from server.identity.models import Account
+from server.marks import columns
 from server.marks import service as marks
+from server.marks.columns import MarkEntry
+from server.marks.schemas import TypedMark
+from server.marks.states import TypedState
+from server.marks.typed import ColumnInput
 
 WEEK = timedelta(days=7)
 DAY = timedelta(days=1)
@@ -37,6 +42,7 @@ TEST_LENGTH = 2  # its last exercises
 PHRASE = "Le calcul est juste, mais relisez l’unité : un angle s’écrit ici en radians."
 LINE = "Cette ligne mérite un nom plus parlant : on doit comprendre sans lire la suite."
 ANSWERED = "Je ne comprends pas cette remarque, pouvez-vous m’expliquer ?"
+ORAL_SCALE = 10.0
 ANSWER = "Faites le calcul à la main sur le premier exemple, et comparez avec ce que rend votre fonction."
 OPEN = "Mon programme marche chez moi, mais pas ici : où est la différence ?"
 WORD = "Beaucoup d’entre vous ont la même difficulté : relisez la définition, puis l’exemple du cours."
@@ -120,6 +126,18 @@ def record_sittings(db: Session, room: Classroom, test: Assignment, steps: Seque
         assert sitting is not None
         sitting_repository.end_sitting(db, sitting, end, EndedBy.time)
     releases.release_feedback(db, test, room.teacher.id, test.opens_at + 2 * DAY)
+
+
+def type_column(db: Session, room: Classroom, now: datetime) -> None:
+    """Have the teacher type the marks of an oral, published: a few students are not called yet, one was absent."""
+    oral = columns.create_column(
+        db, room.school_class, room.teacher, ColumnInput("Oral", ORAL_SCALE, (now - WEEK).date(), 0.5)
+    )
+    called = room.students[: len(room.students) * 2 // 3]
+    entries = [MarkEntry(student, TypedMark(float(5 + number % 6))) for number, student in enumerate(called)]
+    entries[-1:] = [MarkEntry(called[-1], TypedMark(state=TypedState.absent))]
+    columns.set_marks(db, room.school_class, room.teacher, oral.id, entries)
+    columns.publish_column(db, room.school_class, room.teacher, oral.id, published=True)
 
 
 def write_comments(db: Session, room: Classroom, steps: Sequence[PlannedAttempt], settings: Settings) -> None:

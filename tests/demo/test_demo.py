@@ -107,6 +107,9 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
             AuditAction.exemption_made,
             AuditAction.feedback_released,
             AuditAction.mark_overridden,
+            AuditAction.column_made,
+            AuditAction.column_changed,
+            AuditAction.column_mark_changed,
         } == {one.what for one in db.query(AuditEvent)}
         latest = max(one.created_at for one in db.query(Submission))
         assert latest <= utc_now()

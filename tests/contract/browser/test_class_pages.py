@@ -25,6 +25,7 @@ from server.database import Database
 from server.demo.loading import DemoClass, create_demo_class
 from server.gradebook.models import Grading
 from server.identity.models import Account
+from server.marks.models import ManualColumn
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from tests.contract.browser.conftest import NewVisit, Server, enters, serving
@@ -52,6 +53,9 @@ STAFF: dict[str, tuple[str, ...]] = {
     "/classes": ("",),
     CLASS: ("", "?tri=bloques", "?groupe=TP1"),
     CLASS + "/carnet": ("", "?devoir={aid}", "?colonne=moyenne"),
+    CLASS + "/carnet/colonnes": ("",),
+    CLASS + "/carnet/colonnes/{column_id}": ("",),
+    CLASS + "/carnet/{student}": ("",),
     CLASS + "/carnet/{student}/{assignment_id}": ("",),
     CLASS + "/code": ("",),
     CLASS + "/devoirs": ("",),
@@ -180,6 +184,7 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "mistake": MISTAKE,
             "group": GROUP,
             "regrade_id": db.scalars(select(Regrade.id)).one(),
+            "column_id": db.scalars(select(ManualColumn.id)).one(),
         }
     return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})
 
