@@ -469,7 +469,7 @@ def test_publishing_says_first_whom_it_shuts_out(room: Room) -> None:
     ines, malo = room.student(begins=False), room.student()
     page = room.teacher.browser(room.site).get(room.path).text
     assert "1 élève n’a pas commencé et ne pourra plus : Ada" in page
-    assert "1 élève compose encore, jusqu’à sa propre fin : Ada." in page
+    assert "1 élève compose encore, jusqu’à sa propre fin : Ada" in page
     drawn = hidden_fields(page, f"{room.path}/publier")
     room.post(ines, "commencer")
     refused = room.post(room.teacher, "publier", **drawn)
