@@ -15,14 +15,15 @@ from server.audit.models import AuditAction, AuditEvent
 from server.base.errors import Conflict, Invalid, InvalidFields, NotFound
 from server.course import Course
 from server.database import Database
-from server.marks import columns, service
+from server.marks import columns, decisions, service
 from server.marks.columns import MarkEntry
 from server.marks.files import MoodleIdentifier, marks_sheet, moodle_file
 from server.marks.loading import load_gradebook
-from server.marks.models import ManualColumn, ManualMark
+from server.marks.models import ManualColumn, ManualMark, StateDecision
 from server.marks.schemas import Gradebook, TypedMark
 from server.marks.states import TypedState
 from server.marks.typed import ColumnInput, format_mark, parse_comment, parse_mark, validate_column
+from server.personal.marks_data import marks_data
 from tests.support.marks import AFTER, POSES, Term
 
 ORAL = ColumnInput("Oral", out_of=10.0, taken_on=date(2026, 3, 16), weight=3.0)
@@ -213,3 +214,36 @@ hundredths = st.integers(0, 100_000).map(lambda number: number / 100)
 @given(st.one_of(hundredths.map(TypedMark), st.sampled_from(TypedState).map(lambda state: TypedMark(state=state))))
 def test_what_a_cell_shows_is_read_again(mark: TypedMark) -> None:
     assert parse_mark(format_mark(mark), 1000.0) == mark
+
+
+def test_a_guest_s_marks_follow_to_the_account(term: Term) -> None:
+    given = term.assignment(exercises={POSES: 1.0})
+    guest, account = term.student("Ada", "Invitée"), term.student("Ada", "Lovelace")
+    shared, own = create(term), create(term, replace(ORAL, title="Papier"))
+    type_marks(term, shared, {guest: "3", account: "8"})
+    type_marks(term, own, {guest: "5"})
+    with term.database.write() as db:
+        decisions.decide_state(db, term.made, term.teacher, guest.id, given.id, "absent", "")
+        service.adopt_marks(db, guest.id, account.id)
+        stored = {(mark.column_id, mark.account_id): mark.points for mark in db.query(ManualMark)}
+        assert stored == {(shared, account.id): 8.0, (own, account.id): 5.0}, "one's own is kept where both have one"
+        assert [decision.account_id for decision in db.query(StateDecision)] == [account.id]
+
+
+def test_personal_data_have_what_is_published(term: Term) -> None:
+    given, ada = term.assignment(exercises={POSES: 1.0}), term.student("Ada", "Lovelace")
+    hidden, shown = create(term), create(term, replace(ORAL, title="Papier"), published=True)
+    for column, text in ((hidden, "2"), (shown, "abs")):
+        type_marks(term, column, {ada: text}, comment=f"remarque {text}")
+    with term.database.write() as db:
+        decisions.decide_state(db, term.made, term.teacher, ada.id, given.id, "zero", "copie blanche")
+    with term.database.read() as db:
+        told = marks_data(db, ada.id)
+        hers = marks_data(db, term.teacher.id)
+    assert [(mark["column"], mark["state"], mark["comment"]) for mark in told["columns"]] == [
+        ("Papier", "absent", "remarque abs"),
+    ]  # fmt: skip
+    assert [(decision["state"], decision["reason"]) for decision in told["decisions"]] == [("zero", "copie blanche")]
+    assert "remarque 2" not in str(told)
+    assert [event["what"] for event in told["changes_about_you"]] == ["state_decided"]
+    assert sum(event["what"] == "column_mark_changed" for event in hers["changes_you_made"]) == 2
