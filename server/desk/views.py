@@ -13,7 +13,8 @@ from uuid import UUID
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
-from server.assignments import editing
+from server.assignments import editing, sitting_repository
+from server.assignments import repository as assignments
 from server.audit.models import AuditAction
 from server.audit.repository import load_entries
 from server.audit.schemas import AuditFilter
@@ -38,7 +39,7 @@ from server.rights.service import ClassAccess
 from server.text.lines import tidy_line
 from server.web import editions
 from server.web.form_version import version_of
-from server.web.words import short_moment
+from server.web.words import list_names, plural, short_moment
 
 NEW_STAFF_NOTICE, MAX_STAFF_NOTICES = timedelta(days=7), 5
 NEW_STAFF = "{name} enseigne ou assiste ici depuis le {when}, à la demande de {by}."
@@ -209,7 +210,30 @@ def build_settings_page(db: Session, course: Course, access: ClassAccess, base: 
         "roles": ROLES,
         "code": join_code_view(school_class, base),
         "editions": choices,
+        "archiving": archiving_effects(db, school_class),
     }
+
+
+def archiving_effects(db: Session, school_class: SchoolClass) -> str:
+    """Return in one line whom archiving the class now would touch; empty where nothing goes on in it."""
+    now = utc_now()
+    given = assignments.load_class_assignments(db, school_class.id)
+    opened = [
+        assignment.title
+        for assignment in given
+        if assignment.opens_at <= now and (assignment.closes_at is None or now < assignment.closes_at)
+    ]
+    sittings = sitting_repository.load_sittings(db, [assignment.id for assignment in given])
+    sitting_now = {account_id for (_, account_id), sitting in sittings.items() if sitting.handed_in_at is None}
+    names = [
+        student.name for student in repository.load_active_students(db, school_class.id) if student.id in sitting_now
+    ]
+    lines = []
+    if names:
+        lines.append(f"{plural(len(names), 'élève compose', 'élèves composent')} en ce moment : {list_names(names)}.")
+    if opened:
+        lines.append(f"{plural(len(opened), 'devoir')} en cours : {list_names(opened)}.")
+    return " ".join(lines)
 
 
 def build_import_page(course: Course, access: ClassAccess, plan: ImportPlan, text: str) -> dict[str, Any]:

@@ -480,6 +480,13 @@ def test_publishing_says_first_whom_it_shuts_out(room: Room) -> None:
     assert room.post(room.teacher, "publier", **drawn).status_code == 303
 
 
+def test_archiving_says_first_who_still_sits_a_test(room: Room) -> None:
+    settings = f"/classes/{room.made.id}/reglages"
+    room.student()
+    page = told(room.teacher.browser(room.site).get(settings))
+    assert "1 élève compose en ce moment : Ada. 1 devoir en cours : Interro." in page
+
+
 def test_a_release_is_taken_back_for_a_day(room: Room) -> None:
     ines = room.student(begins=False)
     assert room.post(room.teacher, "publier", action="reprendre").status_code == 409
