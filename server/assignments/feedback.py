@@ -123,6 +123,13 @@ def load_holds(db: Session, account_id: UUID, exercise: str) -> FeedbackHolds:
     return _memoised_holds(db, account_id, exercise).get(exercise, NO_HOLDS)
 
 
+def load_holds_at(db: Session, account_id: UUID, exercise: str, now: datetime) -> FeedbackHolds:
+    """Load the holds in one exercise at that time, which is then the time of the whole transaction."""
+    holds = _load_by_exercise(db, account_id, exercise, now)
+    db.info.setdefault(MEMO, {})[account_id, exercise] = holds
+    return holds.get(exercise, NO_HOLDS)
+
+
 def remember_no_holds(db: Session, account_id: UUID, exercise: str) -> None:
     """Memoise that nothing is held in this exercise, as another query found (`has_holds_clause`)."""
     db.info.setdefault(MEMO, {}).setdefault((account_id, exercise), {})

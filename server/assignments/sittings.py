@@ -101,7 +101,7 @@ def require_may_submit(db: Session, account_id: UUID, exercise: str, now: dateti
 
     Raises WrongMoment before a test is begun, and from its end to its release.
     """
-    holds = feedback.load_holds(db, account_id, exercise)
+    holds = feedback.load_holds_at(db, account_id, exercise, now)
     if holds.refusal:
         raise WrongMoment(holds.refusal)
     if holds.running_tests and not _lock_running(db, holds.running_tests, account_id):
@@ -140,7 +140,7 @@ def save_work(
     `base_version` is the version that the page had read; None saves over any. Raises WrongMoment where no test is
     running, and StaleWorkError where other work was saved since `base_version`.
     """
-    holds = feedback.load_holds(db, account_id, exercise)
+    holds = feedback.load_holds_at(db, account_id, exercise, now)
     running = _lock_running(db, holds.running_tests, account_id)
     if not running:
         raise WrongMoment(holds.refusal or (OVER.format(title=holds.tests[0].title) if holds.tests else NOT_SITTING))

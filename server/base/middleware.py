@@ -14,6 +14,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
+from server.base.arrival import record_arrival
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
 from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
@@ -230,6 +231,7 @@ class BoundedBody:
         if body is None:
             error = TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
+        record_arrival()
         await self._app(scope, _resend(body, receive), send)
 
     async def _read(self, receive: Receive) -> bytes | None:

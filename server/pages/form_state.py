@@ -11,6 +11,7 @@ from starlette.datastructures import FormData
 from server.assignments import feedback, sittings
 from server.assignments.feedback import FeedbackHolds
 from server.assignments.sittings import StaleWorkError
+from server.base.arrival import arrival_time
 from server.course import Exercise
 from server.identity.models import Account
 from server.web.form_identity import FormRefusal, typed_fields
@@ -49,7 +50,7 @@ def running_tests_key(holds: FeedbackHolds) -> str:
 
 def require_same_tests(db: Session, account: Account, exercise: Exercise, form: FormData) -> None:
     """Raise SituationChanged for a form drawn while other tests ran, or none."""
-    holds = feedback.load_holds(db, account.id, exercise.id)
+    holds = feedback.load_holds_at(db, account.id, exercise.id, arrival_time())
     key = running_tests_key(holds)
     if form.get(TESTS_FIELD, key) == key or holds.refusal:  # whoever may not send at all is told so
         return

@@ -12,12 +12,12 @@ from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical_json
 from server.assignments import sittings
+from server.base.arrival import arrival_time
 from server.base.errors import Invalid, RateLimited
 from server.base.settings import Settings
 from server.base.validation import encode_bounded, parse_uuid
 from server.classes import presence
 from server.course.models import SEED_BITS, Exercise
-from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.interfaces import BacklogLimits, Queue, QueueFullError
@@ -125,7 +125,7 @@ class Submissions:
 
         Raises WrongMoment, RateLimited, or StaleWorkError where other work was saved since `base_version`.
         """
-        now = utc_now()
+        now = arrival_time()
         sittings.save_work(db, account.id, exercise_id, source, now, base_version=base_version)
         limits.take_token(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
         return now
@@ -153,7 +153,7 @@ class Submissions:
         *,
         answers: bool,
     ) -> Submission:
-        now, bucket, submission_id = utc_now(), limits.submission_key(account.id), _submission_id(account, key)
+        now, bucket, submission_id = arrival_time(), limits.submission_key(account.id), _submission_id(account, key)
         if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
             return stored
         if not sittings.require_may_submit(db, account.id, exercise_id, now).tests:

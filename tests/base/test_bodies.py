@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+from datetime import UTC, datetime
 from typing import Any
 
+import anyio
 import pytest
 
+from server.base.arrival import arrival_time
+from server.base.middleware import BoundedBody
 from tests.support.service import Site
 
 HOST = (b"host", b"testserver")
@@ -37,6 +41,23 @@ def test_a_body_of_unannounced_length_is_refused_before_it_is_read(site: Site, m
     status, problem = ask(site, method, [(b"transfer-encoding", b"chunked")])
     assert status == 411
     assert problem["type"].endswith("longueur-inconnue")
+
+
+def test_the_arrival_is_when_the_whole_body_is_there() -> None:
+    arrivals = []
+
+    async def receive() -> Any:
+        arrivals.append(datetime.now(UTC))
+        return {"type": "http.request", "body": b"x", "more_body": len(arrivals) < 3}
+
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        arrivals.append(arrival_time())
+        arrivals.append(datetime.now(UTC))
+
+    scope = {"type": "http", "method": "POST", "path": "/", "headers": []}
+    bounded = BoundedBody(app, most=100, refuse=lambda request, error: pytest.fail(str(error)))
+    anyio.run(bounded, scope, receive, None)
+    assert arrivals == sorted(arrivals)
 
 
 def test_a_body_that_is_cut_off_is_no_request(site: Site) -> None:

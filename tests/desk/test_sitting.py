@@ -480,6 +480,18 @@ def test_publishing_says_first_whom_it_shuts_out(room: Room) -> None:
     assert room.post(room.teacher, "publier", **drawn).status_code == 303
 
 
+def test_what_arrived_in_time_counts_however_long_it_waited(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy server makes nobody late: the arrival of the request counts, and not when its turn has come."""
+    ada = room.student()
+    arrived = utc_now()
+    room.let_time_pass(61)
+    assert room.collect() == 1
+    assert room.send(ada).status_code == 409
+    monkeypatch.setattr("server.submissions.service.arrival_time", lambda: arrived - timedelta(minutes=59))
+    assert room.send(ada).status_code == 202
+    assert room.save(ada, "x = 2").status_code == 200
+
+
 def test_archiving_says_first_who_still_sits_a_test(room: Room) -> None:
     settings = f"/classes/{room.made.id}/reglages"
     room.student()
