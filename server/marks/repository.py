@@ -29,10 +29,14 @@ def _active(class_id: UUID) -> ColumnElement[bool]:
 def load_overrides(
     db: Session, class_id: UUID, students: Collection[UUID] | None = None, exercises: Collection[str] | None = None
 ) -> Mapping[OverrideKey, ActiveOverride]:
-    """Load the overrides in force in a class, or those of some students or exercises, in one query."""
+    """Load the overrides in force in a class, or those of some students or exercises, in one query.
+
+    Those of deleted assignments are in force again once their assignment is restored.
+    """
     seat = and_(Membership.account_id == Override.by, Membership.class_id == Override.class_id)
     query = select(Override, *AUTHOR).outerjoin(Account, Account.id == Override.by).outerjoin(Membership, seat)
-    query = query.where(_active(class_id))
+    query = query.outerjoin(Assignment, Assignment.id == Override.assignment_id)
+    query = query.where(_active(class_id), Assignment.removed_at.is_(None))
     if students is not None:
         query = query.where(Override.account_id.in_(students))
     if exercises is not None:

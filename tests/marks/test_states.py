@@ -220,6 +220,12 @@ def test_an_override_holds_in_one_assignment_or_everywhere(term: Term, course: C
     assert (points(), on_board()) == ([12, 13], 13)
     withdraw(first.id)
     assert points() == [4, 13]
+    with term.database.write() as db:
+        db.merge(second).removed_at = AFTER
+    assert (points(), on_board()) == ([4], None), "of a deleted assignment nothing is in force"
+    with term.database.write() as db:
+        db.merge(second).removed_at = None
+    assert (points(), on_board()) == ([4, 13], 13)
     elsewhere = Term.begin(term.database).assignment()
     for assignment, exercise in ((elsewhere, POSES), (first, ODOMETRY)):
         with pytest.raises(NotFound), term.database.write() as db:
