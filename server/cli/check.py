@@ -2,9 +2,9 @@
 
 The texts are rendered; of each module, their figures are drawn, their cells run and their animations played, unless
 only some exercises are selected for. For each exercise: the reference gets full marks, the starter does not, every
-catalogued misconception is rejected and named, each specimen gets the outcome of its folder. What is known of answers
-without code is tried on several deals. All this on all cores, told in one order. What was in order and is unchanged is
-not tried again (see `remembered`).
+catalogued misconception ends, is rejected and named, each specimen gets the outcome of its folder. What is known of
+answers without code is tried on several deals. All this on all cores, told in one order. What was in order and is
+unchanged is not tried again (see `remembered`).
 """
 
 import logging
@@ -20,6 +20,8 @@ from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
 
+from graders.core.code.folder import MISCONCEPTIONS
+from graders.core.code.grading import CodeGrader
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
@@ -154,7 +156,7 @@ def _part(exercise: Exercise, imports: Imports) -> Part:
     return Part(
         exercise.id,
         check_cache.exercise_digest(exercise, imports),
-        [partial(_examination, exercise, case) for case in cases(exercise)],
+        [*(partial(_examination, exercise, case) for case in cases(exercise)), partial(_unfinished_mistakes, exercise)],
     )
 
 
@@ -188,7 +190,7 @@ def _do(grader: SandboxGrader, job: Job) -> Told:
 def _subject(job: Job) -> object:
     """An exercise's jobs go together: what it computes once, one process computes."""
     assert isinstance(job, partial)
-    return job.args[0].id if job.func is _examination else id(job)
+    return job.args[0].id if job.func in (_examination, _unfinished_mistakes) else id(job)
 
 
 def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
@@ -206,6 +208,19 @@ def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:
 def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Examination:
     """With a fresh seed."""
     return examine(grader, exercise, case, secrets.randbits(SEED_BITS))
+
+
+def _unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+    """Return the misconceptions that gradings leave out since running them takes too much, each with its call."""
+    if not isinstance(exercise.grader, CodeGrader):
+        return []
+    lines = {
+        f"l’erreur « {mistake.id} » {unfinished.reason}, à cet appel : {unfinished.last_report}. "
+        "Aucune correction ne la nommera : accélérez-la, ou posez-lui des questions plus petites.": mistake.line
+        for mistake, unfinished in exercise.grader.unfinished_mistakes(secrets.randbits(SEED_BITS))
+    }
+    catalogue = exercise.grader.folder / MISCONCEPTIONS
+    return [Problem(catalogue, line, message) for message, line in lines.items()]
 
 
 def _fairness(arguments: Namespace) -> int:

@@ -7,7 +7,7 @@ with the submission's wherever either is wrong, and which explains more failures
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -19,8 +19,6 @@ from graders.core.contract.values import same_value
 from graders.core.contract.verdict import AND_ALSO, Diagnosis
 
 MIN_AGREEMENT = 0.9
-
-Reenact = Callable[[Misconception], Reenactment]
 
 
 @dataclass(frozen=True)
@@ -36,32 +34,26 @@ class Explanation:
         return (self.explained, self.agreement)
 
 
-def diagnose(
-    observations: Sequence[Observation], misconceptions: Sequence[Misconception], reenact: Reenact
-) -> Diagnosis | None:
-    """Name the misconception that explains the failures better than any other, or None.
+def choose_explanation(explanations: Sequence[Explanation]) -> Misconception | None:
+    """Return the misconception that explains the failures better than any other, or None.
 
     Two mistakes that cannot be told apart on the graded inputs are not named: a wrong name is worse than none.
     """
-    failing = {o.function for o in observations if not o.ok}
-    candidates = [m for m in misconceptions if failing & set(m.functions)]
-    explanations = (_explain(observations, m, reenact(m)) for m in candidates)
-    fitting = [e for e in explanations if e is not None]
-    if not fitting:
+    if not explanations:
         return None
-    fitting.sort(key=lambda e: e.rank, reverse=True)
-    best = fitting[0]
-    rivals = [e for e in fitting[1:] if e.rank == best.rank and _compete(e.misconception, best.misconception)]
-    return None if rivals else _diagnosis(best.misconception)
+    best, *others = sorted(explanations, key=lambda e: e.rank, reverse=True)
+    rivals = [e for e in others if e.rank == best.rank and _compete(e.misconception, best.misconception)]
+    return None if rivals else best.misconception
 
 
 def _compete(misconception: Misconception, other: Misconception) -> bool:
     return misconception.id != other.id and bool(set(misconception.functions) & set(other.functions))
 
 
-def _explain(
+def explain(
     observations: Sequence[Observation], misconception: Misconception, reenactment: Reenactment
 ) -> Explanation | None:
+    """Return how well a misconception explains the observations; None where it does not."""
     seen = reenactment.observe(partial(is_ruled_out, observations, misconception))
     pairs = _paired(observations, seen)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
@@ -93,10 +85,6 @@ def agree(observation: Observation, other: Observation) -> bool:
     if observation.fault or other.fault:
         return observation.fault == other.fault
     return observation.ok == other.ok and same_value(observation.value, other.value)
-
-
-def _diagnosis(misconception: Misconception) -> Diagnosis:
-    return combine_diagnoses([misconception.id], [misconception])
 
 
 def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:

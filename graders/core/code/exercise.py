@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders.core.code.checks import Check
+from graders.core.code.explaining import KitMaker
 from graders.core.code.folder import (
     Misconception,
     check_known_functions,
@@ -14,7 +15,7 @@ from graders.core.code.folder import (
     read_model,
     read_solution,
 )
-from graders.core.code.grading import CodeGrader, KitMaker
+from graders.core.code.grading import CodeGrader
 from graders.core.code.mutations import Edit, Mutant
 from graders.core.code.prober import Prober
 from graders.core.code.probes import Probes

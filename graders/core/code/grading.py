@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cache, partial
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
-
-import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.code.checks import Check
+from graders.core.code.confined import Unfinished
 from graders.core.code.decimal_commas import decimal_comma_diagnosis
-from graders.core.code.diagnosis import combine_diagnoses, diagnose, slip_diagnosis
+from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis
+from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
@@ -37,7 +37,6 @@ JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
 #: The slip that is reported besides any other mistake.
 MODIFIED_ARGUMENT = "argument_modifie"
-KitMaker = Callable[[np.random.Generator], KitSettings]
 FRESH_REENACTOR = Reenactor()
 #: Budget of a counterexample that is not shown.
 NO_SHRINKING = Budget(calls=0)
@@ -63,6 +62,11 @@ class CodeGrader:
     prober: Prober | None = None
     long: bool = False
     heavy: bool = False
+    _explainer: MistakeExplainer = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        explainer = MistakeExplainer(self.misconceptions, self.checks, self.kit, self.reenactor)
+        object.__setattr__(self, "_explainer", explainer)
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """Return the judgement of a file: every check runs on the program that `programs` starts from it.
@@ -139,7 +143,7 @@ class CodeGrader:
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         ids, last, follow = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
         left = (alone if ids else blamed) - set(follow)
-        ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
+        ids = (*ids, *self._reenacted(ids, left, runner, seed)) or last
         if ids:
             touched = {MODIFIED_ARGUMENT} & {finding.slip for _, finding in pairs} - set(ids)
             return combine_diagnoses((*ids, *touched), self.misconceptions)
@@ -155,33 +159,40 @@ class CodeGrader:
         functions = [function for function in self.functions if function in blamed]
         return functions, {check.functions[0] for check in failed if len(check.functions) == 1}
 
-    def _reenacted(
-        self,
-        named_ids: Sequence[str],
-        blamed: Collection[str],
-        runner: Runner,
-        kit: KitSettings,
-        seed: int,
-    ) -> Sequence[str]:
+    def _reenacted(self, named_ids: Sequence[str], blamed: Collection[str], runner: Runner, seed: int) -> Sequence[str]:
         """Name, from the observations, the mistake of blamed functions without one, among misconceptions that are no
         edit."""
         explained = {function for m in self.misconceptions if m.id in named_ids for function in m.functions}
         left = set() if set(named_ids) & SLIPS.keys() else set(blamed) - explained
-        others = [m for m in self.misconceptions if not (m.edited or m.ruled) and left & set(m.functions)]
+        others = [k for k in self._explainer.reenactable() if left & set(self.misconceptions[k].functions)]
         if not others:
             return []
-        reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
-        named = diagnose(runner.observations, others, reenact)
+        observations = runner.observations
+        failing = {observation.function for observation in observations if not observation.ok}
+        candidates = [k for k in others if failing & set(self.misconceptions[k].functions)]
+        named = choose_explanation(list(self._explainer.explain_each(observations, seed, candidates)))
         return [named.id] if named else []
+
+    def unfinished_mistakes(self, seed: int) -> Iterator[tuple[Misconception, Unfinished]]:
+        """Yield the misconceptions that take too much time or memory, each with the call that does.
+
+        They are re-enacted on the inputs of this seed, and on the probes. Gradings leave them out.
+        """
+        yield from self._explainer.unfinished(seed)
+        by_id = {mistake.id: mistake for mistake in self.misconceptions}
+        for mutant, unfinished in self.prober.unfinished_mutants() if self.prober else ():
+            yield from ((by_id[name], unfinished) for name in mutant.ids if name in by_id)
 
     def rehearse(self) -> None:
         """Warm up: grade the solution and a mistake in this process, so that imports and compilations are done.
 
-        A `long` exercise is skipped, where warming up saves a negligible part.
+        The misconceptions that take too much are found meanwhile, before a submission waits for them. A `long` exercise
+        is skipped, where warming up saves a negligible part.
         """
         if self.long:
             return
-        mistakes = [mistake.source for mistake in self.misconceptions[:1]]
+        unfinished = {mistake.source for mistake, _ in self._explainer.unfinished(seed=0)}
+        mistakes = [mistake.source for mistake in self.misconceptions if mistake.source not in unfinished][:1]
         for source in mistakes if self.heavy else (self.solution, *mistakes):
             self.grade(source.encode(), LOCAL, seed=0, version="")
 

@@ -1,23 +1,30 @@
-"""Cache of the answers of an exercise's mutants to its probes, which never change."""
+"""Cache of the answers of an exercise's mutants to its probes, which never change.
+
+Mutants run in a helper process (`confined`); one that takes too much has no answer, and matches nothing.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import itertools
+import marshal
+import pickle
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from types import CodeType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
+from graders.core.code.confined import ConfinedWork, Unfinished
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, Probes, same_probe_answer
 from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, reachable_pieces
+from graders.core.code.reporting import report_call
 from graders.core.contract.copies import copy_value
 from graders.core.contract.local import call_function, kit_names
-from graders.core.contract.values import Arguments
 
 #: Mistakes that are combined in one mutant; one more where a facet already matches two of them.
 MAX_COMBINED_MISTAKES = 2
@@ -26,6 +33,8 @@ MAX_COMBINED_MUTANTS = 1500
 #: Edits of one mistake that are combined with other mistakes.
 MAX_WAYS_COMBINED = 2
 MAX_EXTENDED_MUTANTS = 20
+#: Stands for each answer of a mutant that takes too much, and for one that no program could give.
+NO_ANSWER = ProbeFault("sans réponse")
 
 
 @dataclass(eq=False)
@@ -33,9 +42,18 @@ class MutantAnswers:
     """Answers so far, shared by the mutants in which the probed function reaches the same text."""
 
     answers: list[ProbeAnswer] = field(default_factory=list)
-    pending: Iterator[ProbeAnswer] | None = None
+    is_unfinished: bool = False
+    number: int = field(default_factory=itertools.count().__next__)
     #: The first of `answers` as arrays; filled on demand.
     sequence: AnswerSequence = field(default_factory=AnswerSequence)
+
+
+class _Question(NamedTuple):
+    """A mutant, by the number of its answers and its marshalled code, and the first probe to answer."""
+
+    number: int
+    codes: Sequence[bytes]
+    start: int
 
 
 @dataclass(frozen=True)
@@ -57,6 +75,8 @@ class MutantAnswerCache:
         self._edits: dict[int, list[Edit]] = {}
         self._kits: dict[int, dict[str, Any]] = {}
         self._answers_by_text: dict[tuple[int, bytes], MutantAnswers] = {}
+        self._begun: dict[int, tuple[Iterator[ProbeAnswer], int]] = {}
+        self._work = ConfinedWork(self._answer_mutants)
 
     def count_agreements(self, index: int, row: MutantRow, sequence: AnswerSequence) -> int:
         """Return how many probes a mutant answers alike."""
@@ -74,6 +94,7 @@ class MutantAnswerCache:
     def matching_first_answer(self, index: int, mistakes: int, answer: ProbeAnswer) -> Sequence[MutantRow]:
         """Return the mutants with that number of mistakes that may answer the first probe alike."""
         rows, probes, key = self.mutants_with(index, mistakes), self.probes[index], (index, mistakes)
+        self._ask(index, rows, 1)
         if probes.same is not same_probe_answer or probes.compared == 0:
             return rows
         if key not in self._first_answers:
@@ -89,13 +110,26 @@ class MutantAnswerCache:
             return all(row.stored.sequence.agreement(sequence))
         return all(self._fill(index, row, k + 1).agrees_at(sequence, k) for k in range(len(answers)))
 
-    def _matches_facet(self, facet: Facet, index: int, row: MutantRow, answers: Sequence[ProbeAnswer]) -> bool:
-        """Whether the mutant answers every compared probe alike in this facet."""
-        probes = self.probes[index]
-        return all(
-            probes.same(facet(probes.calls[k], self._answer_at(index, row, k)), facet(probes.calls[k], answer))
-            for k, answer in enumerate(answers[: probes.compared])
-        )
+    def matching(self, index: int, rows: Iterable[MutantRow], sequence: AnswerSequence) -> list[MutantRow]:
+        """Return the mutants that answer every compared probe alike."""
+        compared = sequence.answers[: self.probes[index].compared]
+        agreeing = self._agreeing(index, rows, compared, self.probes[index].same)
+        return [row for row in agreeing if self.matches(index, row, sequence)]
+
+    def _agreeing(
+        self,
+        index: int,
+        rows: Iterable[MutantRow],
+        answers: Sequence[ProbeAnswer],
+        same: Callable[[ProbeAnswer, ProbeAnswer], bool],
+    ) -> list[MutantRow]:
+        """Return the mutants that give these first answers; twice as many are asked in each exchange."""
+        left, begin, end = list(rows), 0, 1
+        while left and begin < len(answers):
+            self._ask(index, left, min(end, len(answers)))
+            left = [row for row in left if all(map(same, row.stored.answers[begin:end], answers[begin:end]))]
+            begin, end = end, 2 * end
+        return left
 
     def mutants_with(self, index: int, mistakes: int) -> list[MutantRow]:
         key = (index, mistakes)
@@ -143,11 +177,8 @@ class MutantAnswerCache:
             edited = {
                 row.stored: row for row in self.mutants_with(index, 1) if row.mutant.edits and row.stored not in rights
             }
-            effective = {
-                mutant_answers
-                for mutant_answers, row in edited.items()
-                if not any(self.matches(index, row, right) for right in rights.values())
-            }
+            right_rows = (row for right in rights.values() for row in self.matching(index, edited.values(), right))
+            effective = edited.keys() - {row.stored for row in right_rows}
             edits = {row.mutant.edits for row in self.mutants_with(index, 1) if row.stored in effective}
             self._edits[index] = [edit for edit in self.model.edits if (edit,) in edits]
         return self._edits[index]
@@ -160,36 +191,76 @@ class MutantAnswerCache:
             self._rows_by_ids[key] = [self._row(index, mutant) for mutant in self.model.mutants(edits, len(ids))]
         return self._rows_by_ids[key]
 
-    def extended_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[MutantRow]:
-        """Yield, for the mutants that match in the facet, those with one mistake more."""
+    def extended_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[MutantRow]:
+        """Return, for the mutants that match in the facet, those with one mistake more."""
         facet = self.probes[index].facet
         if facet is None:
-            return
-        begun = [
-            row
-            for row in self.mutants_with(index, MAX_COMBINED_MISTAKES)
-            if self._matches_facet(facet, index, row, answers)
+            return ()
+        begun = self._matching_facet(facet, index, answers)
+        extended = [
+            MutantRow(mutant, MutantAnswers())
+            for row in begun[:MAX_EXTENDED_MUTANTS]
+            for mutant in self.model.with_one_more(row.mutant, self._effective_edits(index))
         ]
-        for row in begun[:MAX_EXTENDED_MUTANTS]:
+        self._ask(index, extended, 1)
+        return extended
+
+    def _matching_facet(self, facet: Facet, index: int, answers: Sequence[ProbeAnswer]) -> list[MutantRow]:
+        """Return the mutants that answer every compared probe alike in this facet."""
+        probes, left = self.probes[index], self.mutants_with(index, MAX_COMBINED_MISTAKES)
+        for k, answer in enumerate(answers[: probes.compared]):
+            self._ask(index, left, k + 1)
+            part = facet(probes.calls[k], answer)
+            left = [row for row in left if probes.same(facet(probes.calls[k], row.stored.answers[k]), part)]
+        return left
+
+    def unfinished(self, index: int) -> Iterator[tuple[Mutant, Unfinished]]:
+        """Yield the mutants with one mistake that take too much to answer the compared probes, and where."""
+        probes, rows = self.probes[index], self.mutants_with(index, 1)
+        count = len(probes.calls) if probes.compared is None else probes.compared
+        self._ask(index, rows, count)
+        for row in {id(row.stored): row for row in rows if row.stored.is_unfinished}.values():
             yield from (
-                MutantRow(mutant, MutantAnswers())
-                for mutant in self.model.with_one_more(row.mutant, self._effective_edits(index))
+                (row.mutant, answer)
+                for answer in self._work.answer_each([self._question(index, row, 0)], (index, count), telling=True)
+                if isinstance(answer, Unfinished)
             )
+
+    def _question(self, index: int, row: MutantRow, start: int) -> _Question:
+        pieces = reachable_pieces(row.mutant.text, self.probes[index].function)
+        return _Question(row.stored.number, [piece.marshalled_code for piece in pieces], start)
 
     def _answer_at(self, index: int, row: MutantRow, k: int) -> ProbeAnswer:
         """Return a mutant's answer to probe k, after all the probes before it."""
         probes, stored = self.probes[index], row.stored
-        if k == 0 and not stored.answers:  # of most mutants no more is asked: nothing is kept to go on with
-            stored.answers = list(self._run_mutant(index, row, probes.calls[:1]))
-        while len(stored.answers) <= k:
-            if stored.pending is None:
-                stored.pending = itertools.islice(self._run_mutant(index, row, probes.calls), len(stored.answers), None)
-            stored.answers.append(next(stored.pending))
+        if k >= len(stored.answers):  # of most mutants no more is asked than the first one
+            compared = probes.compared if probes.compared is not None and k < probes.compared else len(probes.calls)
+            self._ask(index, [row], min(max(k + 1, 2 * len(stored.answers)), compared))
         return stored.answers[k]
 
-    def _run_mutant(self, index: int, row: MutantRow, calls: Sequence[Arguments]) -> Iterator[ProbeAnswer]:
+    def _ask(self, index: int, rows: Sequence[MutantRow], count: int) -> None:
+        """Have at least `count` answers of each of these mutants, all in one exchange."""
         probes = self.probes[index]
-        return _answers(reachable_pieces(row.mutant.text, probes.function), probes, self._names(index), calls)
+        missing = {id(row.stored): row for row in rows if len(row.stored.answers) < count}.values()
+        items = [self._question(index, row, len(row.stored.answers)) for row in missing]
+        for row, answers in zip(missing, self._work.answer_each(items, (index, count)), strict=True):
+            if isinstance(answers, Unfinished):
+                row.stored.is_unfinished = True
+                row.stored.answers += [NO_ANSWER] * (len(probes.calls) - len(row.stored.answers))
+            else:
+                row.stored.answers += answers
+
+    def _answer_mutants(self, questions: Sequence[_Question], context: tuple[int, int]) -> Iterator[list[ProbeAnswer]]:
+        """Yield, in the helper process, the answers of each mutant from one probe up to another."""
+        index, end = context
+        for number, codes, start in questions:
+            running, position = self._begun.pop(number, (None, 0))
+            if running is None or position != start:
+                answers = _answers(map(marshal.loads, codes), self.probes[index], self._names(index))
+                running = itertools.islice(answers, start, None)
+            yield [_portable(answer) for answer in itertools.islice(running, end - start)]
+            if start:  # of most mutants no more is asked: nothing is kept to go on with
+                self._begun[number] = running, end
 
     def _names(self, index: int) -> dict[str, Any]:
         """Return the global names of a mutant: the kit's, built once unless the function draws at random."""
@@ -199,21 +270,31 @@ class MutantAnswerCache:
         return dict(self._kits[index])
 
 
-def _answers(
-    pieces: Sequence[CodePiece], probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]
-) -> Iterator[ProbeAnswer]:
+def _answers(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -> Iterator[ProbeAnswer]:
     """Yield the answers of a mutant, which is trusted code; its pieces are executed in `names`."""
-    for piece in pieces:
-        exec(piece.code, names)
-    for args in calls:
+    for code in codes:
+        exec(code, names)
+    for args in probes.calls:
+        report_call(probes.function, args)
         arguments = copy_value(args)
         try:
             with np.errstate(all="ignore"):
                 value = call_function(names, probes.function, arguments)
+        except MemoryError:
+            raise
         except Exception as error:
             yield ProbeFault(type(error).__name__)
         else:
             yield probes.read(args, value)
+
+
+def _portable(answer: ProbeAnswer) -> ProbeAnswer:
+    """Return an answer that another process can read: a mutant may return anything, as a generator."""
+    try:
+        pickle.dumps(answer)
+    except Exception:  # objects raise whatever they like
+        return NO_ANSWER
+    return answer
 
 
 def _digest(pieces: Sequence[CodePiece]) -> bytes:

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from graders.core.code.answer_arrays import AnswerSequence
+from graders.core.code.confined import Unfinished
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
 from graders.core.code.piggyback import HANG_SECONDS
@@ -101,11 +102,17 @@ class Prober:
                     fallback += self._fallback_names(index, sequence)
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences))
 
+    def unfinished_mutants(self) -> Iterator[tuple[Mutant, Unfinished]]:
+        """Yield the mutants with one mistake that take too much to answer the probes, each with the call that does."""
+        for index in range(len(self.probes)):
+            with self._lock:
+                yield from list(self._mutants.unfinished(index))
+
     def _follows(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""
         if self._right_answers(index, sequence) is None:
             return False
-        return any(self._mutants.matches(index, row, sequence) for row in self._mutants.mutants_making(index, mistakes))
+        return bool(self._mutants.matching(index, self._mutants.mutants_making(index, mistakes), sequence))
 
     def nearest_right_answers(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[ProbeAnswer]:
         """Return the right answers to the probes `index`, in the style nearest to these answers."""
@@ -172,9 +179,7 @@ class Prober:
         for mistakes, rows in enumerate(self._candidates(index, answers) if wrong else (), 1):
             if fails and mistakes > 1:
                 break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
-            fits = [
-                row for row in rows if row.mutant.applies_to(blamed) and self._mutants.matches(index, row, sequence)
-            ]
+            fits = self._mutants.matching(index, (row for row in rows if row.mutant.applies_to(blamed)), sequence)
             if fits:
                 return _common_mistakes(fits) or _apply_rules(probes.rules, shown)
         return _apply_rules(probes.rules, shown)

@@ -6,6 +6,7 @@ the same text answer alike, so that one of them answers for all.
 
 from __future__ import annotations
 
+import marshal
 from collections.abc import Iterator
 from functools import lru_cache
 from types import CodeType
@@ -16,14 +17,14 @@ PIECE_SEPARATOR = "\n\n\n"
 
 
 class CodePiece(NamedTuple):
-    """One top-level function of a model, or the statements between two functions.
+    """One top-level function of a model, or the statements between two functions, compiled and marshalled.
 
     `names_at_load` are the names that it defines or reads when it is executed; `all_names` adds those that its
     functions read when they are called.
     """
 
     text: str
-    code: CodeType
+    marshalled_code: bytes
     names_at_load: frozenset[str]
     all_names: frozenset[str]
 
@@ -47,7 +48,7 @@ def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
 @lru_cache(maxsize=4096)
 def _compile_piece(text: str) -> CodePiece:
     code = compile(text, "<mutant>", "exec", dont_inherit=True)
-    return CodePiece(text, code, frozenset(code.co_names), frozenset(_names_in(code)))
+    return CodePiece(text, marshal.dumps(code), frozenset(code.co_names), frozenset(_names_in(code)))
 
 
 def _names_in(code: CodeType) -> Iterator[str]:

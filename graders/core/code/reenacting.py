@@ -8,8 +8,8 @@ from contextlib import suppress
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection
 from graders.core.code.folder import Misconception
+from graders.core.code.reporting import REPORTING
 from graders.core.code.runner import Observation, Runner
-from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, StudentFault
 from graders.core.contract.streams import stream
 
@@ -21,7 +21,7 @@ class Reenactment:
     """One misconception on the inputs of one seed, observed check by check on demand."""
 
     def __init__(self, checks: Sequence[Check], misconception: Misconception, kit: KitSettings, seed: int) -> None:
-        self._runner = Runner(LOCAL, misconception.source.encode(), kit, reenacting=True)
+        self._runner = Runner(REPORTING, misconception.source.encode(), kit, reenacting=True)
         self._kit, self._seed = kit, seed
         self._checks = [check for check in checks if set(check.functions) & set(misconception.functions)]
         self._ends = [0]
@@ -44,7 +44,12 @@ class Reenactment:
 
 
 class Reenactor:
-    """Re-enacts misconceptions for a grader, afresh each time; a subclass may cache."""
+    """Re-enacts misconceptions for a grader, afresh each time; a subclass may cache.
+
+    One that is `confined` does it in a helper process, under bounds; another must know that its misconceptions end.
+    """
+
+    confined = True
 
     def reenact(
         self, misconception: Misconception, *, checks: Sequence[Check], kit: KitSettings, seed: int

@@ -144,6 +144,8 @@ class LocalProgram:
         try:
             with np.errstate(all="ignore"):
                 value = call_function(self._names, function, arguments)
+        except MemoryError:  # of the process where it runs: a helper's bound
+            raise
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error

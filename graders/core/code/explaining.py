@@ -1,0 +1,70 @@
+"""The misconceptions of a grader, re-enacted in a helper process to explain a submission.
+
+One that takes too much once explains nothing, and is not tried again in this process: it would hold up everybody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from graders.core.code.checks import Check
+from graders.core.code.confined import ConfinedWork, Unfinished
+from graders.core.code.diagnosis import Explanation, explain
+from graders.core.code.folder import Misconception
+from graders.core.code.reenacting import Reenactor
+from graders.core.code.runner import Observation
+from graders.core.contract.program import KitSettings
+from graders.core.contract.streams import stream
+
+KitMaker = Callable[[np.random.Generator], KitSettings]
+
+
+class MistakeExplainer:
+    """Explains observations by the `misconceptions` of an exercise, by their indices."""
+
+    def __init__(
+        self, misconceptions: Sequence[Misconception], checks: Sequence[Check], kit: KitMaker, reenactor: Reenactor
+    ) -> None:
+        self._misconceptions, self._checks, self._kit, self._reenactor = misconceptions, checks, kit, reenactor
+        self._unfinished: set[int] = set()
+        self._work = ConfinedWork(self._explain_each)
+
+    def reenactable(self) -> list[int]:
+        """Return those that are re-enacted: programs that are no edit of the model, nor known by a rule alone."""
+        return [k for k, mistake in enumerate(self._misconceptions) if not (mistake.edited or mistake.ruled)]
+
+    def explain_each(
+        self, observations: Sequence[Observation], seed: int, chosen: Sequence[int]
+    ) -> Iterator[Explanation]:
+        """Yield the explanations that these misconceptions give of the observations of a grading of this seed."""
+        left = [k for k in chosen if k not in self._unfinished]
+        context = (observations, seed)
+        answers = (
+            self._work.answer_each(left, context) if self._reenactor.confined else self._explain_each(left, context)
+        )
+        for k, answer in zip(left, answers, strict=True):
+            if isinstance(answer, Unfinished):
+                self._unfinished.add(k)
+            elif answer is not None:
+                yield Explanation(self._misconceptions[k], *answer)
+
+    def unfinished(self, seed: int) -> Iterator[tuple[Misconception, Unfinished]]:
+        """Yield the misconceptions that take too much on the inputs of this seed, each with the call that does."""
+        chosen = self.reenactable()
+        for k, answer in zip(chosen, self._work.answer_each(chosen, ((), seed), telling=True), strict=True):
+            if isinstance(answer, Unfinished):
+                self._unfinished.add(k)
+                yield self._misconceptions[k], answer
+
+    def _explain_each(
+        self, chosen: Sequence[int], context: tuple[Sequence[Observation], int]
+    ) -> Iterator[tuple[int, float] | None]:
+        observations, seed = context
+        kit = self._kit(stream(seed, "kit"))
+        for k in chosen:
+            mistake = self._misconceptions[k]
+            reenactment = self._reenactor.reenact(mistake, checks=self._checks, kit=kit, seed=seed)
+            explanation = explain(observations, mistake, reenactment)
+            yield None if explanation is None else (explanation.explained, explanation.agreement)
