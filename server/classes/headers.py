@@ -63,7 +63,10 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-FILLERS = _words("de du des d la le les l et ou e s es a au aux en pour of the jj mm aaaa obligatoire facultatif")
+FILLERS = _words(
+    "de du des d la le les l et ou e s es a au aux en pour of the jj mm aaaa obligatoire facultatif required "
+    "optional requis requise"
+)
 #: Whose column it is, when it is no student's.
 OTHERS = _words(
     "responsable responsables resp parent parents pere mere tuteur tutrice legal legale legaux representant referent "
@@ -103,8 +106,11 @@ GIVEN_EXTRA = (
 )
 CLASS = _words("classe classes division divisions class classroom section")
 CLASS_EXTRA = STUDENT | _words("code libelle nom intitule court long actuelle actuel affectation rattachement name")
-GROUP = _words("groupe groupes group groups gr grp td tp sous demi equipe equipes team cohorte cohort")
-PLAIN_GROUP = _words("groupe groupes group groups gr grp")
+GROUP = _words(
+    "groupe groupes group groups gr grp gp gpe td tp sous demi equipe equipes team cohorte cohort trinome "
+    "trinomes binome binomes"
+)
+PLAIN_GROUP = _words("groupe groupes group groups gr grp gp gpe")
 NOT_A_GROUP = _words("type nombre effectif")
 DATES = _words("date ne nee naiss birthdate birthday birth naissance dob")
 FULL = _words("complet full displayname fullname identite affichage affiche name")

@@ -34,8 +34,12 @@ DAMAGED = (
     "ou choisissez comment les accents sont lus."
 )
 WHOLE_NAMES = (
-    "{count} noms complets ne se coupent pas sûrement en nom et prénom, et restent entiers (ligne {lines}) : mettez le "
-    "nom en capitales, ou dites l’ordre de la colonne."
+    "{count} noms complets ne se coupent pas sûrement en nom et prénom, et restent entiers (lignes {lines}) : dites "
+    "l’ordre de la colonne, ou mettez en capitales les noms de famille seulement."
+)
+WHOLE_NAME = (
+    "Un nom complet ne se coupe pas sûrement en nom et prénom, et reste entier (ligne {lines}) : dites l’ordre de la "
+    "colonne, ou mettez en capitales le nom de famille seulement."
 )
 REPAIRED = "Les accents de ce fichier étaient abîmés : « {before} » est lu « {after} », et de même ailleurs."
 UNUSUAL = "Les accents sont lus comme écrits par {used}."
@@ -125,14 +129,10 @@ class LineReader:
         error = next((cell for cell in cells if SHEET_ERROR.fullmatch(cell)), "")
         if error:
             raise Invalid(ERROR_CELL.format(text=error))
-        if not line.name:
-            raise Invalid("il n’y a ni nom ni prénom.")
-        if sum(bool(tidy_line(cell)) for cell in row.cells) == 1 and FOOTER.match(_unaccented(line.name)):
-            raise Invalid("cette ligne ne paraît pas nommer un élève.")
-        if len(line.name) > NAME_LENGTH:
-            raise Invalid(f"le nom dépasse {NAME_LENGTH} caractères.")
-        if "@" in line.name:
-            raise Invalid("il y a une adresse électronique à la place du nom.")
+        is_alone = sum(bool(tidy_line(cell)) for cell in row.cells) == 1
+        problem = _name_problem(line.name, is_alone)
+        if problem:
+            raise Invalid(problem)
         damaged = damaged_word(f"{line.name} {' '.join(line.groups)}")
         if damaged:
             raise Invalid(DAMAGED.format(word=damaged))
@@ -180,8 +180,22 @@ class LineReader:
             lines = ", ".join(map(str, self._whole[:MAX_NAMED_LINES])) + (
                 "…" if len(self._whole) > MAX_NAMED_LINES else ""
             )
-            warnings.append(WHOLE_NAMES.format(count=len(self._whole), lines=lines))
+            text = WHOLE_NAMES if len(self._whole) > 1 else WHOLE_NAME
+            warnings.append(text.format(count=len(self._whole), lines=lines))
         return tuple(warnings)
+
+
+def _name_problem(name: str, is_alone: bool) -> str:
+    """Say why a name is none, or return an empty text. `is_alone`: nothing else stands in the line, as in a footer."""
+    if not name:
+        return "il n’y a ni nom ni prénom."
+    if not any(sign.isalpha() for sign in name):
+        return f"« {name[:60]} » n’est pas un nom : il n’y a aucune lettre."
+    if is_alone and FOOTER.match(_unaccented(name)):
+        return "cette ligne ne paraît pas nommer un élève."
+    if len(name) > NAME_LENGTH:
+        return f"le nom dépasse {NAME_LENGTH} caractères."
+    return "il y a une adresse électronique à la place du nom." if "@" in name else ""
 
 
 def _cell(row: SheetRow, index: int) -> str:

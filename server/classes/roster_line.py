@@ -51,8 +51,9 @@ def parse_groups(text: str) -> tuple[str, ...]:
 
 
 def split_labels(text: str) -> tuple[str, ...]:
-    """Return the labels in a text, without duplicates."""
-    return tuple(dict.fromkeys(filter(None, (tidy_line(piece) for piece in re.split(r"[,;|]", text)))))
+    """Return the labels in a text, without duplicates; « [MP2I_G1], [MP2I_G2] » is how Pronote writes two."""
+    pieces = (tidy_line(re.sub(r"^\s*\[(.*)\]\s*$", r"\1", piece)) for piece in re.split(r"[,;|]", text))
+    return tuple(dict.fromkeys(filter(None, pieces)))
 
 
 def check_groups(labels: tuple[str, ...]) -> tuple[str, ...]:

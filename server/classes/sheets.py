@@ -29,7 +29,7 @@ SEPARATORS = (";", ",", "\t", "|")
 JUDGED_ROWS = 40  # of a text, to find its separator
 DECLARED = re.compile(r"sep=(.)\r?\n", re.IGNORECASE)  # as Excel writes it
 LINE_END = re.compile(r"\r\n|\r|\n")
-ZIP, OLD_EXCEL = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+ZIP, OLD_EXCEL, PDF = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"%PDF-"
 OPENING_SECONDS = 20.0  # wall time; the process bounds its own processor time
 MAX_CONCURRENT = 2
 
@@ -38,6 +38,10 @@ UNREADABLE = "Ce fichier ne se lit pas comme un classeur XLSX ou ODS ; enregistr
 WEB_PAGE = (
     "Ce fichier est une page web, même s’il s’appelle .xls : ouvrez-le dans votre tableur et enregistrez-le en .xlsx, "
     "en .ods ou en CSV."
+)
+PRINTED = (
+    "Ce fichier est un PDF, dont les colonnes ne se lisent pas : exportez la liste en .xlsx, en .ods ou en CSV, ou "
+    "collez-la."
 )
 TOO_LONG = f"Une liste a {MAX_LINES} lignes et {MAX_COLUMNS} colonnes au plus."
 BUSY = "D’autres listes sont en cours de lecture. Réessayez dans quelques secondes."
@@ -60,6 +64,8 @@ def read_rows(content: bytes, encoding: str | None = None) -> ReadRows:
     there is one, or Overloaded."""
     if content.startswith(OLD_EXCEL):
         raise Invalid(OLD)
+    if content.startswith(PDF):
+        raise Invalid(PRINTED)
     if content.startswith(ZIP):
         sheets = [_filled(sheet) for sheet in _spreadsheet_rows(content)]
         return ReadRows(next((rows for rows in sheets if find_header(rows)), sheets[0] if sheets else ()))

@@ -64,6 +64,18 @@ READ: list[tuple[str, bytes, list[Person], list[str]]] = [
         ["Numéro d'identification", "Établissement"],
     ),
     (
+        "Pronote: groups in brackets",
+        text("Élève;Groupes", "PETIT Ana;[P1_G1], [P1_LV2]", "LACROIX Inès;[P1_G2]"),
+        [("PETIT", "Ana", "", "", "P1_G1", "P1_LV2"), ("LACROIX", "Inès", "", "", "P1_G2")],
+        [],
+    ),
+    (
+        "Google: headers that say what is required",
+        text("First Name [Required],Last Name [Required],Email Address [Required]", "Ana,Petit,a@x.fr"),
+        [(*ANA, "", "a@x.fr")],
+        [],
+    ),
+    (
         "Moodle, in English",
         text("First name,Last name,Email address,Groups", "Ana,Petit,a@x.fr,G1|G2"),
         [(*ANA, "", "a@x.fr", "G1", "G2")],
@@ -229,6 +241,7 @@ FORMULA = workbook(
 TOLD: list[tuple[str, bytes, int, str]] = [
     ("a formula without a value", FORMULA, 3, "la cellule B3 est une formule sans valeur"),
     ("an error of the sheet", text("Nom;Prénom", "Petit;#N/A"), 2, "#N/A"),
+    ("a total under the names", text("N°;Nom;Prénom", "1;Petit;Ana", "Total;1"), 3, "aucune lettre"),
     ("a line twice", text("Nom;Prénom", "Petit;Ana", "PETIT;ana"), 3, "qu’à la ligne 2"),
     (
         "namesakes without anything else",
@@ -264,6 +277,7 @@ def test_a_line_that_is_not_read_is_told_with_its_reason(content: bytes, line: i
 
 REFUSED: list[tuple[str, bytes, str]] = [
     ("empty", b"", "vide"),
+    ("a printed page", b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj", "PDF"),
     ("blank lines", b"\r\n ; ;\r\n", "vide"),
     ("no headers", text("Petit;Ana", "Lacroix;Inès"), "vingt premières lignes"),
     ("no names", text("Login;Groupe", "ana;1"), "vingt premières lignes"),
@@ -307,7 +321,9 @@ def test_names_that_cannot_be_cut_stay_whole_and_are_told() -> None:
     roster = read_roster(text("Élève", "Nguyen Thi Anh", "Lacroix Inès", "PETIT Ana"))
     assert [line.name for line in roster.lines] == ["Nguyen Thi Anh", "Lacroix Inès", "Ana PETIT"]
     assert "2 noms complets" in roster.warnings[0]
-    assert "ligne 2, 3" in roster.warnings[0]
+    assert "lignes 2, 3" in roster.warnings[0]
+    (warning,) = read_roster(text("Élève", "Lacroix Inès")).warnings
+    assert warning.startswith("Un nom complet ne se coupe pas sûrement")
     cut = read_roster(text("Élève", "Lacroix Inès"), ReadingChoice(("nom_prenom",), first_line=2))
     assert (cut.lines[0].family_name, cut.lines[0].given_name) == INES
 
@@ -324,7 +340,9 @@ def test_names_that_cannot_be_cut_stay_whole_and_are_told() -> None:
         ("Adresse mail étudiant", "email"), ("Courriel établissement", "email"), ("Email de la mère", None),
         ("Identifiant", "identifiant"), ("Login ENT", "identifiant"), ("Nom d’utilisateur", "identifiant"),
         ("User name", "identifiant"), ("Identifiant national", "numero"), ("INE", "numero"), ("Matricule", "numero"),
-        ("Code postal", None), ("Code", None), ("Groupe(s)", "groupe"), ("Gr. TP", "groupe"), ("Sous-groupe", "groupe"),
+        ("Code postal", None), ("Code", None), ("Groupe(s)", "groupe"), ("Gr. TP", "groupe"),
+        ("Gp", "groupe"), ("Trinôme", "groupe"),
+        ("Sous-groupe", "groupe"),
         ("Nombre de groupes", None), ("Division", "classe"), ("Code classe", "classe"), ("Classe d'origine", None),
         ("Née le", "naissance"), ("Date de naissance (jj/mm/aaaa)", "naissance"), ("Lieu de naissance", None),
         ("Date d’inscription", None), ("Nom du tuteur", None), ("Nom de la commune", None), ("Téléphone", None),
