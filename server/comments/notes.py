@@ -30,8 +30,8 @@ UNKNOWN_NOTE = "Ce mot n’existe pas."
 TOO_MANY_PHRASES = f"Vous gardez déjà {MAX_PHRASES} phrases : effacez-en d’abord."
 NO_READERS = "Aucun élève de la classe n’a cette erreur en ce moment : le mot n’a pas été envoyé."
 ALL_HELD = (
-    "Qui a cette erreur ne le sait pas encore : un devoir retient ce diagnostic. Le mot n’a pas été envoyé ; il pourra "
-    "l’être quand les résultats seront publiés."
+    "Ces élèves ne savent pas encore qu’ils ont cette erreur : un devoir retient ce diagnostic. Le mot n’a pas "
+    "été envoyé ; il pourra l’être quand les résultats seront publiés."
 )
 
 

@@ -58,12 +58,13 @@ class OwnMembership:
 class SittingExercise:
     """An exercise of a test: the number of submissions, and the time of the last saved draft.
 
-    `failed` counts submissions that an internal error left ungraded.
+    `failed` counts submissions that an internal error left ungraded; `runs`: the last file is not known to stop.
     """
 
     exercise: Exercise
     sent: int
     failed: int
+    runs: bool
     saved: datetime | None
 
 

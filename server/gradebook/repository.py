@@ -58,6 +58,13 @@ def list_attempts(
     return db.execute(query.order_by(*NEWEST_FIRST).limit(limit).offset(offset)).all()
 
 
+def load_ids_not_loaded(db: Session, submission_ids: Collection[UUID]) -> frozenset[UUID]:
+    """Return those of these attempts whose file did not run to its end, by the grading that counts."""
+    query = select(Submission.id).join(Grading, Grading.id == Submission.grading_id)
+    query = query.where(Submission.id.in_(submission_ids), Grading.verdict["load_error"].as_string() != "")
+    return frozenset(db.scalars(query))
+
+
 def count_attempts_until(db: Session, submission: Submission) -> int:
     """Count the author's attempts at the same exercise up to and including this one."""
     query = select(func.count()).select_from(Submission)

@@ -90,7 +90,7 @@ FAILED = (
 class AttemptLine:
     """An attempt in a list. `outcome` and `score` are None while it waits, and while a test withholds them (`held`).
 
-    `failed`: withheld, and it ended as an internal error.
+    `failed`: withheld, and it ended as an internal error; `runs`: not withheld, or its file is not known to stop.
     """
 
     id: UUID
@@ -100,6 +100,7 @@ class AttemptLine:
     score: float | None
     held: bool = False
     failed: bool = False
+    runs: bool = True
 
 
 @dataclass(frozen=True)

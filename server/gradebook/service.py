@@ -132,9 +132,13 @@ def list_attempts(db: Session, account: Account | None, exercise_id: str, limit:
         return AttemptList()
     rows = repository.list_attempts(db, account.id, exercise_id, limit=limit, offset=offset)
     holds = feedback.load_holds(db, account.id, exercise_id)
+    held = {row.id for row in rows if holds.test_holding(row.created_at)}
+    not_loaded = repository.load_ids_not_loaded(db, held) if held else frozenset()
     lines = (
-        AttemptLine(id, total - index, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR)
-        if holds.test_holding(sent_at)
+        AttemptLine(
+            id, total - index, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR, id not in not_loaded
+        )
+        if id in held
         else AttemptLine(id, total - index, sent_at, outcome, score)
         for index, (total, id, sent_at, outcome, score) in enumerate(rows, offset)
     )

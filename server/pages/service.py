@@ -51,6 +51,7 @@ from server.web.words import format_mark
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
 HELD = "Reçu, résultat à paraître"
+NOT_LOADED = "Reçu, mais ne s’exécute pas en entier : à corriger"
 FAILED = "Pas corrigé, erreur de notre côté"
 
 
@@ -297,5 +298,11 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
         href=f"/soumissions/{line.id}",
         when=line.sent_at,
         points="" if line.score is None else format_mark(20 * line.score),
-        outcome=(FAILED if line.failed else HELD) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
+        outcome=_held_outcome(line) if line.held else verdicts.outcome_title(line.outcome, exercise.kind),
     )
+
+
+def _held_outcome(line: AttemptLine) -> str:
+    if line.failed:
+        return FAILED
+    return HELD if line.runs else NOT_LOADED

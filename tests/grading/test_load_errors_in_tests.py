@@ -15,6 +15,7 @@ from tests.support.pupils import Pupil
 from tests.support.service import Site
 
 POSES = "l20/poses"
+EXERCISE = "l20/exercices/poses"
 BROKEN = {
     "syntax": ("def composer(a, b)\n    return a\n", "il manque « : »"),
     "import": ("import pandas\n", "pandas"),
@@ -52,20 +53,27 @@ def test_what_keeps_a_file_from_running_is_told(pupil: Pupil, code: str, said: s
     page = pupil.who.browser(pupil.site).get(f"/soumissions/{told['id']}").text
     assert "à corriger" in page
     assert "/ 20" not in page
+    assert "Reçu, mais ne s’exécute pas en entier" in pupil.who.browser(pupil.site).get(f"/{EXERCISE}/essais").text
+    sitting = pupil.who.browser(pupil.site).get(f"/classes/{pupil.test.class_id}/devoirs/{pupil.test.id}/composer").text
+    assert "Le dernier fichier envoyé ne s’exécute pas en entier" in sitting
 
 
 def test_files_that_run_look_the_same_whatever_is_right(pupil: Pupil, course: Course) -> None:
     right = course.exercises[POSES].solution
     wrong = right.replace("return composer(inverse(a), b)", "return composer(inverse(b), a)")
     fails = right.replace("return composer(inverse(a), b)", "import absent\n    return 1 / 0")
-    seen = []
+    seen, listed = [], set()
+    browser = pupil.who.browser(pupil.site)
     for code in (right, wrong, fails, "import matplotlib.pyplot as plt\n" + right):
         told = pupil.send(code, POSES)
         fragment = pupil.who.browser(pupil.site).get(f"/soumissions/{told['id']}/verdict").text
+        page = browser.get(f"/{EXERCISE}/essais").text
+        listed.update(re.findall(r"Reçu, [^<]*", page))
         section = fragment[fragment.index("<section") : fragment.index("</section>")]
         seen.append((_neutral(told), re.sub(r"[0-9a-f-]{36}|n° \d", "", section)))
     assert all(held == seen[0] for held in seen)
     assert seen[0][0]["load_error"] is None
+    assert listed == {"Reçu, résultat à paraître"}
 
 
 def _neutral(told: dict[str, Any]) -> dict[str, Any]:

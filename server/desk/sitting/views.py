@@ -81,9 +81,20 @@ def _sitting_exercises(reader: Reader, own: StudentTest, account: Account) -> tu
     sent = gradebook.count_attempts_since(reader.db, account.id, since)
     failed = gradebook.count_internal_errors_since(reader.db, account.id, since)
     return tuple(
-        SittingExercise(exercise, sent.get(exercise.id, 0), failed.get(exercise.id, 0), saved.get(exercise.id))
+        SittingExercise(
+            exercise,
+            sent.get(exercise.id, 0),
+            failed.get(exercise.id, 0),
+            exercise.id not in sent or _last_runs(reader, account, exercise.id),
+            saved.get(exercise.id),
+        )
         for exercise in known
     )
+
+
+def _last_runs(reader: Reader, account: Account, exercise_id: str) -> bool:
+    last = gradebook.find_latest_attempt(reader.db, account, exercise_id)
+    return last is None or not last.load_error
 
 
 def release_view(db: Session, test: Assignment) -> ReleaseView:
@@ -118,8 +129,8 @@ def release_lines(effects: ReleaseEffects) -> tuple[str, ...]:
         )
         lines.append(f"{count} : {list_names([student.name for student in effects.shut_out])}.")
     if effects.running:
-        count = plural(len(effects.running), "élève compose encore", "élèves composent encore")
-        lines.append(f"{count}, jusqu’à sa propre fin : {list_names([student.name for student in effects.running])}.")
+        count = plural(len(effects.running), "élève compose encore,", "élèves composent encore, chacun")
+        lines.append(f"{count} jusqu’à sa propre fin : {list_names([student.name for student in effects.running])}.")
     return tuple(lines)
 
 
