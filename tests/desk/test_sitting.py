@@ -492,6 +492,24 @@ def test_what_arrived_in_time_counts_however_long_it_waited(room: Room, monkeypa
     assert room.save(ada, "x = 2").status_code == 200
 
 
+def test_a_group_that_gives_time_is_not_taken_away_in_mid_sitting(room: Room) -> None:
+    ada, roster = room.student(begins=False), f"/classes/{room.made.id}/eleves"
+    teacher = room.teacher.browser(room.site)
+    group = {"eleve": str(ada.id), "groupe": "tiers-temps"}
+    teacher.post(roster, data={**group, "action": "grouper"})
+    with room.site.database.write() as db:
+        db.add(Exemption(assignment_id=room.test.id, label="tiers-temps", time_factor=1.33))
+    room.post(ada, "commencer")
+    refused = teacher.post(roster, data={**group, "action": "degrouper"})
+    assert refused.status_code == 409
+    assert "Ada compose en ce moment" in refused.text
+    assert "tiers-temps" in told(teacher.get(roster))
+    teacher.post(roster, data={**group, "groupe": "TP1", "action": "grouper"})
+    assert teacher.post(roster, data={**group, "groupe": "TP1", "action": "degrouper"}).status_code == 303
+    room.post(ada, "rendre")
+    assert teacher.post(roster, data={**group, "action": "degrouper"}).status_code == 303
+
+
 def test_archiving_says_first_who_still_sits_a_test(room: Room) -> None:
     settings = f"/classes/{room.made.id}/reglages"
     room.student()
