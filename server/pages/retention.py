@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from server.assignments.editing import RESTORABLE
 from server.base.settings import Settings, variable_name
 from server.base.validation import format_size
 from server.figures.store import MAX_STORE_BYTES
@@ -102,7 +103,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda settings: Row(
         "Liens vers un mot de passe",
-        f"{_hours(settings.password_link_hours)} ; le premier, sur une bande, {_days(settings.first_password_days)}",
+        f"{_hours(settings.password_link_hours)} ; le premier, sur un billet, avec son code tant qu’il n’a pas servi, "
+        f"{_days(settings.first_password_days)} depuis que l’enseignant l’a affiché",
         f"à leur usage, avec le rôle ou le droit pour lequel ils ont été faits, ou {HOURLY}",
         ("password_link_hours", "first_password_days"),
         ("password_link",),
@@ -165,6 +167,19 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
             "solution_opening",
             "regrade",
         ),
+    ),
+    lambda _: Row(
+        "Devoirs supprimés, qui se rétablissent, avec leurs aménagements et leurs copies",
+        _days(RESTORABLE.days),
+        HOURLY,
+        (),
+    ),
+    lambda _: Row(
+        "Façon de lire les colonnes d’une liste, que l’enseignant a dite : sans nom d’élève",
+        "tant que le compte de l’enseignant existe ; les vingt dernières",
+        AT_ONCE,
+        (),
+        ("list_reading",),
     ),
     lambda _: Row(
         "Journal d’une classe : qui a changé une note, une date, un droit",
