@@ -3,31 +3,34 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import Event
+from threading import Event, Lock
 
 #: Seconds without a job after which a worker is idle, and between two checks.
 IDLE_SECONDS, CHECK_SECONDS = 0.5, 0.05
 
 
 class IdleMonitor:
-    """Tracks one worker, which runs one job at a time; `wait_idle` is for its other threads."""
+    """Tracks one worker, whose threads each run one job at a time; `wait_idle` is for its other threads."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._busy, self._last_job_end = False, -IDLE_SECONDS
+        self._lock, self._running, self._last_job_end = Lock(), 0, -IDLE_SECONDS
 
     @contextmanager
     def busy(self) -> Iterator[None]:
         """Mark a job as running for the duration of the block."""
-        self._busy = True
+        with self._lock:
+            self._running += 1
         try:
             yield
         finally:
-            self._last_job_end, self._busy = self._clock(), False
+            with self._lock:
+                self._running -= 1
+                self._last_job_end = self._clock()
 
     @property
     def is_idle(self) -> bool:
-        return not self._busy and self._clock() - self._last_job_end >= IDLE_SECONDS
+        return not self._running and self._clock() - self._last_job_end >= IDLE_SECONDS
 
     def wait_idle(self, stopping: Event) -> bool:
         """Wait until the worker is idle; False where it is to stop first."""

@@ -37,6 +37,25 @@ class Lease:
     started_at: datetime
     required_version: str | None = None
     more_waiting: bool = True
+    rank: int = 0
+    flow: str = ""
+
+
+@dataclass(frozen=True)
+class Precedence:
+    """The jobs that go before a running one: of ranks under `below`, and of `rank` from other flows than `flow`."""
+
+    below: int
+    rank: int | None = None
+    flow: str = ""
+
+
+@dataclass(frozen=True)
+class WaitingJob:
+    """The job that would be claimed next."""
+
+    job_id: UUID
+    rank: int
 
 
 @dataclass(frozen=True)
@@ -147,8 +166,14 @@ class Queue(Protocol):
         kinds: Collection[str],
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
+        precedence: Precedence | None = None,
     ) -> Lease | None:
-        """Lease the next waiting job of these kinds that the worker can do, if any."""
+        """Lease the next waiting job of these kinds that the worker can do, if any; with `precedence`, one of those."""
+
+    def find_preceding(
+        self, db: Session, kinds: Collection[str], precedence: Precedence, capabilities: WorkerCapabilities | None
+    ) -> WaitingJob | None:
+        """Return the job that `claim` would lease, if any."""
 
     def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
         """Mark waiting jobs that need workers of other versions; return whether there are any."""

@@ -5,6 +5,7 @@ once. One clock times the leases: that of PostgreSQL, else the machine's.
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID, uuid4
@@ -28,7 +29,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
 from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
-from server.queue.interfaces import Lease, Sender, WorkerCapabilities
+from server.queue.interfaces import Lease, Precedence, Sender, WaitingJob, WorkerCapabilities
 from server.queue.models import Job
 
 #: Key of PostgreSQL's advisory lock for enqueueing.
@@ -95,15 +96,34 @@ _claim = _claim.returning(
         _jobs.c.payload,
         _jobs.c.tries,
         _jobs.c.needs,
+        _jobs.c.priority,
+        _jobs.c.line,
         _more_waiting.label("more_waiting"),
     )
 )
-#: PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
-CLAIM = _claim.where(_jobs.c.id == _next_job_id.scalar_subquery())
 #: Only jobs whose version this worker has, or that were refused longer ago than the timeout.
-CLAIM_CAPABLE = _claim.where(
-    _jobs.c.id == _next_job_id.where(or_(_version_available, _refused_before)).scalar_subquery()
+_capable = or_(_version_available, _refused_before)
+#: Only jobs that go before a running one.
+_precedes_running = or_(
+    _jobs.c.priority < bindparam("below"),
+    and_(_jobs.c.priority == bindparam("rank"), _jobs.c.line != bindparam("flow")),
 )
+#: Conditions of a claim, by whether it has capabilities and a precedence.
+_CONDITIONS = {
+    (False, False): (),
+    (True, False): (_capable,),
+    (False, True): (_precedes_running,),
+    (True, True): (_capable, _precedes_running),
+}
+#: PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
+CLAIMS = {
+    key: _claim.where(_jobs.c.id == _next_job_id.where(*conditions).scalar_subquery())
+    for key, conditions in _CONDITIONS.items()
+}
+FIND_PRECEDING = {
+    key: select(_jobs.c.id, _jobs.c.priority).where(_waits, _of_kinds, *conditions).order_by(*_order).limit(1)
+    for key, conditions in _CONDITIONS.items()
+}
 _version_missing = and_(_waits, _of_kinds, ~_version_available)
 ANY_VERSION_MISSING = select(exists().where(_version_missing))
 REFUSE = update(_jobs).where(_version_missing, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
@@ -196,27 +216,63 @@ def insert_job(
     return job_id
 
 
+@dataclass(frozen=True)
+class NewLease:
+    """A lease to be given to the next job."""
+
+    owner: str
+    token: UUID
+    now: datetime
+    until: datetime
+
+
 def claim(
     db: Session,
     kinds: Collection[str],
-    *,
-    owner: str,
-    token: UUID,
-    now: datetime,
-    until: datetime,
+    new: NewLease,
     able: WorkerCapabilities | None,
+    precedence: Precedence | None = None,
 ) -> Lease | None:
     """Lease the next waiting job."""
-    parameters = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
-    if able is None:
-        row = select_core(db, CLAIM, parameters).one_or_none()
-    else:
-        row = select_core(db, CLAIM_CAPABLE, {**parameters, **_capability_parameters(able, now)}).one_or_none()
+    statement = CLAIMS[able is not None, precedence is not None]
+    parameters = {"owner": new.owner, "token": new.token, "now": new.now, "until": new.until}
+    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, precedence)}).one_or_none()
     if row is None:
         return None
     return Lease(
-        row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, more_waiting=row.more_waiting
+        row.id,
+        new.token,
+        row.kind,
+        row.key,
+        row.payload,
+        row.tries,
+        new.now,
+        row.needs,
+        more_waiting=row.more_waiting,
+        rank=row.priority,
+        flow=row.line,
     )
+
+
+def find_preceding(
+    db: Session, kinds: Collection[str], precedence: Precedence, able: WorkerCapabilities | None
+) -> WaitingJob | None:
+    """Return the waiting job that goes before a running one."""
+    statement = FIND_PRECEDING[able is not None, True]
+    row = select_core(db, statement, _choice(kinds, current_time(db), able, precedence)).one_or_none()
+    return None if row is None else WaitingJob(row.id, row.priority)
+
+
+def _choice(
+    kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, precedence: Precedence | None
+) -> dict[str, Any]:
+    """Return the parameters that choose a job."""
+    parameters: dict[str, Any] = {"kinds": list(kinds)}
+    if able is not None:
+        parameters |= _capability_parameters(able, now)
+    if precedence is not None:
+        parameters |= asdict(precedence)
+    return parameters
 
 
 def mark_refused(db: Session, kinds: Collection[str], able: WorkerCapabilities) -> bool:

@@ -26,9 +26,11 @@ from server.queue.interfaces import (
     JobNotification,
     JobStatus,
     Lease,
+    Precedence,
     QueueFullError,
     QueueNotifier,
     Sender,
+    WaitingJob,
     WorkerCapabilities,
 )
 from server.queue.lease_owner import LeaseOwner, is_dead
@@ -78,13 +80,20 @@ class TableQueue:
         kinds: Collection[str],
         lease_seconds: float,
         capabilities: WorkerCapabilities | None = None,
+        precedence: Precedence | None = None,
     ) -> Lease | None:
         token, now = uuid4(), repository.claim_time(db)
         until = now + timedelta(seconds=lease_seconds)
-        lease = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until, able=capabilities)
+        new_lease = repository.NewLease(str(owner), token, now, until)
+        lease = repository.claim(db, kinds, new_lease, capabilities, precedence)
         if lease is not None:
             self._notifier.job_changed(db, lease.key + JOB_STARTED_SUFFIX)
         return lease
+
+    def find_preceding(
+        self, db: Session, kinds: Collection[str], precedence: Precedence, capabilities: WorkerCapabilities | None
+    ) -> WaitingJob | None:
+        return repository.find_preceding(db, kinds, precedence, capabilities)
 
     def mark_refused(self, db: Session, kinds: Collection[str], capabilities: WorkerCapabilities) -> bool:
         return repository.mark_refused(db, kinds, capabilities)
@@ -172,5 +181,14 @@ def _lease_from_row(job: Job) -> Lease:
     if job.lease_token is None or job.started_at is None:
         raise ValueError(f"job {job.id} is not leased")
     return Lease(
-        job.id, job.lease_token, job.kind, job.key, job.payload, job.tries, job.started_at, job.required_version
+        job.id,
+        job.lease_token,
+        job.kind,
+        job.key,
+        job.payload,
+        job.tries,
+        job.started_at,
+        job.required_version,
+        rank=job.priority,
+        flow=job.flow,
     )

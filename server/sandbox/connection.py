@@ -17,6 +17,7 @@ from server.sandbox.child.codec import Value
 from server.sandbox.faults import Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, ChildExit
+from server.sandbox.seat import current_seat
 from server.sandbox.values import Kit
 from server.sandbox.wire import AnswerBudgetExceeded, DeadlineExceeded, ForgedAnswer, WireClosed
 
@@ -46,11 +47,16 @@ def encode_configuration(kit: Kit | None) -> bytes:
 
 
 class ChildConnection:
-    """Accounts for waiting time and answer sizes of a child; terminates one that exceeds its budgets or forges."""
+    """Accounts for waiting time and answer sizes of a child; terminates one that exceeds its budgets or forges.
+
+    It is one of the programs of its thread's seat, if that has one, and the seat's clock is its own.
+    """
 
     def __init__(self, child: Child, policy: Policy) -> None:
-        self._child, self._policy = child, policy
-        self._waited = 0.0
+        self._child, self._policy, self._seat = child, policy, current_seat()
+        self._clock = self._seat.clock if self._seat else time.monotonic
+        child.wire.clock = self._clock
+        self._waited, self._deadline = 0.0, 0.0
         self._bytes_left, self._items_left = policy.session_bytes, policy.session_items
         self._filename, self._lines = "", [""]
         self._answer_shape = AnswerShape()
@@ -58,18 +64,46 @@ class ChildConnection:
         #: The program's calls of the course's functions, where it may make some.
         self.course_calls: CourseFunctionCalls | None = None
 
+    def _join_seat(self) -> None:
+        """Become one of the programs of the seat. Raises Abandoned."""
+        if self._seat:
+            self._seat.add(self)
+
+    def _leave_seat(self) -> None:
+        if self._seat:
+            self._seat.remove(self)
+
+    def _raise_if_abandoned(self) -> None:
+        if self._seat:
+            self._seat.raise_if_abandoned()
+
+    def stop(self) -> None:
+        """Stop the process; the clock of its seat stands still."""
+        self._child.stop()
+
+    def go_on(self) -> None:
+        """Let the process go on, with as much time as it had left."""
+        left = self._deadline - self._clock()  # none before the trusted side has begun to wait
+        self._child.go_on(time.monotonic() + (left if left > 0 else self._seconds_left))
+
+    def kill(self) -> None:
+        """End the process; whoever waits for it learns so."""
+        self._child.kill()
+
     def _send_setup(self, questions: bytes) -> None:
         try:
-            self._child.wire.send(random_token(), frames.TOGETHER, questions, time.monotonic() + _READY_SECONDS)
+            self._child.wire.send(random_token(), frames.TOGETHER, questions, self._clock() + _READY_SECONDS)
         except (DeadlineExceeded, WireClosed, ForgedAnswer) as error:
+            self._raise_if_abandoned()
             raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
 
     def _expect(self, called: int, kind: int) -> None:
         """Wait for the child to report a stage of its start, before any line of the student runs."""
         expected = frozenset({kind, frames.ANOMALY})
         try:
-            came, said = self._child.wire.receive(called, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
+            came, said = self._child.wire.receive(called, expected, 1 << 16, self._clock() + _READY_SECONDS)
         except (DeadlineExceeded, WireClosed, ForgedAnswer) as error:
+            self._raise_if_abandoned()
             raise TemplateFault(f"a fork did not come up: {type(error).__name__}") from error
         if came == frames.ANOMALY:
             raise TemplateFault(f"a fork failed: {said.decode('utf-8', 'replace')}")
@@ -112,9 +146,10 @@ class ChildConnection:
     @contextmanager
     def _timed(self) -> Iterator[float]:
         """Account for the time spent on the wire; terminate the child when it runs out of time or forges."""
-        start = time.monotonic()
+        start = self._clock()
+        self._deadline = start + self._seconds_left
         try:
-            yield start + self._seconds_left + GRACE_SECONDS
+            yield self._deadline + GRACE_SECONDS
         except DeadlineExceeded:
             self._terminate(lambda _: diagnosis.wall_timeout_fault(self._policy, self._last_frames()))
         except ForgedAnswer:
@@ -124,7 +159,7 @@ class ChildConnection:
         except WireClosed:
             self._raise_wire_closed()
         finally:
-            self._waited += time.monotonic() - start
+            self._waited += self._clock() - start
 
     def _decode_outcome(self, outcome: int, answer: bytes) -> Value:
         try:
@@ -160,7 +195,8 @@ class ChildConnection:
         return value
 
     def _raise_wire_closed(self) -> NoReturn:
-        """Handle a closed wire: the process ended by itself, or closed the wire and lives on."""
+        """Handle a closed wire: the process ended by itself, or closed the wire and lives on. Raises Abandoned."""
+        self._raise_if_abandoned()
         try:
             self._child.wait_exit(GRACE_SECONDS)
         except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which

@@ -6,7 +6,6 @@ passed on unread: the program's process and this one encode and decode them.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 from server.sandbox import diagnosis
@@ -46,6 +45,7 @@ class CourseProcess(ChildConnection):
 
     def hold(self, kit: Kit) -> None:
         """Send it the course's files. Raises TemplateFault when the child was not sound."""
+        self._join_seat()
         self._expect(0, frames.READY)
         question: dict[str, Value] = {"library": encode_library(kit.sealed_files), "offered": kit.course_functions}
         configure, hold = random_token(), random_token()
@@ -63,7 +63,7 @@ class CourseProcess(ChildConnection):
         """
         if self._last_reply is not None:
             return self._last_reply
-        began, token = time.monotonic(), random_token()
+        began, token = self._clock(), random_token()
         try:
             outcome, reply = self._child.wire.exchange(
                 token, frames.ASK, question, _REPLIES, frames.ASK_LIMITS.size, began + self._seconds_left
@@ -74,13 +74,14 @@ class CourseProcess(ChildConnection):
         except (WireClosed, ForgedAnswer, codec.MalformedValue, TemplateFault) as error:
             return self._reply_to_fault(self._find_fault(error))
         finally:
-            self._waited += time.monotonic() - began
+            self._waited += self._clock() - began
 
     def _read_fault(self, fault: bytes) -> ProgramFault | None:
         return diagnosis.parse_fault(codec.decode(fault, frames.FAULT_LIMITS), self._policy)
 
     def _find_fault(self, error: Exception) -> ProgramFault:
-        """Return how a process that does not answer ended. Raises SandboxFault for one that has failed."""
+        """Return how a process that does not answer ended. Raises SandboxFault for one that has failed, Abandoned."""
+        self._raise_if_abandoned()
         try:
             return diagnosis.exit_fault(self._child.wait_exit(EXIT_SECONDS), self._policy)
         except (TemplateFault, TimeoutError) as failure:
@@ -95,6 +96,7 @@ class CourseProcess(ChildConnection):
 
     def close(self) -> None:
         """End the process."""
+        self._leave_seat()
         self._child.close()
 
 

@@ -61,7 +61,16 @@ class Child:
     def kill(self) -> None:
         if not (self._killed or self.has_exited()):
             self._killed = True
-            self._template.kill(self._number)
+            self._template.order(self._number, orders.pack_kill)
+
+    def stop(self) -> None:
+        """Stop it until `go_on`."""
+        self._template.order(self._number, orders.pack_stop)
+
+    def go_on(self, alarm_at: float) -> None:
+        """Let it go on; its time of the wall runs out at `alarm_at` of `time.monotonic`, if a call runs."""
+        self.output.set_alarm(alarm_at)
+        self._template.order(self._number, orders.pack_go_on)
 
     def wait_exit(self, timeout: float) -> ChildExit:
         """Wait for the exit. Raises TemplateFault when the template died first, TimeoutError while the child lives."""
@@ -200,12 +209,13 @@ class TemplateProcess:
     def exit_of(self, number: int) -> Future[ChildExit]:
         return self._exits[number]
 
-    def kill(self, number: int) -> None:
+    def order(self, number: int, pack: Callable[[int], bytes]) -> None:
+        """Order a child to be killed, stopped or continued, unless it has ended."""
         with self._lock:
             known = number in self._exits and not self._dead
         if known:
             with contextlib.suppress(TemplateFault):  # a dead template has taken its children along
-                self._send_order(orders.pack_kill(number), [])
+                self._send_order(pack(number), [])
 
     def _send_order(self, data: bytes, descriptors: list[int]) -> None:
         with self._sending:  # not the other lock: a template that takes no order must not keep anyone from learning it

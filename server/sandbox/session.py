@@ -68,6 +68,7 @@ class Session(ChildConnection):
         With `waits`, the file is compiled, for `trace` to run. Raises TemplateFault when the child was not
         sound to begin with.
         """
+        self._join_seat()
         self._expect(0, frames.READY)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         configure, load = random_token(), random_token()
@@ -109,6 +110,7 @@ class Session(ChildConnection):
         """End the process. Its output and usage stay readable."""
         if not self._closed:
             self._closed = True
+            self._leave_seat()
             self._child.kill()
             if self.course_calls:
                 self.course_calls.close()

@@ -34,10 +34,11 @@ from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.identity.models import Account
 from server.queue.graceful_stop import GracefulStop, StopRequested
 from server.queue.interfaces import Lease, Sender
+from server.queue.job_runner import LeaseHeartbeat, _backoff
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
 from server.queue.polling import PollingSource
-from server.queue.worker import LeaseHeartbeat, Worker, _backoff
+from server.queue.worker import Worker
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
@@ -213,7 +214,7 @@ def test_a_worker_outlives_a_locked_database(
         db.add(account)
     submitted(sqlite, settings, account)
     monkeypatch.setattr("server.database.engine.PRAGMAS", ("foreign_keys=ON", "busy_timeout=1"))
-    monkeypatch.setattr("server.queue.worker.LOCKED_PAUSE", 0.01)
+    monkeypatch.setattr("server.queue.job_runner.LOCKED_PAUSE", 0.01)
     impatient = Database(settings.url)
     with closing(impatient), ThreadPoolExecutor(1) as thread:
         with sqlite.write() as db:
@@ -379,7 +380,7 @@ def test_a_job_that_does_not_end_is_given_up_at_once_with_its_worker(
     def end(status: int) -> None:
         raise Ended(status)
 
-    monkeypatch.setattr("server.queue.worker.os._exit", end)
+    monkeypatch.setattr("server.queue.job_runner.os._exit", end)
     submitted(sqlite, settings, new_account(sqlite))
     owner = process_owner(os.getpid())
     with sqlite.write() as db:

@@ -3,6 +3,7 @@ page that it touches after a fork must be copied."""
 
 from __future__ import annotations
 
+import signal
 import struct
 from typing import NamedTuple
 
@@ -35,16 +36,29 @@ class ExitReport(NamedTuple):
 _NUMBER, _LIMITS, _REPORT = struct.Struct("<Q"), struct.Struct("<d9Q"), struct.Struct("<Qidqq")
 
 
+_KILL, _STOP, _GO_ON = b"k", b"s", b"g"
+#: Signals to a child, by their orders.
+SIGNALS = {_KILL: signal.SIGKILL, _STOP: signal.SIGSTOP, _GO_ON: signal.SIGCONT}
+
+
 def pack_fork(number: int, limits: ChildLimits) -> bytes:
     return _NUMBER.pack(number) + _LIMITS.pack(*limits)
 
 
 def pack_kill(number: int) -> bytes:
-    return _NUMBER.pack(number)
+    return _NUMBER.pack(number) + _KILL
+
+
+def pack_stop(number: int) -> bytes:
+    return _NUMBER.pack(number) + _STOP
+
+
+def pack_go_on(number: int) -> bytes:
+    return _NUMBER.pack(number) + _GO_ON
 
 
 def unpack_order(order: bytes) -> tuple[int, bytes]:
-    """Return the number of a child and its packed limits; no limits mean that it must be killed."""
+    """Return the number of a child and its packed limits, or a key of SIGNALS."""
     return _NUMBER.unpack_from(order)[0], order[_NUMBER.size :]
 
 

@@ -1,8 +1,9 @@
 """The template: a warm process behind the outer wall that forks a child for each order. It never runs a student's line.
 
 Orders come on one SOCK_SEQPACKET socket (`orders`): to fork, with the child's wire and output as descriptors, or to
-kill. It answers with a greeting, and with a report of the end of each child. What depends on no order is made ready
-before the first: to the process after a fork all its memory is new, and what it runs costs it more than ever after.
+kill, stop or continue a child. It answers with a greeting, and with a report of the end of each child. What depends on
+no order is made ready before the first: to the process after a fork all its memory is new, and what it runs costs it
+more than ever after.
 """
 
 from __future__ import annotations
@@ -157,10 +158,10 @@ class Template:
         if not data:
             return False
         number, limits = orders.unpack_order(data)
-        if limits:
+        if sent:
             self._fork(number, limits, *memoryview(sent[0][2]).cast("i"))
         elif number in self._living:
-            os.kill(self._living[number], signal.SIGKILL)
+            os.kill(self._living[number], orders.SIGNALS[limits])
         return True
 
     def _fork(self, number: int, limits: bytes, *descriptors: int) -> None:
