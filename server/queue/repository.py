@@ -42,7 +42,7 @@ _held_by_token = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bi
 _waits, _leased = _jobs.c.lease_token.is_(None), _jobs.c.lease_token.is_not(None)
 _order = (_jobs.c.priority, _jobs.c.turn, _jobs.c.created_at, _jobs.c.id)
 _of_kinds = _jobs.c.kind.in_(bindparam("kinds", expanding=True))
-_next_job_id = select(_jobs.c.id).where(_waits, _of_kinds).order_by(*_order).limit(1).with_for_update(skip_locked=True)
+_next_job_id = select(_jobs.c.id).where(_waits, _of_kinds).order_by(*_order).limit(1)
 _version_available = or_(_jobs.c.needs.is_(None), _jobs.c.needs.in_(bindparam("having", expanding=True)))
 _refused_before = _jobs.c.refused_at <= bindparam("before")
 _no_lease = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
@@ -108,22 +108,18 @@ _precedes_running = or_(
     _jobs.c.priority < bindparam("below"),
     and_(_jobs.c.priority == bindparam("rank"), _jobs.c.line != bindparam("flow")),
 )
-#: Conditions of a claim, by whether it has capabilities and a precedence.
-_CONDITIONS = {
-    (False, False): (),
-    (True, False): (_capable,),
-    (False, True): (_precedes_running,),
-    (True, True): (_capable, _precedes_running),
+#: The next job, by whether the claim has capabilities and a precedence.
+_choices = {
+    (capable, precedes): _next_job_id.where(*[_capable] * capable, *[_precedes_running] * precedes)
+    for capable in (False, True)
+    for precedes in (False, True)
 }
 #: PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
 CLAIMS = {
-    key: _claim.where(_jobs.c.id == _next_job_id.where(*conditions).scalar_subquery())
-    for key, conditions in _CONDITIONS.items()
+    key: _claim.where(_jobs.c.id == choice.with_for_update(skip_locked=True).scalar_subquery())
+    for key, choice in _choices.items()
 }
-FIND_PRECEDING = {
-    key: select(_jobs.c.id, _jobs.c.priority).where(_waits, _of_kinds, *conditions).order_by(*_order).limit(1)
-    for key, conditions in _CONDITIONS.items()
-}
+FIND_PRECEDING = {capable: _choices[capable, True].add_columns(_jobs.c.priority) for capable in (False, True)}
 _version_missing = and_(_waits, _of_kinds, ~_version_available)
 ANY_VERSION_MISSING = select(exists().where(_version_missing))
 REFUSE = update(_jobs).where(_version_missing, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
@@ -258,7 +254,7 @@ def find_preceding(
     db: Session, kinds: Collection[str], precedence: Precedence, able: WorkerCapabilities | None
 ) -> WaitingJob | None:
     """Return the waiting job that goes before a running one."""
-    statement = FIND_PRECEDING[able is not None, True]
+    statement = FIND_PRECEDING[able is not None]
     row = select_core(db, statement, _choice(kinds, current_time(db), able, precedence)).one_or_none()
     return None if row is None else WaitingJob(row.id, row.priority)
 

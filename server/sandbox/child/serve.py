@@ -5,7 +5,6 @@ from __future__ import annotations
 import faulthandler
 import os
 import signal
-import struct
 import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -16,7 +15,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import codec, course_calls, frames, inner, library, orders
+from . import alarm, codec, course_calls, frames, inner, library, orders
 from .codec import Value
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import pack_frame as _framed
@@ -28,8 +27,6 @@ from .streams import BoundedBytes, BoundedText
 #: Minimum of a timer: zero seconds would disable it.
 _MIN_TIMER_SECONDS = 0.001
 _RETRY_TIMER_SECONDS = 0.01
-#: Last bytes of the output's file: until when a process that was stopped has time (`server.sandbox.output`).
-_ALARM = struct.Struct("<d")
 #: Bytes that are read at least, if they are there.
 _READ_AHEAD = 4096
 
@@ -261,7 +258,7 @@ class ForkServer:
             signal.setitimer(
                 signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _RETRY_TIMER_SECONDS
             )
-        elif number == signal.SIGALRM and (left := _seconds_left_after_stop()) > _MIN_TIMER_SECONDS:
+        elif number == signal.SIGALRM and (left := alarm.seconds_left_after_stop()) > _MIN_TIMER_SECONDS:
             signal.setitimer(signal.ITIMER_REAL, left)
         elif self._running_student_code:
             self._end_with_timeout("cpu" if number == signal.SIGPROF else "wall", frame)
@@ -288,16 +285,6 @@ class ForkServer:
             self._unread += piece
         taken, self._unread = self._unread[:length], self._unread[length:]
         return taken
-
-
-def _seconds_left_after_stop() -> float:
-    """Return the seconds that a process that was stopped has left; 0 where it was not, or has none."""
-    try:
-        size = os.fstat(inner.TRACEBACK).st_size
-        at: float = _ALARM.unpack(os.pread(inner.TRACEBACK, _ALARM.size, size - _ALARM.size))[0]
-    except OSError:  # the program has closed it
-        return 0.0
-    return at - monotonic() if at else 0.0
 
 
 class _BatchArguments:
