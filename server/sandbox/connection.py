@@ -14,6 +14,7 @@ from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.batch import random_token
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Value
+from server.sandbox.course_pipes import CourseChannel
 from server.sandbox.faults import Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, ChildExit
@@ -31,7 +32,9 @@ _ASK = frozenset({frames.ASK})
 class CourseFunctionCalls(Protocol):
     """Has functions of the course called (`server.sandbox.course_process.CourseCalls`)."""
 
-    def answer(self, question: bytes) -> bytes: ...
+    has_started: bool
+
+    def answer(self) -> bytes: ...
 
     def close(self) -> None: ...
 
@@ -90,6 +93,11 @@ class ChildConnection:
         """End the process; whoever waits for it learns so."""
         self._child.kill()
 
+    @property
+    def course_channel(self) -> CourseChannel:
+        """The far end of the child's calls of the course's functions."""
+        return self._child.channel
+
     def _send_setup(self, questions: bytes) -> None:
         try:
             self._child.wire.send(random_token(), frames.TOGETHER, questions, self._clock() + _READY_SECONDS)
@@ -110,18 +118,23 @@ class ChildConnection:
 
     @property
     def _seconds_left(self) -> float:
-        return max(self._policy.wall_seconds - self._waited, 0.001)
+        """Time left to the child: once a program calls the course, it counts its own, and has as much again there."""
+        parts = 2 if self.course_calls is not None and self.course_calls.has_started else 1
+        return max(parts * self._policy.wall_seconds - self._waited, 0.001)
 
     def _send_frames(self, questions: bytes) -> None:
         with self._timed() as deadline:
             self._child.wire.send(random_token(), frames.TOGETHER, questions, deadline)
 
     def _receive(self, called: int, kinds: frozenset[int]) -> tuple[int, bytes]:
-        """Return kind and payload of the next frame; meanwhile, have the course's functions called."""
+        """Return kind and payload of the next frame; meanwhile, have the course's functions ready for calls."""
         if self.course_calls is None:
             return self._receive_frame(called, kinds)
         while (came := self._receive_frame(called, kinds | _ASK))[0] == frames.ASK:
-            reply = self.course_calls.answer(came[1])
+            try:
+                reply = self.course_calls.answer()
+            except ForgedAnswer:
+                self._raise_forged()
             with self._timed() as deadline:
                 self._child.wire.reply(called, frames.VALUE, reply, deadline)
         return came
@@ -139,8 +152,7 @@ class ChildConnection:
         else:
             with self._timed() as deadline:
                 kind, payload = wire.receive(called, kinds, limit, deadline, self._bytes_left)
-        if kind != frames.ASK:
-            self._bytes_left -= len(payload)
+        self._bytes_left -= len(payload)
         return kind, payload
 
     @contextmanager

@@ -1,98 +1,103 @@
-"""A process that holds the course's functions for one program, and the program's calls of them.
+"""A process that holds the course's functions for one program.
 
-It is a fork behind the same walls, under the same limits, that runs no line of the program. Calls and replies are
-passed on unread: the program's process and this one encode and decode them.
+It is a fork behind the same walls, under the same limits, that runs no line of the program. The two have pipes between
+them, which they have got before the program's first line (`child.course_channel`); calls and replies go there as plain
+values. Here it is started at the first call, and asked how it ended: on its own wire, which the program cannot reach.
 """
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 
 from server.sandbox import diagnosis
 from server.sandbox.batch import random_token
 from server.sandbox.child import codec, course_calls, frames
 from server.sandbox.child.codec import Value
-from server.sandbox.connection import EXIT_SECONDS, ChildConnection, encode_configuration
+from server.sandbox.connection import EXIT_SECONDS, GRACE_SECONDS, ChildConnection, encode_configuration
+from server.sandbox.course_pipes import CourseChannel
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
-from server.sandbox.process import Child
+from server.sandbox.process import Child, try_twice
 from server.sandbox.values import Kit, encode_library
 from server.sandbox.wire import DeadlineExceeded, ForgedAnswer, WireClosed
 
 #: Calls of the course's functions that one execution of a program may make.
 MAX_CALLS = 100_000
-TOO_MANY_CALLS = f"mes_fonctions : plus de {MAX_CALLS} appels"
-_REPLIES = frozenset({frames.VALUE, frames.FAULT})
-
-
-def _reply(*items: Value) -> bytes:
-    return codec.encode(items, frames.ASK_LIMITS)
-
-
-_EXPIRED = _reply(course_calls.EXPIRED)
-_NO_MEMORY = course_calls.encode_raised(MemoryError())
-_TOO_MANY = course_calls.encode_raised(RuntimeError(TOO_MANY_CALLS))
+_ENDINGS = frozenset({frames.FAULT, frames.DONE})
 #: Replies to calls that used up the process's own limits.
-_REPLIES_AT_LIMITS = {FaultKind.TIMEOUT: _EXPIRED, FaultKind.MEMORY_LIMIT: _NO_MEMORY}
+_REPLIES_AT_LIMITS = {
+    FaultKind.TIMEOUT: codec.encode((course_calls.EXPIRED,), frames.ASK_LIMITS),
+    FaultKind.MEMORY_LIMIT: course_calls.encode_raised(MemoryError()),
+}
 
 
 class CourseProcess(ChildConnection):
     """Holds the course's functions."""
 
-    def __init__(self, child: Child, policy: Policy) -> None:
+    def __init__(self, child: Child, policy: Policy, on_failure: Callable[[], object]) -> None:
+        """`on_failure` is told of a child that was not sound."""
         super().__init__(child, policy)
-        self._last_reply: bytes | None = None
+        self._on_failure = on_failure
+        self._hold_token = random_token()
 
     def hold(self, kit: Kit) -> None:
         """Send it the course's files. Raises TemplateFault when the child was not sound."""
+        question: dict[str, Value] = {
+            "library": encode_library(kit.sealed_files),
+            "offered": kit.course_functions,
+            "max_calls": MAX_CALLS,
+        }
+        configure, hold = random_token(), self._hold_token
         self._join_seat()
-        self._expect(0, frames.READY)
-        question: dict[str, Value] = {"library": encode_library(kit.sealed_files), "offered": kit.course_functions}
-        configure, hold = random_token(), random_token()
-        self._send_setup(
-            frames.pack_frame(configure, frames.CONFIGURE, encode_configuration(kit))
-            + frames.pack_frame(hold, frames.HOLD, codec.encode(question, frames.QUESTION_LIMITS))
-        )
-        self._expect(configure, frames.CONFIGURED)
-        self._expect(hold, frames.CONFIGURED)
-
-    def answer(self, question: bytes) -> bytes:
-        """Return the reply to a call. Raises SandboxFault when the process failed.
-
-        Calls have as much time of the processor, and as much time in all, as the program itself.
-        """
-        if self._last_reply is not None:
-            return self._last_reply
-        began, token = self._clock(), random_token()
         try:
-            outcome, reply = self._child.wire.exchange(
-                token, frames.ASK, question, _REPLIES, frames.ASK_LIMITS.size, began + self._seconds_left
+            self._expect(0, frames.READY)
+            self._send_setup(
+                frames.pack_frame(configure, frames.CONFIGURE, encode_configuration(kit))
+                + frames.pack_frame(hold, frames.HOLD, codec.encode(question, frames.QUESTION_LIMITS))
             )
-            return reply if outcome == frames.VALUE else self._reply_to_fault(self._read_fault(reply))
-        except DeadlineExceeded:
-            return self._reply_to_fault(diagnosis.wall_timeout_fault(self._policy))
-        except (WireClosed, ForgedAnswer, codec.MalformedValue, TemplateFault) as error:
-            return self._reply_to_fault(self._find_fault(error))
-        finally:
-            self._waited += self._clock() - began
+            self._expect(configure, frames.CONFIGURED)
+            self._expect(hold, frames.CONFIGURED)
+        except TemplateFault:
+            self._on_failure()
+            raise
 
-    def _read_fault(self, fault: bytes) -> ProgramFault | None:
-        return diagnosis.parse_fault(codec.decode(fault, frames.FAULT_LIMITS), self._policy)
+    def find_ending(self) -> bytes:
+        """Return the reply to calls once the process has ended at a limit. Raises SandboxFault when it has failed.
 
-    def _find_fault(self, error: Exception) -> ProgramFault:
-        """Return how a process that does not answer ended. Raises SandboxFault for one that has failed, Abandoned."""
-        self._raise_if_abandoned()
-        try:
-            return diagnosis.exit_fault(self._child.wait_exit(EXIT_SECONDS), self._policy)
-        except (TemplateFault, TimeoutError) as failure:
-            raise SandboxFault(f"the process of the course's functions failed: {error!r}, {failure!r}") from failure
-
-    def _reply_to_fault(self, fault: ProgramFault | None) -> bytes:
+        Raises ForgedAnswer when the program has ended its calls itself, or they have not ended at all: it has no
+        business here then. Raises Abandoned.
+        """
+        fault = self._find_fault()
         reply = _REPLIES_AT_LIMITS.get(fault.kind) if fault else None
         if reply is None:
             raise SandboxFault(f"the course's functions failed: {fault}")
-        self._last_reply = reply
         return reply
+
+    def _find_fault(self) -> ProgramFault | None:
+        deadline = self._clock() + GRACE_SECONDS
+        try:
+            outcome, fault = self._child.wire.receive(self._hold_token, _ENDINGS, frames.FAULT_LIMITS.size, deadline)
+        except (DeadlineExceeded, WireClosed):
+            self._raise_if_abandoned()
+            return self._find_exit_fault()
+        if outcome == frames.DONE:
+            raise ForgedAnswer
+        return diagnosis.parse_fault(codec.decode(fault, frames.FAULT_LIMITS), self._policy)
+
+    def _find_exit_fault(self) -> ProgramFault:
+        """Return how a process that tells nothing has ended. Raises ForgedAnswer for one that still lives."""
+        try:
+            try:
+                ending = self._child.wait_exit(GRACE_SECONDS)
+            except TimeoutError:  # it lives, or the machine is too busy to tell its end: our own kill shows which
+                self._child.kill()
+                ending = self._child.wait_exit(EXIT_SECONDS)
+                if ending.status == signal.SIGKILL:
+                    raise ForgedAnswer from None
+            return diagnosis.exit_fault(ending, self._policy)
+        except (TemplateFault, TimeoutError) as error:
+            raise SandboxFault(f"the process of the course's functions failed: {error!r}") from error
 
     def close(self) -> None:
         """End the process."""
@@ -101,19 +106,42 @@ class CourseProcess(ChildConnection):
 
 
 class CourseCalls:
-    """The calls of one program; the process starts at the first one."""
+    """The process that one program calls: it starts at the first call, or is ordered before if calls are likely."""
 
-    def __init__(self, start: Callable[[], CourseProcess]) -> None:
-        self._start = start
+    def __init__(self, kit: Kit, channel: CourseChannel, order: Callable[[CourseChannel], CourseProcess]) -> None:
+        """`order` orders the process at the end of a channel, without waiting for it. Raises TemplateFault."""
+        self._kit, self._channel, self._order = kit, channel, order
         self._process: CourseProcess | None = None
-        self._calls = 0
+        self._ending = b""
+        self.has_started = False
 
-    def answer(self, question: bytes) -> bytes:
-        """Return the reply to a call. Raises SandboxFault when we failed."""
-        if self._process is None:
-            self._process = self._start()
-        self._calls += 1
-        return _TOO_MANY if self._calls > MAX_CALLS else self._process.answer(question)
+    def order(self) -> None:
+        """Order the process. Raises TemplateFault."""
+        self._process = self._order(self._channel)
+
+    def answer(self) -> bytes:
+        """Start the process for a program that makes its first call; say how it ended to one that asks again.
+
+        Raises SandboxFault when we failed, ForgedAnswer when the program had no reason to ask.
+        """
+        if not self.has_started:
+            try_twice(self._start)
+            self.has_started = True
+            return b""
+        if self._process is None or self._ending:
+            raise ForgedAnswer
+        self._ending = self._process.find_ending()
+        return self._ending
+
+    def _start(self) -> None:
+        process, self._process = self._process or self._order(self._channel), None
+        try:
+            process.hold(self._kit)
+        except BaseException:
+            process.close()
+            raise
+        self._process = process
+        self._channel.close()  # the program learns the end of its calls once nobody else has these ends
 
     def close(self) -> None:
         if self._process is not None:

@@ -10,22 +10,22 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Self, TypeVar
+from typing import Self
 
 from server.sandbox import sources
 from server.sandbox.cgroups import ControlGroupPool, usable_hierarchies
 from server.sandbox.child.walls import WALLS
+from server.sandbox.course_pipes import CourseChannel
 from server.sandbox.course_process import CourseCalls, CourseProcess
 from server.sandbox.faults import NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import IMPORT_SETS
 from server.sandbox.launch import KitFiles, TemplateConfig
 from server.sandbox.policy import MIB, Policy
-from server.sandbox.process import Child, TemplateProcess
+from server.sandbox.process import Child, TemplateProcess, try_twice
 from server.sandbox.session import Session
 from server.sandbox.values import CallBatch, Kit
 
 _log = logging.getLogger(__name__)
-Opened = TypeVar("Opened")
 #: Number of recently used policies for which a template keeps spare children.
 _SPARE_POLICIES = 3
 #: Maximum number of children prepared for one submission.
@@ -127,17 +127,15 @@ class Sandbox:
         sources.require_text(source, policy, cell=echo_last)
         imports = sources.import_set_of_program(source, kit, drawing=drawing)
 
-        if kit is not None and sources.may_call_course(source, kit):
-            self._prepare(sources.import_set_of_course(kit), policy, 2)
-
         def load(session: Session) -> None:
             if kit is not None and kit.course_functions:
-                start = partial(self._start_course_process, kit, policy)
-                session.course_calls = CourseCalls(lambda: _try_twice(start))
+                session.course_calls = self._offer_course(kit, policy, session.course_channel, source)
+            else:
+                session.course_channel.close()
             session.stands_in = not drawing
             session.load(source, filename, kit, echo_last=echo_last, deferred=deferred, first_calls=first_calls)
 
-        return _try_twice(lambda: self._open_session(imports, policy, load))
+        return try_twice(lambda: self._open_session(imports, policy, load))
 
     def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
         """Order spare children for a file that is about to be opened `children` times, without waiting for them."""
@@ -183,24 +181,29 @@ class Sandbox:
             raise
         return session
 
-    def _start_course_process(self, kit: Kit, policy: Policy) -> CourseProcess:
-        imports = sources.import_set_of_course(kit)
-        template, child = self._take_child(imports, policy)
-        process = CourseProcess(child, policy)
-        try:
-            process.hold(kit)
-        except TemplateFault:
-            self._discard_failed(imports, template)
-            process.close()
-            raise
-        return process
+    def _offer_course(self, kit: Kit, policy: Policy, channel: CourseChannel, source: bytes) -> CourseCalls:
+        """Offer the course's functions to a program; if it is likely to call them, their process is on its way."""
+        calls = CourseCalls(kit, channel, partial(self._order_course_process, kit, policy))
+        if sources.may_call_course(source, kit):
+            with contextlib.suppress(TemplateFault):  # the first call orders another
+                calls.order()
+        return calls
 
-    def _take_child(self, imports: str, policy: Policy) -> tuple[TemplateProcess, Child]:
+    def _order_course_process(self, kit: Kit, policy: Policy, channel: CourseChannel) -> CourseProcess:
+        imports = sources.import_set_of_course(kit)
+        template, child = self._take_child(imports, policy, channel)
+        return CourseProcess(child, policy, partial(self._discard_failed, imports, template))
+
+    def _take_child(
+        self, imports: str, policy: Policy, caller: CourseChannel | None = None
+    ) -> tuple[TemplateProcess, Child]:
+        """Take a spare child, or order one; always one of its own for the calls of `caller`."""
         slot = self._slots[imports]
         with slot.lock:
             template = self._current_template(slot, imports)
             try:
-                child = _pop_living(slot.spares.get(policy)) or template.fork(policy)
+                spare = None if caller else _pop_living(slot.spares.get(policy))
+                child = spare or template.fork(policy, caller)
             except TemplateFault:
                 self._retire_current(slot)
                 raise
@@ -327,18 +330,6 @@ def _pop_living(waiting: deque[Child] | None) -> Child | None:
         _log.warning("a spare child has died while it waited")
         child.close()
     return None
-
-
-def _try_twice(action: Callable[[], Opened]) -> Opened:
-    """Do it again if a template failed, which is replaced. Raises SandboxFault when the next one fails too."""
-    try:
-        return action()
-    except TemplateFault as first:
-        _log.warning("a template failed and is replaced: %s", first)
-    try:
-        return action()
-    except TemplateFault as error:
-        raise SandboxFault(str(error)) from error
 
 
 def _run_logged(action: Callable[..., None], *arguments: object) -> None:

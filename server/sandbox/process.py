@@ -15,19 +15,21 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from server.sandbox import liveness
 from server.sandbox.cgroups import ControlGroup, ControlGroupPool
 from server.sandbox.child import codec, orders, outer
 from server.sandbox.child.template import CONTROL_LIMITS
-from server.sandbox.faults import NamespacesRefused, TemplateFault
+from server.sandbox.course_pipes import CourseChannel, make_course_channel
+from server.sandbox.faults import NamespacesRefused, SandboxFault, TemplateFault
 from server.sandbox.launch import TemplateConfig, launch
 from server.sandbox.output import CapturedOutput
 from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
 
 _log = logging.getLogger(__name__)
+Done = TypeVar("Done")
 START_SECONDS = 60.0
 _END_SECONDS = 3.0
 #: A ``struct timeval``: a template that takes no order for so long is as good as dead.
@@ -48,11 +50,13 @@ class ChildExit:
 
 
 class Child:
-    """A fork behind its walls: its wire, its output, and its exit."""
+    """A fork behind its walls: its wire, its output, the far ends of its pipes to the course, and its exit."""
 
-    def __init__(self, template: TemplateProcess, number: int, wire: Wire, output: CapturedOutput) -> None:
+    def __init__(
+        self, template: TemplateProcess, number: int, wire: Wire, output: CapturedOutput, channel: CourseChannel
+    ) -> None:
         self._template, self._number = template, number
-        self.wire, self.output = wire, output
+        self.wire, self.output, self.channel = wire, output, channel
         self._exit: Future[ChildExit] = template.exit_of(number)
         self._killed = False
         #: Callback after `close`.
@@ -83,6 +87,7 @@ class Child:
         self.kill()
         self.wire.close()
         self.output.close()
+        self.channel.close()
         self.on_close()
 
 
@@ -172,15 +177,19 @@ class TemplateProcess:
         size = os.fstat(self._log).st_size
         return os.pread(self._log, 8192, max(0, size - 8192)).decode("utf-8", "replace")
 
-    def fork(self, policy: Policy) -> Child:
-        """Order a child, without waiting for it to start. Raises TemplateFault when the template is gone."""
+    def fork(self, policy: Policy, caller: CourseChannel | None = None) -> Child:
+        """Order a child, without waiting for it to start. Raises TemplateFault when the template is gone.
+
+        It is made to call functions of the course, or to answer the calls that come on the channel of `caller`.
+        """
         output = CapturedOutput(policy.stdout_bytes)
         ours, theirs = socket.socketpair()
+        near, far = (caller, CourseChannel()) if caller else make_course_channel()
         with self._lock:
             self.forks += 1
             number = self.forks
             self._exits[number] = Future()
-        child = Child(self, number, Wire(ours), output)
+        child = Child(self, number, Wire(ours), output, far)
         group = self._groups.acquire(policy)
         if group:
             self._groups_in_use[number] = group
@@ -190,6 +199,7 @@ class TemplateProcess:
                     theirs.fileno(),
                     output.fileno(),
                     output.traceback_descriptor,
+                    *near.descriptors,
                     *(group.descriptors if group else ()),
                 ]
                 self._send_order(orders.pack_fork(number, _limits(policy)), descriptors)
@@ -197,6 +207,9 @@ class TemplateProcess:
             child.close()
             self._forget(number)
             raise
+        finally:
+            if near is not caller:
+                near.close()
         return child
 
     def _forget(self, number: int) -> None:
@@ -302,6 +315,18 @@ class TemplateProcess:
                     self._control.shutdown(socket.SHUT_RDWR)
         if threading.current_thread() is not self._listener:
             self._listener.join()
+
+
+def try_twice(action: Callable[[], Done]) -> Done:
+    """Do it again if a template failed, which is replaced. Raises SandboxFault when the next one fails too."""
+    try:
+        return action()
+    except TemplateFault as first:
+        _log.warning("a template failed and is replaced: %s", first)
+    try:
+        return action()
+    except TemplateFault as error:
+        raise SandboxFault(str(error)) from error
 
 
 def _limits(policy: Policy) -> orders.ChildLimits:

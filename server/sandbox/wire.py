@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 from server.sandbox.answer_shape import AnswerShape
 from server.sandbox.child.codec import Array
-from server.sandbox.child.frames import ASK, ASK_LIMITS, HEADER, pack_frame
+from server.sandbox.child.frames import HEADER, pack_frame
 
 _CHUNK_BYTES = 1 << 16
 
@@ -55,14 +55,6 @@ class Wire:
             raise WireClosed if not self._has_unread_data() else ForgedAnswer
         self._send_all(pack_frame(token, kind, payload), deadline)
 
-    def exchange(
-        self, token: int, kind: int, question: bytes, kinds: frozenset[int], limit: int, deadline: float
-    ) -> tuple[int, bytes]:
-        """Send a question to a child that runs no student's line, and return its answer as `receive` does."""
-        self._send_all(pack_frame(token, kind, question), deadline)
-        self._wait(deadline)
-        return self.receive(token, kinds, limit, deadline)
-
     def reply(self, token: int, kind: int, payload: bytes, deadline: float) -> None:
         """Send a reply to a child that waits for it, or that has reported its end meanwhile."""
         with contextlib.suppress(WireClosed):
@@ -84,12 +76,9 @@ class Wire:
         """Return kind and payload of the next frame, which must carry the token and be of one of the kinds.
 
         `limit` bounds any answer, `left` is the session's remaining budget; a longer one is refused unread.
-        A call of a function of the course (ASK) is no answer, and has a bound of its own.
         """
         self._buffer_bytes(HEADER.size, deadline)
         length, received_token, kind = HEADER.unpack_from(self._buffer, self._offset)
-        if kind == ASK:
-            limit, left = ASK_LIMITS.size, None
         if received_token != token or kind not in kinds or length > limit:
             raise ForgedAnswer
         if left is not None and length > left:

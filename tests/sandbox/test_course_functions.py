@@ -325,17 +325,14 @@ def attack():
             pass
     return 0
 """
-#: Writes calls of its own making on the wire, and counts the replies that are no refusal.
+#: Writes calls of its own making on the pipe to the course, and counts the replies that are no refusal.
 CRAFTED = """
 def attack():
     triple(1)
-    frame = sys._getframe()
-    while "tokens" not in frame.f_locals:
-        frame = frame.f_back
     def ask(payload):
-        os.write(230, struct.pack("<IQB", len(payload), frame.f_locals["self"]._token, 32) + payload)
-        length, _, _ = struct.unpack("<IQB", os.read(230, 13))
-        return os.read(230, length)
+        os.write(228, struct.pack("<I", len(payload)) + payload)
+        length, = struct.unpack("<I", os.read(227, 4))
+        return os.read(227, length)
     def call(name):
         return THREE + b"s" + struct.pack("<I", len(name)) + name + b"t" + bytes(4) + b"d" + bytes(4)
     THREE = b"t" + struct.pack("<I", 3)

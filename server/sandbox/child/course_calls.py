@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from .codec import MalformedValue, UnsendableValue, Value, ValueTooBig, decode, encode
+from .codec import MalformedValue, UnsendableValue, Value, ValueTooBig
 from .frames import ASK_LIMITS
+from .small_values import decode, encode
 
 #: Calls a function of the course, given its name, its arguments and its named arguments.
 Ask = Callable[[str, tuple[object, ...], Mapping[str, object]], object]
@@ -132,3 +133,7 @@ def _parse_call(question: bytes) -> tuple[str, tuple[Any, ...], dict[str, Any]]:
         case (str() as name, tuple() as arguments, dict() as named):
             return name, arguments, named
     raise MalformedValue("no call")
+
+
+#: Reply to a call after one that was cut short, so that nobody takes an earlier reply for its own.
+INTERRUPTED = encode_raised(RuntimeError("mes_fonctions : un appel a été interrompu"))

@@ -12,8 +12,9 @@ dropped; so is a batch that calls what the file does not define.
 
 TRACE is a call that is followed line by line: its answer comes after as many STEP as there are, which carry its token.
 
-ASK is a program's call of a function of the course, sent before the answer whose token it carries. The trusted side
-passes it unread to the process that holds the functions (HOLD), and the reply back.
+ASK comes from a program that calls functions of the course, before the answer whose token it carries, and is empty. The
+first has the process started that holds the functions (HOLD); their calls then go there directly (`course_channel`). A
+second asks how that process ended, which it tells by FAULT, by DONE if the program itself ended its calls, or by dying.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ _SHARED = struct.Struct("<?Id")
 CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED, HOLD = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
-#: From a program, by way of the trusted side, to the process that holds the course's functions.
+#: From a program that calls functions of the course.
 ASK = 32
 
 #: Questions come from the trusted side: these bounds catch our own mistakes.

@@ -15,9 +15,11 @@ from .orders import ChildLimits
 
 PreparedCalls = tuple[libc.PreparedCall, ...]
 
-_NULL, WIRE, TRACEBACK, RULES = 0, 230, 229, 228
-#: Number of descriptors of a fork (wire, output, traceback); maximum number of cgroup hierarchies.
-FORK_DESCRIPTORS, MAX_CONTROL_GROUPS = 3, 3
+_NULL, WIRE, TRACEBACK, RULES = 0, 230, 229, 226
+#: Pipes to the process that holds the course's functions, or to the program in that process (`course_channel`).
+ASKS, REPLIES = 228, 227
+#: Number of descriptors of a fork (wire, output, traceback, asks, replies); maximum number of cgroup hierarchies.
+FORK_DESCRIPTORS, MAX_CONTROL_GROUPS = 5, 3
 #: Bytes of address space reserved for reporting a lack of memory.
 RESERVE = 16 << 20
 STACK = 64 << 20
@@ -34,12 +36,15 @@ class ForkDescriptors:
     """Descriptors of the next fork, in C integers that the prepared calls read."""
 
     def __init__(self) -> None:
-        self.wire, self.output, self.traceback = (libc.late_bound_descriptor() for _ in range(3))
+        self.wire, self.output, self.traceback, self.asks, self.replies = (
+            libc.late_bound_descriptor() for _ in range(FORK_DESCRIPTORS)
+        )
         self.control_groups = tuple(libc.late_bound_descriptor() for _ in range(MAX_CONTROL_GROUPS))
 
-    def assign(self, wire: int, output: int, traceback: int, *groups: int) -> None:
+    def assign(self, wire: int, output: int, traceback: int, asks: int, replies: int, *groups: int) -> None:
         """`groups` are descriptors on the process lists of the control groups that the next fork joins."""
         self.wire.value, self.output.value, self.traceback.value = wire, output, traceback
+        self.asks.value, self.replies.value = asks, replies
         for slot, group in zip(self.control_groups, groups, strict=False):
             slot.value = group
 
@@ -59,7 +64,7 @@ class ForkWalls:
     parent: int
 
     def raise_walls(self, seats: int) -> None:
-        """Leave descriptors 0 (null), 1 and 2 (output), WIRE and TRACEBACK, with all walls up. Raises OSError.
+        """Leave descriptors 0 (null), 1 and 2 (output) and the named ones above, with all walls up. Raises OSError.
 
         The fork dies with the template; a template that died in between shows by the changed parent. (In a process
         namespace of its own, a fork does not see its parent: the end of the template's namespace ends it.)
@@ -76,7 +81,8 @@ class ForkWalls:
 
 def prepare_descriptors(ends: ForkDescriptors) -> PreparedCalls:
     """Prepare the first calls, which connect the wire: later failures can then be reported."""
-    moves = (ends.wire, WIRE), (ends.traceback, TRACEBACK), (ends.output, 1), (ends.output, 2)
+    named = (ends.wire, WIRE), (ends.traceback, TRACEBACK), (ends.asks, ASKS), (ends.replies, REPLIES)
+    moves = (*named, (ends.output, 1), (ends.output, 2))
     return (*(libc.prepare_dup2(*move) for move in moves), libc.prepare_prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
 
 
@@ -115,7 +121,7 @@ class WallBuilder:
         yield libc.prepare_close_range(_NULL, _NULL)
         yield libc.prepare_open("/dev/null", os.O_RDWR)
         if "descriptors" not in self._lifted:
-            yield libc.prepare_close_range(3, (RULES if self._rules else TRACEBACK) - 1)
+            yield libc.prepare_close_range(3, (RULES if self._rules else REPLIES) - 1)
             yield libc.prepare_close_range(WIRE + 1, 2**32 - 1)
         if "capabilities" not in self._lifted:
             yield from libc.prepare_capability_drop()
@@ -148,7 +154,7 @@ class WallBuilder:
 
 def reserve_descriptors() -> None:
     """Occupy the descriptors that forks use, so that none of the template's own gets their numbers."""
-    for descriptor in (WIRE, TRACEBACK):
+    for descriptor in (WIRE, TRACEBACK, ASKS, REPLIES):
         os.dup2(_NULL, descriptor, inheritable=False)
 
 

@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 
 import numpy as np
 
-from . import codec, drawing, frames, inner, libc, orders
+from . import codec, course_calls, drawing, frames, inner, libc, orders
 from .frames import QUESTION_LIMITS, pack_frame
 from .kits import KitModules
 from .namespaces import ForkNamespaces, write_files
@@ -48,6 +48,7 @@ def warm_up(kits: Mapping[str, KitModules]) -> None:
                 Program(kits, _nothing).configure(kit, {"seed": 0})
         for _ in range(_REPETITIONS):
             _rehearse_fork_life(kits)
+            _rehearse_course_call()
         np.random.default_rng(0).normal(size=3)
         _warm_linear_algebra()
         if drawing.is_loaded():
@@ -73,7 +74,7 @@ def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
         ours.sendall(_sample_questions())
         ours.shutdown(socket.SHUT_WR)
         ends, child = inner.ForkDescriptors(), ForkServer(kits, _nothing)
-        ends.assign(theirs.fileno(), 1, theirs.fileno())
+        ends.assign(*(theirs.fileno(), 1), *(theirs.fileno(),) * 3)
         child.set_limits(REHEARSAL_LIMITS)
         try:
             inner.ForkWalls(inner.prepare_descriptors(ends), (), (), _NoNamespaces(), (), os.getppid()).raise_walls(0)
@@ -82,9 +83,15 @@ def _rehearse_fork_life(kits: Mapping[str, KitModules]) -> None:
             child.serve()
         finally:
             signal.setitimer(signal.ITIMER_PROF, 0)
-            os.close(inner.WIRE)
-            os.close(inner.TRACEBACK)
+            for descriptor in (inner.WIRE, inner.TRACEBACK, inner.ASKS, inner.REPLIES):
+                os.close(descriptor)
             child.unload()
+
+
+def _rehearse_course_call() -> None:
+    """Go through a call of a function of the course, on both sides."""
+    question = course_calls.encode_call("cross", (np.array([1.0, 2.0, 0.5]), (1.0, 2.0, 3)), {})
+    course_calls.read_reply(course_calls.answer_call(question, np, {"cross"}))
 
 
 def _nothing() -> None:

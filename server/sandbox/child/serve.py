@@ -15,17 +15,17 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import alarm, codec, course_calls, frames, inner, library, orders
+from . import codec, course_calls, frames, inner, library, orders
 from .codec import Value
+from .course_channel import CourseCaller, serve_calls, write_all
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import pack_frame as _framed
 from .kits import KitModules
 from .program import Fault, Program, ProgramFailure, redirect_output
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
+from .wall_clock import MIN_TIMER_SECONDS, WallClock
 
-#: Minimum of a timer: zero seconds would disable it.
-_MIN_TIMER_SECONDS = 0.001
 _RETRY_TIMER_SECONDS = 0.01
 #: Bytes that are read at least, if they are there.
 _READ_AHEAD = 4096
@@ -43,7 +43,7 @@ def run_fork(walls: inner.ForkWalls, seats: int, child: ForkServer) -> NoReturn:
         child.serve()
     except BaseException:
         if not ready:
-            _write(inner.WIRE, _framed(0, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:]))
+            write_all(inner.WIRE, _framed(0, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:]))
     finally:
         os._exit(0 if ready else 70)
 
@@ -73,7 +73,8 @@ class ForkServer:
         self._unread = b""
         self._token = 0
         self._running_student_code, self._sending = False, False
-        self._wall = 0.0
+        self._course = CourseCaller(self._ask_trusted_side)
+        self._clock = WallClock(self._course)
         self._memory_fault = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
         signal.signal(signal.SIGALRM, self._on_timer)
         signal.signal(signal.SIGPROF, self._on_timer)
@@ -121,8 +122,6 @@ class ForkServer:
             self._trace(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.LOAD:
             return self._load(codec.decode(payload, QUESTION_LIMITS))
-        elif kind == frames.ASK:
-            self._answer_call(payload)
         elif kind == frames.HOLD:
             self._hold(codec.decode(payload, QUESTION_LIMITS))
         else:
@@ -139,7 +138,8 @@ class ForkServer:
 
     def _load(self, question: Any) -> bool:
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
-        outcome, names, self._wall = self._timed(
+        self._clock.set_course_seconds(question["wall"])
+        outcome, names = self._timed(
             question["wall"],
             lambda: self._program.load(
                 question["source"].tobytes(),
@@ -156,38 +156,40 @@ class ForkServer:
         return outcome == frames.VALUE
 
     def _hold(self, question: Any) -> None:
-        """Hold the course's functions; their processor time is limited as a program's is."""
+        """Hold the course's functions and answer a program's calls; then tell how that ended, and end.
+
+        Their processor time is limited as a program's is.
+        """
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
         self._program.hold_course_functions(library.decode_library(question["library"]), question["offered"])
         self.send(self._token, frames.CONFIGURED, b"")
-
-    def _answer_call(self, question: bytes) -> None:
-        self._running_student_code = True
-        outcome, reply = self._outcome(partial(self._program.answer_call, question))
+        self._running_student_code = True  # time may run out from here on
+        outcome, fault = self._outcome(partial(serve_calls, self._program.answer_call, question["max_calls"]))
         self._running_student_code = False
-        self.send(self._token, outcome, reply)
+        self.send(self._token, frames.DONE if outcome == frames.VALUE else outcome, fault)
+        os._exit(0)
 
     def _ask(self, name: str, arguments: tuple[object, ...], named: Mapping[str, object]) -> object:
-        """Have a function of the course called for the program; the clock of the program stands still meanwhile."""
-        question = course_calls.encode_call(name, arguments, named)
-        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
-        self._sending = True  # the processor's timer waits
+        """Have a function of the course called for the program."""
         try:
-            self.send(self._token, frames.ASK, question)
-            length, _, _ = frames.HEADER.unpack(self._read(frames.HEADER.size))
-            reply = self._read(length)
-        finally:
-            self._sending = False
-            signal.setitimer(signal.ITIMER_REAL, left)
-        try:
-            return course_calls.read_reply(reply)
+            return self._course.call(name, arguments, named)
         except course_calls.TimeExpired:
             self._end_with_timeout("wall", sys._getframe())
+
+    def _ask_trusted_side(self) -> bytes:
+        """Have the process of the course's functions started, or learn how it ended."""
+        self._sending = True  # timers wait
+        try:
+            self.send(self._token, frames.ASK, b"")
+            length, _, _ = frames.HEADER.unpack(self._read(frames.HEADER.size))
+            return self._read(length)
+        finally:
+            self._sending = False
 
     def _trace(self, question: Any) -> None:
         """Answer a traced call; each step is sent before its line runs."""
         call = (question["function"], question["arguments"], question["named"], self._send_step)
-        outcome, answer, self._wall = self._timed(question["wall"], lambda: self._program.trace(*call))
+        outcome, answer = self._timed(question["wall"], lambda: self._program.trace(*call))
         self.send(self._token, outcome, answer)
 
     def _send_step(self, record: Value) -> None:
@@ -209,7 +211,7 @@ class ForkServer:
         arguments = _BatchArguments(parts)
         last = len(tokens) - 1
         self._running_student_code = self._sending = True
-        signal.setitimer(signal.ITIMER_REAL, max(self._wall if wall is None else wall, _MIN_TIMER_SECONDS))
+        self._clock.start(wall)
         for number, self._token in enumerate(tokens):
             self._sending = False
             outcome, answer = self._outcome(partial(self._call, function, arguments, number, return_arguments))
@@ -218,24 +220,24 @@ class ForkServer:
             over = number == last or not faults
             began = monotonic()
             self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
-            if (waited := monotonic() - began) > _MIN_TIMER_SECONDS:  # nobody reads: that time is given back
-                signal.setitimer(signal.ITIMER_REAL, waited + signal.getitimer(signal.ITIMER_REAL)[0])
+            if (waited := monotonic() - began) > MIN_TIMER_SECONDS:  # nobody reads: that time is given back
+                self._clock.give(waited)
             if over:
                 break
         self._running_student_code = self._sending = False
-        self._wall, _ = signal.setitimer(signal.ITIMER_REAL, 0)
+        self._clock.stop()
 
     def _call(self, function: str, arguments: _BatchArguments, number: int, return_arguments: bool) -> bytes:
         return self._program.call(function, arguments.of_call(number), return_arguments=return_arguments)
 
-    def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
-        """Run an action under a wall timer; return its outcome, payload and the seconds left of `wall`."""
+    def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes]:
+        """Run an action under a wall timer; return its outcome and payload."""
         self._running_student_code = True
-        signal.setitimer(signal.ITIMER_REAL, max(wall, _MIN_TIMER_SECONDS))
+        self._clock.start(wall)
         outcome, payload = self._outcome(action)
         self._running_student_code = False
-        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
-        return outcome, payload, left
+        self._clock.stop()
+        return outcome, payload
 
     def _outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
         try:
@@ -258,8 +260,8 @@ class ForkServer:
             signal.setitimer(
                 signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _RETRY_TIMER_SECONDS
             )
-        elif number == signal.SIGALRM and (left := alarm.seconds_left_after_stop()) > _MIN_TIMER_SECONDS:
-            signal.setitimer(signal.ITIMER_REAL, left)
+        elif number == signal.SIGALRM and self._clock.goes_on():
+            return
         elif self._running_student_code:
             self._end_with_timeout("cpu" if number == signal.SIGPROF else "wall", frame)
         elif number == signal.SIGPROF:  # between two calls: the next one will be told
@@ -274,7 +276,7 @@ class ForkServer:
         os._exit(0)
 
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
-        _write(self._wire, _framed(token, kind, payload) + then)
+        write_all(self._wire, _framed(token, kind, payload) + then)
 
     def _read(self, length: int) -> bytes:
         """Return the next bytes of the wire; none once it is closed. A short frame comes in by one system call."""
@@ -307,12 +309,6 @@ class _BatchArguments:
 
 def _fault(kind: str, text: str = "") -> Fault:
     return {"kind": kind, "exception": "", "text": text[:MAX_TEXT], "line": None, "frames": (), "detail": ""}
-
-
-def _write(descriptor: int, data: bytes) -> None:
-    written = os.write(descriptor, data)
-    while written < len(data):
-        written += os.write(descriptor, memoryview(data)[written:])
 
 
 def sample_configure() -> bytes:

@@ -127,7 +127,7 @@ class Template:
         """Return the calls that prefault a fork's pages, learnt from a sample fork without the walls that would keep it
         from reporting."""
         mason = inner.WallBuilder(self._nest, {False: ()}, self._lifted | _WALLS_OFF_WHILE_LEARNING, rules=False)
-        mason.descriptors.assign(0, 2, 0)
+        mason.descriptors.assign(0, 2, 0, 0, 0)
         self._child.set_limits(rehearsal.REHEARSAL_LIMITS)
         life = partial(serve.rehearse_fork, mason.build(rehearsal.REHEARSAL_LIMITS), self._child)
         try:
