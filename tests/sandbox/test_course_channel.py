@@ -6,6 +6,7 @@ import os
 import threading
 from collections.abc import Iterator
 from types import ModuleType
+from uuid import uuid4
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from hypothesis.extra import numpy as arrays
 from server.sandbox import FaultKind, Kit, LibraryFile, Policy, ProgramFault, Sandbox
 from server.sandbox.child import codec, course_calls, course_channel, small_values
 from server.sandbox.child.frames import ASK_LIMITS
+from server.sandbox.seat import SeatPrograms
 
 COURSE = b"""
 import time
@@ -107,6 +109,20 @@ def test_the_course_has_as_much_time_as_the_program_and_no_more(sandbox: Sandbox
     with pytest.raises(ProgramFault) as caught:
         run(sandbox, "return dort(60)", Policy(wall_seconds=0.2))
     assert (caught.value.kind, caught.value.frames[-1].source) == (FaultKind.TIMEOUT, "return dort(60)")
+
+
+def test_a_program_that_is_stopped_while_it_calls_the_course_loses_no_time(sandbox: Sandbox) -> None:
+    """It is stopped for longer than it and the course have time, in a call, and calls again after that."""
+    seat, job = SeatPrograms(), uuid4()
+    source = HEAD + "def f(secondes):\n    return dort(secondes)\n"
+    with seat.running(job), sandbox.open(source.encode(), kit=KIT, policy=Policy(wall_seconds=0.4)) as session:
+        assert session.call("f", 0.0).value == 0.0
+        timers = threading.Timer(0.1, seat.stop, (job,)), threading.Timer(1.1, seat.go_on, (job,))
+        for timer in timers:
+            timer.start()
+        assert [session.call("f", seconds).value for seconds in (0.3, 0.1)] == [0.3, 0.1]
+        for timer in timers:
+            timer.join()
 
 
 def test_threads_get_each_their_own_reply(sandbox: Sandbox) -> None:
