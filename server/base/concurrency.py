@@ -1,10 +1,10 @@
-"""Periodic tasks, a gate, and a limiter that is fair between addresses."""
+"""Periodic tasks, a gate, and a limiter that is fair between flows."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from collections.abc import Callable
 from concurrent.futures import Future
 
@@ -55,60 +55,84 @@ class Gate:
 
 
 class LimiterFullError(Exception):
-    """The waiting queue is full, or this waiter had to leave it for another address."""
+    """The waiting queue is full, or this waiter had to leave it for another."""
 
 
 class FairLimiter:
-    """A limiter of concurrency whose bounded waiting queue is shared fairly between client addresses.
+    """A limiter of concurrency whose bounded waiting queue is shared fairly between flows: addresses, or accounts.
 
-    Turns go round the addresses. When the queue is full, the newest waiter of the address with the most waiters gives
-    way to one from an address with fewer. For one event loop.
+    Lower ranks go first; within a rank, turns go round the flows. When the queue is full, the newest waiter of the
+    highest rank, and there of the flow with the most waiters, gives way to a lower rank or to a flow with fewer. For
+    one event loop.
+
+    With a `reserve`, so many turns are given beyond `max_concurrent`, so that nobody holds all of them: each to a flow
+    that holds none, the last one to a rank lower than that of some holder.
     """
 
-    def __init__(self, max_concurrent: int, max_waiting: int) -> None:
-        self._free, self._max_waiting = max_concurrent, max_waiting
-        self._queues: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
+    def __init__(self, max_concurrent: int, max_waiting: int, reserve: int = 0) -> None:
+        self._max_concurrent, self._max_waiting, self._reserve = max_concurrent, max_waiting, reserve
+        self._held: Counter[tuple[int, str]] = Counter()
+        self._queues: OrderedDict[tuple[int, str], deque[asyncio.Future[None]]] = OrderedDict()
 
     @property
     def waiting(self) -> int:
         return sum(map(len, self._queues.values()))
 
-    async def acquire(self, address: str) -> None:
+    async def acquire(self, flow: str, rank: int = 0) -> None:
         """Wait for a turn, which `release` ends. Raise LimiterFullError."""
-        if self._free:
-            self._free -= 1
+        key = (rank, flow)
+        if self._may_hold(key):
+            self._held[key] += 1
             return
         if self.waiting >= self._max_waiting:
-            self._make_room(address)
+            self._make_room(key)
         turn = asyncio.get_running_loop().create_future()
-        self._queues.setdefault(address, deque()).append(turn)
+        self._queues.setdefault(key, deque()).append(turn)
         try:
             await asyncio.shield(turn)  # only this class completes `turn`
         except asyncio.CancelledError:
             if not turn.done():
-                self._leave(address, turn)
+                self._leave(key, turn)
             elif turn.exception() is None:  # granted as its waiter was cancelled
-                self.release()
+                self.release(flow, rank)
             raise
 
-    def release(self) -> None:
-        if not self._queues:
-            self._free += 1
-            return
-        address, queue = self._queues.popitem(last=False)
-        queue.popleft().set_result(None)
-        if queue:
-            self._queues[address] = queue
+    def release(self, flow: str, rank: int = 0) -> None:
+        """End a turn, and give those that become free."""
+        self._held[rank, flow] -= 1
+        if not self._held[rank, flow]:
+            del self._held[rank, flow]
+        while (key := self._next_key()) is not None:
+            queue = self._queues.pop(key)
+            queue.popleft().set_result(None)
+            self._held[key] += 1
+            if queue:
+                self._queues[key] = queue
 
-    def _make_room(self, address: str) -> None:
-        own_waiters = len(self._queues.get(address, ()))
-        heaviest = max(self._queues.values(), key=len, default=deque[asyncio.Future[None]]())
-        if len(heaviest) <= own_waiters + 1:
+    def _may_hold(self, key: tuple[int, str]) -> bool:
+        beyond = self._held.total() - self._max_concurrent
+        if beyond < 0:
+            return True
+        if beyond >= self._reserve or key in self._held:
+            return False
+        return beyond < self._reserve - 1 or key[0] < max(rank for rank, _ in self._held)
+
+    def _next_key(self) -> tuple[int, str] | None:
+        return min(filter(self._may_hold, self._queues), key=lambda key: key[0], default=None)
+
+    def _make_room(self, key: tuple[int, str]) -> None:
+        own_waiters = len(self._queues.get(key, ()))
+        heaviest = max(self._queues, key=lambda other: (other[0], len(self._queues[other])), default=None)
+        if heaviest is None or heaviest[0] < key[0]:
             raise LimiterFullError
-        heaviest.pop().set_exception(LimiterFullError())
+        if heaviest[0] == key[0] and len(self._queues[heaviest]) <= own_waiters + 1:
+            raise LimiterFullError
+        evicted = self._queues[heaviest][-1]
+        self._leave(heaviest, evicted)
+        evicted.set_exception(LimiterFullError())
 
-    def _leave(self, address: str, turn: asyncio.Future[None]) -> None:
-        queue = self._queues[address]
+    def _leave(self, key: tuple[int, str], turn: asyncio.Future[None]) -> None:
+        queue = self._queues[key]
         queue.remove(turn)
         if not queue:
-            del self._queues[address]
+            del self._queues[key]

@@ -6,9 +6,12 @@ from server.base.errors import InternalFailure, Overloaded
 from server.base.settings import Settings
 from server.base.validation import encode_bounded
 from server.cells.supervisor import Cells
+from server.classes import presence
 from server.database import Database
 from server.identity.models import Account
 from server.limits import service as limits
+from server.queue.interfaces import Sender
+from server.submissions.queue_senders import queue_sender
 
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
 
@@ -20,17 +23,18 @@ async def run(
     encode_bounded(code, settings.code_bytes)
     key = f"cell:{account.id}"
 
-    def take() -> None:
+    def take() -> Sender:
         with database.write() as db:
             limits.take_token(db, key, settings.cell_bucket, TOO_FAST)
+            return queue_sender(account, address, member=presence.is_member(db, account.id))
 
     def give_back() -> None:
         with database.write() as db:
             limits.give_back_token(db, key)
 
-    await run_in_threadpool(take)
+    sender = await run_in_threadpool(take)
     try:
-        return await cells.run(module, code, reader=str(account.id), address=address)
+        return await cells.run(module, code, reader=str(account.id), flow=sender.flow, rank=sender.rank)
     except (Overloaded, InternalFailure):
         await run_in_threadpool(give_back)
         raise

@@ -20,6 +20,8 @@ COMMAND = (sys.executable, "-P", "-m", "server.cells")
 PATIENCE = 45.0
 #: Four pictures of a megabyte and a half in base64, and what is printed: no answer is longer.
 MAX_ANSWER = 16 << 20
+#: Cells that run beyond `cells_at_once`: one for a flow that has none running, one for a lower rank than those.
+RESERVE = 2
 #: Cells of one reader, running or waiting: nobody fills the queue alone.
 MAX_CELLS_PER_READER = 3
 TOO_MANY_CELLS = "Plusieurs de vos cellules sont déjà en cours : attendez que l’une d’elles se termine."
@@ -42,27 +44,29 @@ class Cells:
     ) -> None:
         self._walls = walls or Gate(opened=True)
         files = {name: dict(texts) for name, texts in kits.items()}
-        beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once}).encode()
+        beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once + RESERVE}).encode()
         self.helper = Helper(HelperProgram(command, child_environment(settings), MAX_ANSWER, patience, idle, beginning))
-        self._limiter = FairLimiter(settings.cells_at_once, settings.cells_waiting)
+        self._limiter = FairLimiter(settings.cells_at_once, settings.cells_waiting, RESERVE)
         self._count_by_reader: Counter[str] = Counter()
         self._running: set[asyncio.Task[bytes]] = set()
 
-    async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
+    async def run(self, module: str, code: str, *, reader: str, flow: str, rank: int = 0) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed."""
-        return await self.ask(json.dumps({"module": module, "code": code}).encode(), reader=reader, address=address)
+        question = json.dumps({"module": module, "code": code}).encode()
+        return await self.ask(question, reader=reader, flow=flow, rank=rank)
 
-    async def ask(self, question: bytes, *, reader: str, address: str) -> bytes:
+    async def ask(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
         """The answer to a cell, or to what is to be followed line by line (`server.steps`). Raises Crowded or Failed.
 
-        Anybody may become as many guests as they like: it is between addresses that the queue is fair (`Turns`).
+        `flow` and `rank` are those of the queue (`server.queue.interfaces.Sender`): guests of an address share turns.
+        Nobody's cells, nor those of guests together, keep all others waiting (RESERVE).
         A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
         """
         if self._count_by_reader[reader] >= MAX_CELLS_PER_READER:
             raise Overloaded(TOO_MANY_CELLS, retry_after=2)
         self._count_by_reader[reader] += 1
         try:
-            await self._limiter.acquire(address)
+            await self._limiter.acquire(flow, rank)
         except LimiterFullError:
             self._decrement(reader)
             raise Overloaded(CROWDED, retry_after=5) from None
@@ -71,7 +75,7 @@ class Cells:
             raise
         asked = asyncio.create_task(self._ask(question))
         self._running.add(asked)
-        asked.add_done_callback(partial(self._finish, reader))
+        asked.add_done_callback(partial(self._finish, reader, flow, rank))
         return await asyncio.shield(asked)
 
     def _decrement(self, reader: str) -> None:
@@ -79,9 +83,9 @@ class Cells:
         if not self._count_by_reader[reader]:
             del self._count_by_reader[reader]
 
-    def _finish(self, reader: str, asked: asyncio.Task[bytes]) -> None:
+    def _finish(self, reader: str, flow: str, rank: int, asked: asyncio.Task[bytes]) -> None:
         self._running.discard(asked)
-        self._limiter.release()
+        self._limiter.release(flow, rank)
         self._decrement(reader)
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too

@@ -108,7 +108,7 @@ class Pictures:
         except HelperError as error:
             raise InternalFailure(order.messages.failed) from error
         finally:
-            self._limiter.release()
+            self._limiter.release(address)
         await run_in_threadpool(self._store.put, order.key, picture)
         return picture
 

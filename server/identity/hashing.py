@@ -38,4 +38,4 @@ class PasswordHasher:
         try:
             return await run_in_threadpool(work)
         finally:
-            self._turns.release()
+            self._turns.release(address)

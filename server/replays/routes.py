@@ -34,8 +34,9 @@ class Desk:
         answer = self.replays.remembered(script, values)
         if answer is not None:
             return answer
+        address = client_address(request)
         try:
-            await self._turns.acquire(client_address(request))
+            await self._turns.acquire(address)
         except LimiterFullError:
             raise RateLimited("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1) from None
         try:
@@ -44,7 +45,7 @@ class Desk:
             answer = self.replays.remembered(script, values)
             return answer or await run_in_threadpool(self.replays.compute, script, values)
         finally:
-            self._turns.release()
+            self._turns.release(address)
 
 
 DeskOf = Annotated[Desk, Depends(app_service(Desk))]

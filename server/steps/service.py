@@ -13,6 +13,7 @@ from server.assignments import feedback, sittings
 from server.base.errors import InternalFailure, Invalid, NotFound, Overloaded, WrongMoment
 from server.base.settings import Settings
 from server.base.validation import encode_bounded
+from server.classes import presence
 from server.course import Course, Exercise
 from server.course.reuse import Own, shelves
 from server.database import Database, utc_now
@@ -20,6 +21,7 @@ from server.gradebook import importable_files
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.limits import service as limits
+from server.queue.interfaces import Sender
 from server.steps import calls
 from server.steps.questions import (
     CallTraceRequest,
@@ -31,6 +33,7 @@ from server.steps.questions import (
 )
 from server.steps.replayable import can_replay
 from server.steps.schemas import CallBody, CellBody, ReplayBody
+from server.submissions.queue_senders import queue_sender
 from server.submissions.service import UNKNOWN_SUBMISSION
 
 TOO_FAST = "Vous avez suivi beaucoup de programmes en peu de temps : le prochain est possible dans {seconds} s."
@@ -43,7 +46,7 @@ IN_TEST = "Pas de pas à pas pendant le contrôle « {title} » : il revient ave
 class TraceProgram(Protocol):
     """Sends a question to the tracing process, in its turn (see `server.cells.supervisor`)."""
 
-    def __call__(self, question: bytes, *, reader: str, address: str) -> Awaitable[bytes]: ...
+    def __call__(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> Awaitable[bytes]: ...
 
 
 @dataclass(frozen=True)
@@ -138,20 +141,21 @@ class StepService:
         """Take a rate-limit token of the account, trace, and give the token back if nothing was traced."""
         key = f"steps:{account.id}"
 
-        def prepare() -> bytes:
+        def prepare() -> tuple[bytes, Sender]:
             with self.database.read() as db:
                 question = TraceQuestion(steps=build(db))
+                sender = queue_sender(account, address, member=presence.is_member(db, account.id))
             with self.database.write() as db:
                 limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
-            return question.model_dump_json().encode()
+            return question.model_dump_json().encode(), sender
 
         def give_back() -> None:
             with self.database.write() as db:
                 limits.give_back_token(db, key)
 
-        question = await run_in_threadpool(prepare)
+        question, sender = await run_in_threadpool(prepare)
         try:
-            return await self.trace_program(question, reader=str(account.id), address=address)
+            return await self.trace_program(question, reader=str(account.id), flow=sender.flow, rank=sender.rank)
         except (Overloaded, InternalFailure):
             await run_in_threadpool(give_back)
             raise

@@ -81,7 +81,7 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
 
 def ran(cells: Cells, code: str, reader: str = "", address: str = "here") -> Coroutine[None, None, bytes]:
     """A cell of a reader's; of a new one's, where it is not said."""
-    return cells.run("l20", code, reader=reader or str(next(READERS)), address=address)
+    return cells.run("l20", code, reader=reader or str(next(READERS)), flow=address)
 
 
 async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
@@ -102,9 +102,9 @@ def asked(cells: Cells) -> int:
     return len(cells.helper._process._pending)
 
 
-async def asking(cells: Cells) -> None:
-    """Returns once its process has a question to answer: closed before, it would wait for the answer."""
-    await eventually(lambda: cells.helper._process is not None and asked(cells) == 1)
+async def asking(cells: Cells, questions: int = 1) -> None:
+    """Returns once its process has so many questions to answer: closed before, it would wait for the answer."""
+    await eventually(lambda: cells.helper._process is not None and asked(cells) == questions)
 
 
 async def eventually(condition: Callable[[], bool]) -> None:
@@ -252,13 +252,13 @@ def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> Non
         flood = [await started(cells, str(number)) for number in range(3)]
         with pytest.raises(Overloaded):
             await ran(cells, "one too many")
-        hers = asyncio.create_task(ran(cells, "hers", address="elsewhere"))
+        hers = [asyncio.create_task(ran(cells, f"hers {number}", address="elsewhere")) for number in range(2)]
         with pytest.raises(Overloaded):
             await flood.pop()
-        assert not hers.done()
-        for waiting in (hers, *flood):
+        await asking(cells, 2)
+        assert not any(task.done() for task in (*hers, *flood)), "the first of hers runs, the second waits"
+        for waiting in (*hers, *flood):
             waiting.cancel()
-        await asking(cells)
 
     played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=2)
 

@@ -37,7 +37,7 @@ class Process:
     raises: Exception | None = None
     asked: list[Any] = field(default_factory=list)
 
-    async def __call__(self, question: bytes, *, reader: str, address: str) -> bytes:
+    async def __call__(self, question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
         self.asked.append(TraceQuestion.model_validate_json(question).steps)
         if self.raises:
             raise self.raises
