@@ -68,6 +68,7 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/eleves": ("",),
     CLASS + "/eleves/{student}": ("",),
     CLASS + "/eleves/{student}/comme": ("",),
+    CLASS + "/eleves/{student}/effacer": ("",),
     CLASS + "/eleves/{student}/{module}/{slug}": ("",),
     CLASS + "/erreurs/{module}/{slug}/{mistake}": ("",),
     CLASS + "/erreurs/{module}/{slug}/{mistake}/projeter": ("", "?choix=oui"),

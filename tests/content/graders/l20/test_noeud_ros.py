@@ -217,7 +217,8 @@ def test_an_exception_is_shown_on_the_scan_that_calls_for_it() -> None:
     found = checked(GRADER.exercise, source, 0, simplified=True).verdict
     check = next(one for one in found.checks if one.id == "lectures")
     assert check.counterexample is not None
-    assert "ValueError" in check.message
+    assert "La même erreur que pour" in check.message
+    assert sum("ValueError" in one.message for one in found.checks) == 1
     assert check.counterexample.inputs["scan.ranges"]
 
 
