@@ -1,12 +1,14 @@
-"""French typography for plain text: the spaces that must not break."""
+"""Typography for plain text: the spaces that must not break in French, and marks piled up on a letter."""
 
 from __future__ import annotations
 
 import re
 import unicodedata
-from functools import lru_cache
+from functools import cache, lru_cache
 
 NARROW, WIDE = "\u202f", "\u00a0"
+#: Combining marks in a row that are kept, as in Unicode's stream-safe format (UAX 15): no language writes as many.
+MAX_MARKS = 30
 LONGEST_KEPT = 400  # letters; what is longer may be a student's, and many would fill the memory
 
 
@@ -28,4 +30,16 @@ _cached_french = lru_cache(maxsize=16_384)(_french)
 def unaccented(text: str) -> str:
     """Small letters of ASCII: « Nœud d’arrêt » without its accents, its ligature taken apart; the rest is dropped."""
     spelt = text.lower().replace("œ", "oe")  # which Unicode does not take apart
-    return unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
+    return unicodedata.normalize("NFKD", limit_marks(spelt)).encode("ascii", "ignore").decode()
+
+
+def limit_marks(text: str) -> str:
+    """Return a text without the combining marks that follow `MAX_MARKS` others: to normalise a run of them takes the
+    square of its length."""
+    return text if text.isascii() else _excessive_marks().sub(r"\1", text)
+
+
+@cache
+def _excessive_marks() -> re.Pattern[str]:
+    marks = "".join(letter for letter in map(chr, range(0x300, 0x1F000)) if unicodedata.combining(letter))
+    return re.compile(f"([{marks}]{{{MAX_MARKS}}})[{marks}]+")

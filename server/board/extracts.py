@@ -11,6 +11,8 @@ from typing import Any
 from pygments.lexer import Lexer
 from pygments.token import Comment, Name, String
 
+from graders.typography import limit_marks
+
 MAX_LINES = 16
 MAX_LINE_LENGTH = 100
 MAX_CHARACTERS = 8_000  # of a function, before it is tokenised
@@ -73,5 +75,5 @@ def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]
 
 def _fold(word: str) -> str:
     """Return a word in small letters without accents."""
-    letters = unicodedata.normalize("NFKD", word.casefold())
+    letters = unicodedata.normalize("NFKD", limit_marks(word.casefold()))
     return "".join(letter for letter in letters if not unicodedata.combining(letter))

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from functools import lru_cache
 
+from graders.typography import limit_marks
 from server.classes.models import NAME_LENGTH
 
 
@@ -15,7 +16,9 @@ def normalise_name(text: str) -> str:
 
 
 def _fold(text: str) -> str:
-    plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
+    plain = "".join(
+        sign for sign in unicodedata.normalize("NFKD", limit_marks(text)) if not unicodedata.combining(sign)
+    )
     return " ".join(re.findall(r"\w+", plain.casefold().replace("_", " ")))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from graders.typography import limit_marks
 from server.base.errors import Invalid
 from server.classes.columns import Header
 from server.classes.encodings import damaged_word
@@ -204,11 +205,11 @@ def _cell(row: SheetRow, index: int) -> str:
 
 
 def _unaccented(text: str) -> str:
-    return "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
+    return "".join(sign for sign in unicodedata.normalize("NFKD", limit_marks(text)) if not unicodedata.combining(sign))
 
 
 def _read_email(text: str) -> str:
     """Return the address of « Ada <ada@example.org> », or the text where there is none, or more than one."""
-    folded = unicodedata.normalize("NFKC", text).casefold().removeprefix("mailto:")
+    folded = unicodedata.normalize("NFKC", limit_marks(text)).casefold().removeprefix("mailto:")
     addresses = set(EMAIL.findall(folded))
     return addresses.pop() if len(addresses) == 1 and re.search(r"[<>\s]", folded) else folded

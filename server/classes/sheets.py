@@ -31,7 +31,7 @@ DECLARED = re.compile(r"sep=(.)\r?\n", re.IGNORECASE)  # as Excel writes it
 LINE_END = re.compile(r"\r\n|\r|\n")
 ZIP, OLD_EXCEL, PDF = b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"%PDF-"
 OPENING_SECONDS = 20.0  # wall time; the process bounds its own processor time
-MAX_CONCURRENT = 2
+MAX_CONCURRENT = 4
 
 OLD = "Ce fichier est d’un ancien format (.xls) : enregistrez-le en .xlsx, en .ods ou en CSV."
 UNREADABLE = "Ce fichier ne se lit pas comme un classeur XLSX ou ODS ; enregistrez-le en CSV, ou collez la liste."
@@ -137,7 +137,7 @@ def _text_rows(text: str) -> Iterator[SheetRow]:
 
 def _spreadsheet_rows(content: bytes) -> list[list[SheetRow]]:
     """Return the rows of each sheet."""
-    if not _opening.acquire(timeout=OPENING_SECONDS):
+    if not _opening.acquire(blocking=False):  # a wait here would take a thread from every page
         raise Overloaded(BUSY, retry_after=5)
     try:
         process = subprocess.run(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import resource
 import sys
@@ -21,9 +22,11 @@ MAX_SHEETS = 5
 FORMULA = "#FORMULE!"  # before the name of a cell whose formula has no value: a program wrote it, and no one opened it
 MEMORY = 512 * 1024 * 1024  # of address space, the interpreter included
 SECONDS = 5
+NICE = 10  # pages go first
 
 
 def limit_resources() -> None:
+    os.nice(NICE)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -9,6 +9,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from graders.typography import limit_marks
 from server.marks.means import format_number
 
 Cell = str | float | None
@@ -98,5 +99,5 @@ def _column_widths(sheet: Sheet) -> list[int]:
 
 def ascii_slug(text: str, default: str) -> str:
     """Return a part of a file name that every system accepts: « MPSI 2 » gives « mpsi-2 »."""
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    plain = unicodedata.normalize("NFKD", limit_marks(text)).encode("ascii", "ignore").decode().lower()
     return "-".join(re.findall(r"[a-z0-9]+", plain))[:MAX_SLUG_LENGTH].strip("-") or default

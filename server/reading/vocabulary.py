@@ -13,7 +13,7 @@ from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable
 
-from graders.typography import unaccented
+from graders.typography import limit_marks, unaccented
 
 WORD = re.compile(r"[^\W_]+")
 SHORTEST_STEM, SHORTEST_TYPO = 4, 4
@@ -23,7 +23,7 @@ ALIKE = 0.8
 
 def spelt(text: str) -> str:
     """Small letters, accents composed: how words are kept."""
-    return unicodedata.normalize("NFC", text).lower()
+    return unicodedata.normalize("NFC", limit_marks(text)).lower()
 
 
 class Vocabulary:

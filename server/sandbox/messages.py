@@ -18,6 +18,7 @@ from server.sandbox.foreign_characters import (
     repair,
     show_foreign_characters,
 )
+from server.sandbox.piled_marks import MAX_MARKS
 from server.sandbox.policy import GIB, KIB, MIB, Policy
 
 _NO_BREAK_SPACE = "\u00a0"
@@ -138,6 +139,10 @@ def syntax_error(text: str, source: str, line: int | None, lines: Sequence[str] 
 
 def null_byte() -> str:
     return "un octet nul se trouve dans le fichier : ce n’est pas un fichier de texte (enregistrez-le en UTF-8)"
+
+
+def piled_marks() -> str:
+    return f"une lettre porte plus de {MAX_MARKS} accents l’un sur l’autre : effacez-la, et retapez-la au clavier"
 
 
 def source_too_big(length: int, policy: Policy) -> str:

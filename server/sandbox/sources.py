@@ -6,6 +6,7 @@ from server.sandbox import messages
 from server.sandbox.faults import FaultKind, ProgramFault
 from server.sandbox.foreign_files import describe_foreign_file
 from server.sandbox.install import import_set_of
+from server.sandbox.piled_marks import find_piled_marks
 from server.sandbox.policy import Policy
 from server.sandbox.values import LIBRARY_MENTION, Kit
 
@@ -33,6 +34,11 @@ def require_text(source: bytes, policy: Policy, *, cell: bool = False) -> None:
         raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
     if not cell and (foreign := describe_foreign_file(source)):
         raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(foreign), exception="SyntaxError", fatal=True)
+    if (piled := find_piled_marks(source)) is not None:
+        message = messages.syntax_error(messages.piled_marks(), "", piled)
+        raise ProgramFault(
+            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=piled, exception="SyntaxError", fatal=True
+        )
     if b"\0" in source:
         line = source[: source.index(b"\0")].count(b"\n") + 1
         message = messages.syntax_error(messages.null_byte(), "", line)

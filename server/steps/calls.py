@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from graders.typography import limit_marks
 from server.base.errors import Invalid
 from server.sandbox import Value
 from server.sandbox.child.codec import ValueLimits, ValueTooBig, encode
@@ -97,6 +98,8 @@ def _format_value(value: Value) -> str:
 
 
 def _parse_expression(typed: str) -> ast.expr:
+    if typed != limit_marks(typed):
+        raise Invalid("Une lettre de cet appel porte trop d’accents l’un sur l’autre : retapez-la au clavier.")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of what is typed, a warning concerns nobody

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from graders.typography import limit_marks
 from server.base.errors import Invalid
 
 #: Characters without a picture that are no format characters: combining joiner, Hangul fillers, braille blank,
@@ -28,7 +29,7 @@ def tidy_line(text: str) -> str:
     if text.isascii() and text.isprintable():
         return " ".join(text.split())
     seen = "".join(sign for sign in BLANK.sub("", text) if unicodedata.category(sign) != "Cf")
-    return " ".join(unicodedata.normalize("NFC", seen).split())
+    return " ".join(unicodedata.normalize("NFC", limit_marks(seen)).split())
 
 
 def tidy_lines(text: str) -> str:
