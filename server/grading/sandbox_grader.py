@@ -26,6 +26,9 @@ from server.sandbox import CallBatch, Frame, Kit, LibraryFile, Policy, ProgramFa
 log = logging.getLogger(__name__)
 
 TRIES = 2
+#: Divides the time of further launches of a file that has run out of it. The course's solutions take a twentieth of it.
+SHORTENING = 4.0
+TIMED_OUT = "Une fonction a épuisé son temps : celles qui ont été appelées ensuite n’en ont eu que le quart."
 FILENAME = "solution.py"
 #: Characters of the sentence that says why a file does not load.
 MAX_LOAD_ERROR = 600
@@ -99,7 +102,8 @@ class SandboxProgram:
 class SandboxPrograms:
     """Starts a student's file in the sandbox, under the policy of one exercise, for one grading.
 
-    `library` is what the file may import from `mes_fonctions`.
+    `library` is what the file may import from `mes_fonctions`. Once it has run out of time, its other launches have a
+    quarter of that: a file whose functions all loop does not take the time of all of them.
     """
 
     def __init__(
@@ -112,6 +116,7 @@ class SandboxPrograms:
         self.remarks: tuple[str, ...] = ()
         self.load_error = ""
         self._asked, self._has_started = tuple(asked), False
+        self._sessions = list[Session]()
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
         self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
@@ -122,6 +127,7 @@ class SandboxPrograms:
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> SandboxProgram:
         self._budget.raise_if_exhausted()
         settings = self._kit(kit)
+        self._shorten_after_timeout()
         try:
             session = self._sandbox.open(
                 source, kit=settings, policy=self._policy, filename=FILENAME, first_calls=list(map(_calls, ahead))
@@ -134,7 +140,17 @@ class SandboxPrograms:
             is_first, self._has_started = not self._has_started, True
         if is_first:
             self.remarks, self.load_error = session.remarks, session.describe_missing(self._asked)
+        self._sessions.append(session)
         return SandboxProgram(session, self._budget, ahead)
+
+    def _shorten_after_timeout(self) -> None:
+        if not any(session.has_timed_out for session in self._sessions):
+            return
+        self._sessions.clear()
+        if TIMED_OUT not in self.remarks:
+            seconds = (self._policy.cpu_seconds / SHORTENING, self._policy.wall_seconds / SHORTENING)
+            self._policy = replace(self._policy, cpu_seconds=seconds[0], wall_seconds=seconds[1])
+            self.remarks += (TIMED_OUT,)
 
 
 def _first_paragraph(message: str) -> str:

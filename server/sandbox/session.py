@@ -100,6 +100,10 @@ class Session(ChildConnection):
         }
         return codec.encode(question, frames.QUESTION_LIMITS)
 
+    @property
+    def has_timed_out(self) -> bool:
+        return self._fatal is not None and self._fatal.kind is FaultKind.TIMEOUT
+
     def __enter__(self) -> Self:
         return self
 

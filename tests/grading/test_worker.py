@@ -416,3 +416,17 @@ def test_a_judge_s_patience_may_end_between_two_answers(
         monkeypatch.setattr(program._budget, "exhausted_fault", lambda: next(spent))
         answers = list(program.call_many("inverse", [(np.zeros(3),)] * 9))
     assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]
+
+
+def test_a_file_that_loops_everywhere_takes_its_whole_time_once_and_a_right_function_keeps_its_points(
+    course_sandbox: Sandbox, course: Course
+) -> None:
+    exercise = course.exercises["l20/odometrie"]
+    policy = replace(exercise.policy, cpu_seconds=4.0, wall_seconds=8.0)
+    first, *others = [function.name for function in exercise.functions]
+    source = f"{exercise.solution}\n\ndef {first}(*_arguments):\n    while True:\n        pass\n"
+    verdict = SandboxGrader(course, course_sandbox).grade(exercise.id, source.encode(), 1, policy=policy).verdict
+    assert verdict.outcome is Outcome.TIMEOUT
+    assert 0 < verdict.score < 1
+    assert grading.TIMED_OUT in verdict.remarks
+    assert others
