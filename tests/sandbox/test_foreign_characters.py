@@ -52,14 +52,17 @@ def borders(program: str) -> list[int]:
 
 
 BORDERS = borders(PROGRAM)
+#: Each character is put at one border in so many, and each border is met by characters of every kind.
+STRIDE = 4
 
 
 @pytest.mark.parametrize("character", SPACES + UNSEEN + OTHERS, ids=lambda it: f"U+{ord(it):04X}")
 def test_the_advice_repairs_a_program_with_a_character_too_many(character: str) -> None:
-    """At every border of two words, wherever Python does not read the program any more."""
+    """At borders of two words, wherever Python does not read the program any more."""
     original = ast.dump(ast.parse(PROGRAM))
     broken = 0
-    for index in BORDERS[::3] if character in OTHERS else BORDERS:
+    (kind,) = (kind for kind in (SPACES, UNSEEN, OTHERS) if character in kind)
+    for index in BORDERS[kind.index(character) % STRIDE :: STRIDE]:
         text = PROGRAM[:index] + character + PROGRAM[index:]
         if is_readable(text):
             continue
