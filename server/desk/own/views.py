@@ -24,7 +24,7 @@ from server.desk import views
 from server.desk.assignments import words
 from server.desk.assignments.schemas import NextStep, OwnAssignment, OwnClassPage, OwnExercise, StageView
 from server.desk.assignments.views import format_date, stage_view
-from server.desk.own import test_status as tests
+from server.desk.own.sitting_status import find_sitting_status
 from server.desk.schemas import OwnMembership
 from server.gradebook import service as gradebook
 from server.identity.models import Account
@@ -153,7 +153,7 @@ def _urgency(pair: tuple[StudentAssignment, OwnAssignment]) -> tuple[bool, bool,
 def _own_assignment(course: Course, assigned: StudentAssignment, known: _StudentWork, suffix: str) -> OwnAssignment:
     rules, assignment = assigned.rules, assigned.assignment
     sitting = known.sittings.get(assignment.id)
-    test = tests.test_status(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
+    test = find_sitting_status(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
     stage = stage_view(assigned.stage) if test is None else test.stage
     exercises = (
         None

@@ -1,4 +1,4 @@
-"""A test on the page of who is to sit it: where they stand in it, and the way to its own page."""
+"""The state of a test on the page of its student: the stage of their sitting, and a link to the page of the test."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ CLOSED = "■"
 
 
 @dataclass(frozen=True)
-class TestStatus:
+class SittingStatus:
     """A test as it stands to one student; `link` is empty where its page has nothing for them."""
 
     stage: StageView
     test: OwnTestStatus
 
     def for_viewer(self, *, watched: bool) -> OwnTestStatus:
-        """Who watches goes nowhere from there: a test's page is for who sits it."""
+        """Return the status for its reader; a teacher who watches gets no address: the test's page is its student's."""
         return OwnTestStatus("", self.test.link, self.test.running, self.test.ends) if watched else self.test
 
 
-def test_status(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> TestStatus:
-    """Pure."""
+def find_sitting_status(assignment: Assignment, rules: Rules, sitting: Sitting | None, now: datetime) -> SittingStatus:
+    """Return how a test stands to a student."""
     at = sitting_stage(assignment, rules, sitting, now)
     link = LINKS.get(at, "")
     if at is SittingStage.may_begin and rules.excused:
@@ -41,7 +41,7 @@ def test_status(assignment: Assignment, rules: Rules, sitting: Sitting | None, n
         else format_date(None)
     )
     href = feedback.sitting_path(assignment.class_id, assignment.id)
-    return TestStatus(shown, OwnTestStatus(href, link, at is SittingStage.running, ends))
+    return SittingStatus(shown, OwnTestStatus(href, link, at is SittingStage.running, ends))
 
 
 LINKS = {
