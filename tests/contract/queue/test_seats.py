@@ -1,0 +1,77 @@
+"""One sender's endless loops and another's answer, at one worker: the answer's verdict comes first, on any machine."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+
+from sqlalchemy import select
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database
+from server.gradebook.models import Grading
+from server.grading.grading_task import GradingInput, GradingTask
+from server.grading.sandbox_grader import SandboxGrader
+from server.queue.worker import Worker
+from server.sandbox import Sandbox
+from server.submissions.service import GRADE, Submissions
+from tests.support.live import until
+from tests.support.service import ADDRESS, QUIET, new_account
+
+EXERCISE = "l20/odometrie"
+LOOPS = 20
+
+
+class Bell:
+    """A work source that ends when it is told to."""
+
+    buffers_wakeups = False
+
+    def __init__(self) -> None:
+        self.ended = threading.Event()
+
+    def wait(self, _seconds: float) -> bool:
+        return not self.ended.wait(0.01)
+
+
+def test_an_answer_s_verdict_comes_before_the_second_of_a_flood_of_loops(
+    sqlite: Database, settings: Settings, course: Course, course_sandbox: Sandbox
+) -> None:
+    exercise, bell, begun, closed = course.exercises[EXERCISE], Bell(), threading.Event(), threading.Event()
+    loop = "def boucler(*_arguments):\n    while True:\n        pass\n"
+    looping = loop + "".join(f"{function.name} = boucler\n" for function in exercise.functions)
+    brief = replace(exercise.policy, cpu_seconds=3.0, wall_seconds=20.0)
+    grader, submissions = SandboxGrader(course, course_sandbox), Submissions(settings, QUIET)
+
+    def grade(work: GradingInput) -> Judgement:
+        begun.set()
+        source = exercise.solution.encode() if closed.is_set() else work.source  # the rest of the flood ends at once
+        return grader.grade(work.exercise, source, work.seed, policy=brief)
+
+    eve, ada = new_account(sqlite), new_account(sqlite)
+    with sqlite.write() as db:
+        for _ in range(LOOPS):
+            submissions.submit(db, eve, EXERCISE, looping, address=ADDRESS)
+    worker = Worker(sqlite, QUIET, settings, {GRADE: GradingTask(course, grade)})
+    thread = threading.Thread(target=worker.run, args=(bell,), daemon=True)
+    thread.start()
+    assert begun.wait(60)
+    with sqlite.write() as db:
+        answer = submissions.submit(db, ada, EXERCISE, exercise.solution, address=ADDRESS).id
+
+    def outcomes() -> list[tuple[bool, str]]:
+        with sqlite.read() as db:
+            query = select(Grading.submission_id, Grading.outcome).order_by(Grading.finished_at)
+            return [(submission == answer, outcome) for submission, outcome in db.execute(query)]
+
+    until(lambda: len(outcomes()) >= 3, "three verdicts")
+    first = outcomes()[:3]
+    closed.set()
+    bell.ended.set()
+    thread.join(120)
+    assert (True, Outcome.OK) in first[:2]
+    assert {outcome for hers, outcome in first if not hers} == {Outcome.TIMEOUT}
+    assert len(outcomes()) == LOOPS + 1
