@@ -127,8 +127,8 @@ ROUTES: dict[tuple[str, str], str] = {
     ("get", "/api/v1/me/export"): "Tout ce qui est gardé de vous, dans une archive ZIP.",
     ("delete", "/api/v1/me"): (
         "Efface le compte, et tout ce qui en dépend, une fois son mot de passe donné : un jeton seul ne le peut pas "
-        "(403). Cela ne se défait pas. Qui a composé dans un contrôle qui n’est pas publié est effacé à sa publication "
-        "(202)."
+        "(403). Cela ne se défait pas. Un compte qui a composé dans un contrôle non publié n’est effacé qu’à la "
+        "publication (202)."
     ),
     ("post", "/api/v1/submissions"): (
         "Envoie un fichier (`code`), ou des réponses (`answers`) pour un exercice sans code : `kind`, dans l’exercice, "

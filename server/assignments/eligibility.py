@@ -23,7 +23,7 @@ from server.identity.models import Account
 
 GUEST = (
     "Un invité ne commence pas de contrôle : n’importe qui peut s’être donné ce nom. Connectez-vous, ou choisissez "
-    "votre mot de passe avec la bande que votre enseignant vous a remise ; sans compte, créez-en un. Votre travail "
+    "votre mot de passe avec le billet que votre enseignant vous a remis ; sans compte, créez-en un. Votre travail "
     "vous suit."
 )
 NAMESAKE = (

@@ -37,10 +37,11 @@ NO_TITLE = f"Donnez à la colonne un titre de 1 à {COLUMN_TITLE_LENGTH} caract�
 NO_SCALE = "Le barème est un nombre plus grand que 0, jusqu’à 1000, avec deux décimales au plus."
 NO_WEIGHT = "Le coefficient est un nombre de 0 à 1000 ; 0 : la colonne ne compte pas."
 NO_DATE = "La date s’écrit avec le jour, le mois et l’année, de 2000 à 2199."
-NO_MARK = (
-    "« {text} » n’est pas une note de 0 à {most} : écrivez un nombre avec deux décimales au plus, ou « abs » (absent), "
-    "« disp » (dispensé), « nr » (non rendu)."
-)
+NO_MARK = "« {text} » n’est pas une note de 0 à {most}, ni « abs », « disp » ou « nr »."
+OTHER_SCALE = "« {text} » : cette colonne est notée sur {most}."
+TOO_MANY_POINTS = "« {text} » dépasse {most}."
+NEGATIVE_POINTS = "« {text} » est plus petit que 0."
+TOO_PRECISE = "« {text} » a plus de deux décimales : arrondissez."
 LONG_COMMENT = f"La remarque tient en une ligne de {COMMENT_LENGTH} caractères."
 
 
@@ -86,20 +87,27 @@ def parse_mark(text: str, out_of: float) -> TypedMark:
     if folded in TYPED_WORDS:
         return TypedMark(state=TYPED_WORDS[folded])
     written = WRITTEN_MARK.fullmatch(text.replace(",", ".").strip())
-    if written is None or (written["scale"] is not None and float(written["scale"]) != out_of):
-        raise _no_mark(text, out_of)
+    if written is None:
+        raise _refuse_mark(NO_MARK, text, out_of)
+    if written["scale"] is not None and float(written["scale"]) != out_of:
+        raise _refuse_mark(OTHER_SCALE, text, out_of)
     return TypedMark(points=check_points(float(written["points"]), out_of, text))
 
 
 def check_points(points: float, out_of: float, text: str = "") -> float:
     """Return points that the scale allows. Raise Invalid."""
-    if not (_has_two_decimals(points) and 0 <= points <= out_of):
-        raise _no_mark(text or format_number(points), out_of)
+    text = text or format_number(points)
+    if not math.isfinite(points):
+        raise _refuse_mark(NO_MARK, text, out_of)
+    if points < 0 or points > out_of:
+        raise _refuse_mark(NEGATIVE_POINTS if points < 0 else TOO_MANY_POINTS, text, out_of)
+    if not _has_two_decimals(points):
+        raise _refuse_mark(TOO_PRECISE, text, out_of)
     return points + 0.0  # turns a negative zero into a zero
 
 
-def _no_mark(text: str, out_of: float) -> Invalid:
-    return Invalid(NO_MARK.format(text=tidy_line(text)[:MAX_TYPED], most=format_number(out_of)))
+def _refuse_mark(sentence: str, text: str, out_of: float) -> Invalid:
+    return Invalid(sentence.format(text=tidy_line(text)[:MAX_TYPED], most=format_number(out_of)))
 
 
 def _fold(text: str) -> str:

@@ -49,7 +49,7 @@ LONG_TEXT = 60  # characters: shorter ones are names and choices of a form
 
 SEND_AS = "Envoyer au nom de « {name} »"
 SIGNED_IN_TITLE = "Vous êtes connecté"
-SIGNED_IN = "Ce que vous aviez écrit n’est pas encore envoyé : relisez-le, puis envoyez-le."
+SIGNED_IN = "Ce que vous aviez écrit est gardé, mais pas encore envoyé : il vous reste à l’envoyer."
 
 TypedFields = Sequence[tuple[str, str]]
 _POST_FORM = re.compile(r"<form\b[^>]*\bmethod=\"post\"[^>]*>")

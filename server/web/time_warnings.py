@@ -73,8 +73,8 @@ def _dates(rules: Rules) -> Iterator[str]:
             )
         elif (Windows(rules).ends_at or closes) > closes - duration:
             yield (
-                f"Qui commence après le {long_moment(closes - duration)} n’aura pas tout son temps : le contrôle ferme "
-                f"le {long_moment(closes)}."
+                f"Un élève qui commence après le {long_moment(closes - duration)} n’aura pas tout son temps : le "
+                f"contrôle ferme le {long_moment(closes)}."
             )
     if rules.is_test and duration is None and closes is None and due is not None:
         yield ("Rien ne met fin à ce contrôle : sa date dit jusqu’à quand il se commence. Donnez-lui une durée.")

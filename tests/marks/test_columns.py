@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from datetime import date
 from typing import Any
@@ -197,8 +198,25 @@ def test_a_cell_is_read_as_it_is_typed(text: str, expected: TypedMark) -> None:
 
 @pytest.mark.parametrize("text", ["quinze", "20,01", "-1", "12,345", "8/10", "nan", "inf", "1e1", "1_0", "٣", "12 13"])
 def test_a_cell_that_is_no_mark_is_refused_in_words(text: str) -> None:
-    with pytest.raises(Invalid, match="de 0 à 20"):
+    with pytest.raises(Invalid, match=re.escape(f"« {text} »")):
         parse_mark(text, 20.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("21", "« 21 » dépasse 20."),
+        ("-1", "plus petit que 0"),
+        ("0,333", "plus de deux décimales"),
+        ("5/10", "cette colonne est notée sur 20"),
+        ("quinze", "n’est pas une note de 0 à 20, ni « abs »"),
+    ],
+)
+def test_a_refused_cell_says_in_one_line_what_is_wrong_with_it(text: str, said: str) -> None:
+    with pytest.raises(Invalid) as refused:
+        parse_mark(text, 20.0)
+    assert said in refused.value.detail
+    assert len(refused.value.detail) < 80  # beside a field of a phone
 
 
 def test_comments_fit_in_a_line() -> None:
