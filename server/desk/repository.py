@@ -6,7 +6,7 @@ from uuid import UUID
 from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise
+from server.assignments.models import AssignedExercise, Sitting
 from server.classes.models import ClassRole, Membership, Status
 from server.gradebook.models import Standing
 
@@ -38,3 +38,18 @@ def count_finished_students(db: Session, class_id: UUID, assignments: Collection
         .group_by(assigned.c.assignment_id)
     )
     return {row[0]: row[1] for row in db.execute(finished)}
+
+
+def count_begun_students(db: Session, class_id: UUID, tests: Collection[UUID]) -> Mapping[UUID, int]:
+    """Count, by test, the active students who have begun it."""
+    query = (
+        select(Sitting.assignment_id, func.count())
+        .join(Membership, and_(Membership.account_id == Sitting.account_id, Membership.class_id == class_id))
+        .where(
+            Sitting.assignment_id.in_(tests),
+            Membership.role == ClassRole.student,
+            Membership.status == Status.active,
+        )
+        .group_by(Sitting.assignment_id)
+    )
+    return {row[0]: row[1] for row in db.execute(query)}

@@ -28,6 +28,7 @@ from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk.assignments import late_line
 from server.desk.own.views import exercise_standing
+from server.gradebook.models import Standing
 from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.marks.schemas import ExerciseMark
@@ -94,6 +95,18 @@ def school(site: Site) -> School:
     seat(site.database, made, ada.account, groups=["TP1"])
     seat(site.database, made, bob.account)
     return School(site, made, martin.browser(site), ada, bob)
+
+
+def test_what_was_solved_before_a_test_is_not_said_to_be_done_in_it(school: School) -> None:
+    now = utc_now()
+    with school.site.database.write() as db:
+        for exercise in (EXERCISE, OTHER):
+            row = {"best_score": 1.0, "attempts": 1, "last_outcome": "ok", "last_at": now, "first_success_at": now}
+            db.add(Standing(account_id=school.ada.id, exercise=exercise, **row))
+    assert "1 sur 2 élèves ont tout réussi" in read(school.martin, school.give())
+    test = school.give(mode="test", duree="60")
+    for path in (test, f"{school.href}/devoirs"):
+        assert "0 sur 2 élèves ont commencé" in read(school.martin, path)
 
 
 def test_an_assignment_is_given_shown_changed_and_taken_back(school: School) -> None:

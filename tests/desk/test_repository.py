@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from datetime import timedelta
 
-from server.assignments import editing
-from server.assignments.models import WeightedExercise
+from server.assignments import editing, sittings
+from server.assignments.models import Mode, WeightedExercise
 from server.assignments.schemas import AssignmentInput
 from server.classes.models import ClassRole, Status
 from server.database import Database, utc_now
 from server.desk import repository
 from server.gradebook.models import Standing
 from server.identity.models import Role
-from tests.support.classes import new_class, seat
+from tests.support.classes import assign, new_class, seat
 from tests.support.quick import the_course
 from tests.support.service import new_account
 
@@ -51,3 +51,20 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
     with database.read() as db:
         found = repository.count_finished_students(db, made.id, [one.id for one in given])
         assert [found.get(one.id, 0) for one in given] == [1, 2, 1]
+
+
+def test_who_has_begun_a_test_is_counted_among_the_students_alone(database: Database) -> None:
+    made = new_class(database, new_account(database, Role.teacher))
+    tests = [assign(database, made, BOTH[0], mode=Mode.test) for _ in range(2)]
+    members = {
+        "begun": (ClassRole.student, Status.active),
+        "gone": (ClassRole.student, Status.left),
+        "helper": (ClassRole.assistant, Status.active),
+    }
+    for name, (role, status) in members.items():
+        account = new_account(database, Role.student, name)
+        seat(database, made, account, role, status=status)
+        with database.write() as db:
+            sittings.begin_sitting(db, tests[0], account.id, (), utc_now())
+    with database.read() as db:
+        assert repository.count_begun_students(db, made.id, [test.id for test in tests]) == {tests[0].id: 1}

@@ -32,7 +32,10 @@ class StageView:
 
 @dataclass(frozen=True)
 class AssignmentRow:
-    """An assignment as its staff see it in the list; `finished` students have solved all of it."""
+    """An assignment as its staff see it in the list; `finished` students have solved all of it, at any time.
+
+    `begun` students have begun it, where it is a test: what they had solved before does not count there.
+    """
 
     href: str
     title: str
@@ -45,6 +48,7 @@ class AssignmentRow:
     exercises: int
     exemptions: int
     finished: int
+    begun: int
 
 
 @dataclass(frozen=True)

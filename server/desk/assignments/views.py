@@ -63,11 +63,12 @@ def assignment_href(assignment: Assignment) -> str:
 
 
 def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> AssignmentsPage:
-    """Six queries, however many there are."""
+    """Seven queries, however many there are."""
     rows = repository.load_class_assignments(db, access.school_class.id)
     names = [assignment.id for assignment in rows]
     exercises, exempted = repository.load_exercises(db, names), repository.count_exemptions(db, names)
     finished = desk.count_finished_students(db, access.school_class.id, names)
+    begun = desk.count_begun_students(db, access.school_class.id, names)
     now = utc_now()
     shown = tuple(
         _assignment_row(
@@ -75,6 +76,7 @@ def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> 
             len(exercises.get(assignment.id, ())),
             exempted.get(assignment.id, 0),
             finished.get(assignment.id, 0),
+            begun.get(assignment.id, 0),
             now,
         )
         for assignment in rows
@@ -91,7 +93,7 @@ def may_manage(access: ClassAccess) -> bool:
 
 
 def _assignment_row(
-    assignment: Assignment, exercises: int, exemptions: int, finished: int, now: datetime
+    assignment: Assignment, exercises: int, exemptions: int, finished: int, begun: int, now: datetime
 ) -> AssignmentRow:
     return AssignmentRow(
         href=assignment_href(assignment),
@@ -105,6 +107,7 @@ def _assignment_row(
         exercises=exercises,
         exemptions=exemptions,
         finished=finished,
+        begun=begun,
     )
 
 
@@ -114,9 +117,10 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
     members = classes.load_members(db, access.school_class.id)
     exempted = sum(each.revoked_at is None for each in exemptions)
     finished = desk.count_finished_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
+    begun = desk.count_begun_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
     return AssignmentPage(
         head=views.class_head(course, access, TAB),
-        row=_assignment_row(assignment, len(wanted.exercises), exempted, finished, utc_now()),
+        row=_assignment_row(assignment, len(wanted.exercises), exempted, finished, begun, utc_now()),
         exercises=tuple(_weighted_exercise_row(course, each.exercise, each.weight) for each in wanted.exercises),
         facts=tuple(_rule_facts(wanted)),
         line=draw_late_line(common_rules(assignment)),
