@@ -124,7 +124,9 @@ async def require_same_account(request: Request) -> None:
     if key == VISITOR and account is not None and account.is_guest:  # another tab made the visitor a guest
         return
     fields = typed_fields(form)
-    has_file = any(not isinstance(value, str) for value in form.values())
+    has_file = any(
+        not isinstance(value, str) and value.filename for value in form.values()
+    )  # a field left empty is none
     if account is None:
         raise SignedOut(SIGNED_OUT, fields, has_file=has_file, account=None)
     name = visible(account.name)

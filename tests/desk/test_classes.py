@@ -176,7 +176,9 @@ def test_settings_change_the_class(site: Site, martin: TestClient, href: str) ->
     assert "Ajouter Bob" in named.text
     assert "Bob (assistant)" not in text_of(site.client, href)
     assert martin.post(f"{href}/equipe", data=hidden_fields(named.text, f"{href}/equipe")).status_code == 303
-    assert martin.post(f"{href}/equipe", data={"login": "nobody", "role": "assistant"}).status_code == 404
+    refused = martin.post(f"{href}/equipe", data={"login": "nobody", "role": "assistant"})
+    assert refused.status_code == 404
+    assert 'name="login" type="text" value="nobody"' in refused.text
     assert "Bob (assistant)" in text_of(site.client, href)
     copied = martin.post(f"{href}/copier", data={"name": "PSI 2027"})
     assert copied.status_code == 303

@@ -106,6 +106,22 @@ def test_logging_in_on_the_refusal_gives_back_what_was_typed(site: Site) -> None
     assert count(site, Submission) == before + 1
 
 
+def test_a_pasted_list_is_kept_where_no_file_was_chosen(site: Site, xavier: Person) -> None:
+    """A browser sends the empty field of a file too."""
+    browser = xavier.browser(site)
+    pour = hidden_fields(browser.get(PAGE).text, SEND)["pour"]
+    end_sessions(site, xavier)
+    parts = [f'name="pour"\r\n\r\n{pour}', f'name="code"\r\n\r\n{CODE}', 'name="fichier"; filename=""\r\n\r\n']
+    body = "".join(f"--limite\r\nContent-Disposition: form-data; {part}\r\n" for part in parts) + "--limite--\r\n"
+    form = {"Content-Type": "multipart/form-data; boundary=limite"}
+    refused = browser.post(SEND, content=body.encode(), headers=form)
+    assert refused.status_code == 401
+    assert "Le fichier joint" not in refused.text
+    assert decode_fields(hidden_fields(refused.text, "/connexion")["reprise"]) == [("code", CODE)]
+    chosen = {"fichier": ("liste.csv", b"nom", "text/csv")}
+    assert "Le fichier joint n’a pas été gardé" in browser.post(SEND, data={"pour": pour}, files=chosen).text
+
+
 def test_two_accounts_in_one_browser_do_not_send_for_each_other(site: Site, xavier: Person) -> None:
     yasmine = person(site, name="Yasmine")
     drawn = hidden_fields(xavier.browser(site).get(PAGE).text, SEND)

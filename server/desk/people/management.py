@@ -184,11 +184,21 @@ def _render_settings(
     course: CourseOf,
     access: ClassAccess,
     refused: ServiceError | None = None,
+    typed: Mapping[str, str] | None = None,
 ) -> HTMLResponse:
+    """With `refused`, the page says why, and the form of the request has what was `typed`."""
     view = views.build_settings_page(db, course, access, service_url(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
     return render_page(
-        request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LIFETIME_CHOICES
+        request,
+        "classes/settings.html",
+        account,
+        status=status,
+        page=view,
+        problem=problem,
+        lasts=LIFETIME_CHOICES,
+        typed=typed or {},
+        typed_form=request.url.path.rpartition("/")[2],
     )
 
 
@@ -205,7 +215,7 @@ def update_settings(
     try:
         access.school_class.name = validate_class_name(name)
     except Invalid as refused:
-        return _render_settings(request, account, db, course, access, refused)
+        return _render_settings(request, account, db, course, access, refused, {"name": name})
     access.school_class.approval = bool(approbation)
     return redirect(f"{views.class_href(access.school_class)}/reglages")
 
@@ -274,7 +284,7 @@ def change_staff(
             else:
                 service.add_staff(db, school_class, login, STAFF_ROLES[role])
     except ServiceError as refused:
-        return _render_settings(request, account, db, course, access, refused)
+        return _render_settings(request, account, db, course, access, refused, {"login": login})
     mine = rights.has_right(db, account, Right.configure_class, school_class.id)
     return redirect(f"{views.class_href(school_class)}/reglages#equipe" if mine else "/classes")
 
@@ -301,7 +311,8 @@ def copy_class(
         assignments.copy_assignments(db, access.school_class, made, account.id, moved, there)
         decisions.copy_rules(db, access.school_class, made)
     except Invalid as refused:
-        return _render_settings(request, account, db, course, access, refused)
+        typed = {"name": name, "semaines": semaines, "rentree": rentree}
+        return _render_settings(request, account, db, course, access, refused, typed)
     return redirect(views.class_href(made))
 
 
