@@ -23,6 +23,7 @@ from server.text.lines import character_problem, tidy_line
 EMAIL = re.compile(r"[^@\s<>,;]+@[^@\s<>,;]+\.[^@\s<>,;]+")
 #: The last lines of an export, which count or sign it.
 FOOTER = re.compile(r"(?:total|effectif|nombre|page|edite|imprime|export|genere|liste)\b.*(?:\d|:)", re.IGNORECASE)
+SUMS = frozenset({"total", "totaux", "effectif", "effectif total", "total eleves", "nombre d eleves"})
 SHEET_ERROR = re.compile(r"#(?:N/A|REF!|VALUE!|VALEUR!|DIV/0!|NAME\?|NOM\?|NUM!|NOMBRE!|NULL!|NUL!)")
 MAX_NAMED_LINES = 5
 FORMULA_CELL = (
@@ -192,7 +193,7 @@ def _name_problem(name: str, is_alone: bool) -> str:
         return "il n’y a ni nom ni prénom."
     if not any(sign.isalpha() for sign in name):
         return f"« {name[:60]} » n’est pas un nom : il n’y a aucune lettre."
-    if is_alone and FOOTER.match(_unaccented(name)):
+    if normalise_name(name) in SUMS or (is_alone and FOOTER.match(_unaccented(name))):
         return "cette ligne ne paraît pas nommer un élève."
     if len(name) > NAME_LENGTH:
         return f"le nom dépasse {NAME_LENGTH} caractères."

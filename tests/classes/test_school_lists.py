@@ -242,6 +242,7 @@ TOLD: list[tuple[str, bytes, int, str]] = [
     ("a formula without a value", FORMULA, 3, "la cellule B3 est une formule sans valeur"),
     ("an error of the sheet", text("Nom;Prénom", "Petit;#N/A"), 2, "#N/A"),
     ("a total under the names", text("N°;Nom;Prénom", "1;Petit;Ana", "Total;1"), 3, "aucune lettre"),
+    ("a total beside its word", text("Élève;Trinôme", "PETIT Ana;1", "Total;1"), 3, "ne paraît pas nommer un élève"),
     ("a line twice", text("Nom;Prénom", "Petit;Ana", "PETIT;ana"), 3, "qu’à la ligne 2"),
     (
         "namesakes without anything else",
