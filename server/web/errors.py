@@ -20,7 +20,7 @@ from server.base.middleware import SECURITY_HEADERS, route_path
 from server.database import Database, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.web.form_identity import FormRefusal, refusal_context, refusal_members
+from server.web.form_identity import FormRefusal, referring_page, refusal_context, refusal_members
 from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
@@ -47,6 +47,7 @@ def problem_answer(
     if wants_json(request):
         return problem_response(body, headers)
     context = {"code": body["status"], "title": body["title"], "detail": body["detail"]}
+    context["form_page"] = "/" if request.method == "GET" else referring_page(request)
     return render_page(request, "error.html", account, status=body["status"], headers=headers, **context)
 
 

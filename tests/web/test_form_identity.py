@@ -122,6 +122,16 @@ def test_a_pasted_list_is_kept_where_no_file_was_chosen(site: Site, xavier: Pers
     assert "Le fichier joint n’a pas été gardé" in browser.post(SEND, data={"pour": pour}, files=chosen).text
 
 
+def test_a_refused_form_leads_back_to_its_page(site: Site, xavier: Person) -> None:
+    browser = xavier.browser(site)
+    pour = hidden_fields(browser.get(PAGE).text, SEND)["pour"]
+    back = {"Referer": f"http://testserver{PAGE}"}
+    refused = browser.post(f"{SEND}-absent", data={"pour": pour}, headers=back)
+    assert refused.status_code == 404
+    assert f'href="{PAGE}">Revenir à la page</a>' in refused.text
+    assert "Revenir à la page" not in browser.get("/nulle-part", headers=back).text
+
+
 def test_two_accounts_in_one_browser_do_not_send_for_each_other(site: Site, xavier: Person) -> None:
     yasmine = person(site, name="Yasmine")
     drawn = hidden_fields(xavier.browser(site).get(PAGE).text, SEND)
