@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cache
+from typing import TypeAlias
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, Select, and_, exists, or_, select
+from sqlalchemy import BindParameter, ColumnElement, Row, Select, Uuid, and_, bindparam, exists, or_, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, Visibility
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
+from server.database import UtcDateTime
+
+HoldingRows: TypeAlias = Select[UUID, Assignment, str, list[str], str, Sitting]
 
 
 @dataclass(frozen=True)
@@ -26,7 +31,7 @@ class AssignedExerciseRow:
     sitting: Sitting | None
 
 
-def _select_holding_rows(now: datetime) -> Select[UUID, Assignment, str, list[str], str, Sitting]:
+def _select_holding_rows(now: datetime | BindParameter[datetime]) -> HoldingRows:
     """Select the assigned exercises that may hold back feedback, with the student and their sitting.
 
     Includes classes that a student left voluntarily: leaving a class, or asking to come back, does not end a test.
@@ -77,12 +82,24 @@ def has_holds_clause(
     return query.with_only_columns(Assignment.id, maintain_column_froms=True).exists()
 
 
+@cache
+def _rows_of_account() -> HoldingRows:
+    """Built once: every attempt and every page of an exercise asks."""
+    query = _select_holding_rows(bindparam("now", type_=UtcDateTime()))
+    return query.where(Membership.account_id == bindparam("account_id", type_=Uuid()))
+
+
+@cache
+def _rows_of_account_and_exercise() -> HoldingRows:
+    return _rows_of_account().where(AssignedExercise.exercise == bindparam("exercise"))
+
+
 def load_student_rows(
     db: Session, account_id: UUID, exercise: str | None, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
     """Load the rows of an account, in one exercise or in all."""
-    query = _select_holding_rows(now).where(Membership.account_id == account_id)
-    return _rows(db.execute(query if exercise is None else query.where(AssignedExercise.exercise == exercise)))
+    values = {"now": now, "account_id": account_id, "exercise": exercise}
+    return _rows(db.execute(_rows_of_account() if exercise is None else _rows_of_account_and_exercise(), values))
 
 
 def load_rows_of_students(

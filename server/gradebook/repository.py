@@ -183,7 +183,8 @@ def load_with_author(db: Session, submission_id: UUID) -> tuple[Submission, Acco
 
 def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Make one of a submission's gradings count."""
-    db.execute(update(Submission).where(Submission.id == submission_id).values(grading_id=grading_id))
+    query = update(Submission).where(Submission.id == submission_id).values(grading_id=grading_id)
+    db.execute(query.execution_options(synchronize_session=False))
 
 
 def set_counting_gradings(db: Session, grading_by_submission: Mapping[UUID, UUID]) -> None:
