@@ -221,7 +221,7 @@ def essai(_):
         except OSError:
             continue
         ouverts.append(numero)
-    if len(ouverts) == 7 and ouverts[:3] == [0, 1, 2]:  # and wire, traceback, the pipes to the course's functions
+    if ouverts == [0, 1, 2, 227, 228, 229, 230]:  # replies and asks of the course's functions, traceback, wire
         return ""
     return "des descripteurs restent ouverts : " + str(ouverts)
 """

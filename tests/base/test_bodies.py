@@ -6,7 +6,6 @@ import json
 from datetime import UTC, datetime
 from typing import Any
 
-import anyio
 import pytest
 
 from server.base.arrival import arrival_time
@@ -43,7 +42,7 @@ def test_a_body_of_unannounced_length_is_refused_before_it_is_read(site: Site, m
     assert problem["type"].endswith("longueur-inconnue")
 
 
-def test_the_arrival_is_when_the_whole_body_is_there() -> None:
+def test_the_arrival_is_when_the_whole_body_is_there(site: Site) -> None:
     arrivals = []
 
     async def receive() -> Any:
@@ -56,7 +55,8 @@ def test_the_arrival_is_when_the_whole_body_is_there() -> None:
 
     scope = {"type": "http", "method": "POST", "path": "/", "headers": []}
     bounded = BoundedBody(app, most=100, refuse=lambda request, error: pytest.fail(str(error)))
-    anyio.run(bounded, scope, receive, None)
+    with site.client._portal_factory() as portal:
+        portal.call(bounded, scope, receive, None)
     assert arrivals == sorted(arrivals)
 
 

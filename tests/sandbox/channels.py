@@ -254,7 +254,7 @@ def regarde(_):
         for donnees in tente(lambda: os.pread(numero, 1 << 14, 0)):
             vus += [numero] if MARQUE.encode() in donnees else []
         vus += [numero for _ in tente(lambda: os.fstat(numero)) if numero not in connus]
-    return vus[2:] if len(vus) > 2 else []  # the wire and the last words are its own
+    return [numero for numero in vus if not 227 <= numero <= 230]  # its own: wire, last words, the course's pipes
 """,
     "memoire-liberee": """
 import numpy as np

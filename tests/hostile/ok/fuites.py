@@ -8,7 +8,7 @@ def repondre(contexte):
         except OSError:
             continue
         ouverts.append(numero)
-    if len(ouverts) != 5:
+    if ouverts != [0, 1, 2, 227, 228, 229, 230]:
         fuites.append(ouverts)
     fuites += [nom for nom in sys.modules if nom.partition(".")[0] in ("server", "graders", "reference", "child", "pytest")]
     return str(fuites) if fuites else "rien"
