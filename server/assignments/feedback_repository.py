@@ -5,18 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import cache
-from typing import TypeAlias
 from uuid import UUID
 
-from sqlalchemy import BindParameter, ColumnElement, Row, Select, Uuid, and_, bindparam, exists, or_, select
-from sqlalchemy.orm import InstrumentedAttribute, Session
+from sqlalchemy import ColumnElement, Row, Select, Table, Uuid, and_, bindparam, exists, or_, select
+from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, Visibility
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
-from server.database import UtcDateTime
-
-HoldingRows: TypeAlias = Select[UUID, Assignment, str, list[str], str, Sitting]
+from server.database import UtcDateTime, select_core
 
 
 @dataclass(frozen=True)
@@ -31,13 +27,14 @@ class AssignedExerciseRow:
     sitting: Sitting | None
 
 
-def _select_holding_rows(now: datetime | BindParameter[datetime]) -> HoldingRows:
+def _holding_rows() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
     """Select the assigned exercises that may hold back feedback, with the student and their sitting.
 
     Includes classes that a student left voluntarily: leaving a class, or asking to come back, does not end a test.
     Excludes assignments that hold nothing back and tests that are over for everyone. An archived class holds back only
     the tests that were sat in it and are not released.
     """
+    now = bindparam("now", type_=UtcDateTime())
     later = exists().where(
         Exemption.assignment_id == Assignment.id,
         Exemption.revoked_at.is_(None),
@@ -74,40 +71,46 @@ def _select_holding_rows(now: datetime | BindParameter[datetime]) -> HoldingRows
     )
 
 
-def has_holds_clause(
-    account_id: InstrumentedAttribute[UUID], exercise: InstrumentedAttribute[str], now: datetime
-) -> ColumnElement[bool]:
-    """Return an EXISTS clause: something may be held for the account and the exercise in these columns of a query."""
-    query = _select_holding_rows(now).where(Membership.account_id == account_id, AssignedExercise.exercise == exercise)
-    return query.with_only_columns(Assignment.id, maintain_column_froms=True).exists()
+#: On the hot path of every page and attempt: built once.
+ALL_ROWS = _holding_rows()
+#: The type is explicit: the column takes its own from the account table, which may not be imported yet.
+ACCOUNT_ROWS = ALL_ROWS.where(Membership.account_id == bindparam("account", type_=Uuid()))
+EXERCISE_ROWS = ACCOUNT_ROWS.where(AssignedExercise.exercise == bindparam("exercise"))
+#: Mostly nothing is held: selecting one column takes half the time.
+ANY_EXERCISE_ROW = EXERCISE_ROWS.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
 
 
-@cache
-def _rows_of_account() -> HoldingRows:
-    """Built once: every attempt and every page of an exercise asks."""
-    query = _select_holding_rows(bindparam("now", type_=UtcDateTime()))
-    return query.where(Membership.account_id == bindparam("account_id", type_=Uuid()))
+def has_holds_clause(table: Table) -> ColumnElement[bool]:
+    """Return an EXISTS clause: something may be held for the account and the exercise of a row of this table.
 
-
-@cache
-def _rows_of_account_and_exercise() -> HoldingRows:
-    return _rows_of_account().where(AssignedExercise.exercise == bindparam("exercise"))
+    The statement needs the value `now`.
+    """
+    row = table.c
+    query = ALL_ROWS.where(Membership.account_id == row.account_id, AssignedExercise.exercise == row.exercise)
+    return query.with_only_columns(Assignment.id, maintain_column_froms=True).correlate(table).exists()
 
 
 def load_student_rows(
     db: Session, account_id: UUID, exercise: str | None, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
     """Load the rows of an account, in one exercise or in all."""
-    values = {"now": now, "account_id": account_id, "exercise": exercise}
-    return _rows(db.execute(_rows_of_account() if exercise is None else _rows_of_account_and_exercise(), values))
+    values = {"account": account_id, "now": now}
+    if exercise is None:
+        return _rows(db.execute(ACCOUNT_ROWS, values))
+    exercise_values = {**values, "exercise": exercise}
+    return (
+        ()
+        if select_core(db, ANY_EXERCISE_ROW, exercise_values).first() is None
+        else _rows(db.execute(EXERCISE_ROWS, exercise_values))
+    )
 
 
 def load_rows_of_students(
     db: Session, accounts: Collection[UUID], exercise: str, now: datetime
 ) -> Sequence[AssignedExerciseRow]:
     """Load the rows of several accounts in one exercise."""
-    query = _select_holding_rows(now).where(AssignedExercise.exercise == exercise)
-    return _rows(db.execute(query.where(Membership.account_id.in_(accounts))))
+    query = ALL_ROWS.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
+    return _rows(db.execute(query, {"now": now}))
 
 
 def _rows(rows: Iterable[Row[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[AssignedExerciseRow]:

@@ -3,13 +3,15 @@
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, WeightedExercise
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
+from server.database import detached_instances, prepared_statement, select_core, table_of
 
 
 def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -17,6 +19,12 @@ def find_assignment(db: Session, class_id: UUID, assignment_id: UUID) -> Assignm
     query = select(Assignment).where(Assignment.id == assignment_id, Assignment.class_id == class_id)
     query = query.where(Assignment.removed_at.is_(None))
     return db.execute(query).scalar_one_or_none()
+
+
+@prepared_statement
+def _of_class(class_id: UUID) -> Select[Assignment]:
+    query = select(Assignment).where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
+    return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
 
 
 def load_removed_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
@@ -32,34 +40,48 @@ def delete_removed_before(db: Session, before: datetime) -> None:
 
 def load_class_assignments(db: Session, class_id: UUID) -> Sequence[Assignment]:
     """Load the assignments of a class in the order in which they open."""
-    query = select(Assignment).where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))
-    return db.execute(query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)).scalars().all()
+    return db.execute(*_of_class(class_id)).scalars().all()
+
+
+@prepared_statement
+def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
+    query = select(AssignedExercise.assignment_id, AssignedExercise.exercise, AssignedExercise.weight)
+    return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
 
 
 def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[WeightedExercise]]:
     """Load the exercises of each assignment, in order."""
     exercises: dict[UUID, list[WeightedExercise]] = defaultdict(list)
-    query = select(AssignedExercise.assignment_id, AssignedExercise.exercise, AssignedExercise.weight)
-    query = query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
-    for assignment, exercise, weight in db.execute(query):
+    for assignment, exercise, weight in select_core(db, *_exercises(assignments)):
         exercises[assignment].append(WeightedExercise(exercise, weight))
     return exercises
+
+
+@prepared_statement
+def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
+    query = select(Exemption).where(Exemption.assignment_id.in_(assignments))
+    return query.order_by(Exemption.created_at, Exemption.id)
 
 
 def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
     """Load the exemptions of each assignment, revoked ones included, oldest first."""
     exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
-    query = select(Exemption).where(Exemption.assignment_id.in_(assignments))
-    for exemption in db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars():
+    for exemption in db.execute(*_exemptions(assignments)).scalars():
         exemptions[exemption.assignment_id].append(exemption)
     return exemptions
 
 
+@prepared_statement
+def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
+    assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
+    query = select(exercises.c.exercise, assignments.c.opens_at <= now)
+    rows = assignments.outerjoin(exercises, exercises.c.assignment_id == assignments.c.id)
+    return query.select_from(rows).where(assignments.c.class_id == class_id, assignments.c.removed_at.is_(None))
+
+
 def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
     """Load the exercises of the class's open or past assignments; None where it has no assignment at all."""
-    query = select(AssignedExercise.exercise, Assignment.opens_at <= now).select_from(Assignment)
-    query = query.outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
-    rows = db.execute(query.where(Assignment.class_id == class_id, Assignment.removed_at.is_(None))).all()
+    rows = select_core(db, *_opened(class_id, now)).all()
     return frozenset(name for name, is_open in rows if name and is_open) if rows else None
 
 
@@ -83,23 +105,27 @@ def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
     db.execute(update(Exemption).where(Exemption.account_id == guest_id).values(account_id=account_id))
 
 
+@prepared_statement
+def _exemption_counts(assignments: Collection[UUID]) -> Select[UUID, int]:
+    query = select(Exemption.assignment_id, func.count()).where(
+        Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
+    )
+    return query.group_by(Exemption.assignment_id)
+
+
 def count_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """Count the exemptions in force of each assignment."""
-    query = select(Exemption.assignment_id, func.count()).group_by(Exemption.assignment_id)
-    query = query.where(Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None))
-    return dict(db.execute(query).all())
+    return {row[0]: row[1] for row in select_core(db, *_exemption_counts(assignments))}
 
 
-def load_student_assignments(
-    db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
-) -> Sequence[tuple[Assignment, list[str], bool]]:
-    """Load the assignments of a student's classes, archived ones excepted, that may have opened by then, also by an
-    exemption; with `exercise`, those that contain it. Each has the student's groups, and whether there are exemptions.
-    """
+@prepared_statement
+def _student_assignments(
+    account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
+) -> Select[*tuple[Any, ...]]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
     exempted = select(Exemption.id).where(Exemption.assignment_id == Assignment.id)
     query = (
-        select(Assignment, Membership.groups, exempted.exists())
+        select(*table_of(Assignment).c, Membership.groups, exempted.exists())
         .select_from(Assignment)
         .join(Membership, Membership.class_id == Assignment.class_id)
         .join(SchoolClass, SchoolClass.id == Assignment.class_id)
@@ -113,10 +139,18 @@ def load_student_assignments(
         )
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id)
     )
-    if exercise is not None:
-        containing = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
-        query = query.where(Assignment.id.in_(containing))
-    return [(assignment, groups, exempted) for assignment, groups, exempted in db.execute(query)]
+    containing = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
+    return query if everything else query.where(Assignment.id.in_(containing))
+
+
+def load_student_assignments(
+    db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
+) -> Sequence[tuple[Assignment, list[str], bool]]:
+    """Load the assignments of a student's classes, archived ones excepted, that may have opened by then, also by an
+    exemption; with `exercise`, those that contain it. Each has the student's groups, and whether there are exemptions.
+    """
+    rows = select_core(db, *_student_assignments(account_id, opened_by, exercise or "", everything=exercise is None))
+    return [(assignment, groups, exempted) for assignment, (groups, exempted) in detached_instances(Assignment, rows)]
 
 
 def load_student_exemptions(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:

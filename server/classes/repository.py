@@ -19,6 +19,7 @@ from server.classes.schemas import (
     name_sort_key,
     tell_apart,
 )
+from server.database import prepared_statement, select_core
 from server.identity.models import Account
 
 Ts = TypeVarTuple("Ts")
@@ -246,11 +247,18 @@ def update_last_seen(db: Session, account_id: UUID, now: datetime, unless_since:
     )
 
 
+@prepared_statement
+def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
+    return (
+        select(Membership.last_seen_at, SchoolClass.archived_at)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(Membership.account_id == account_id, Membership.status == Status.active)
+    )
+
+
 def load_presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
     """Load, for each class of an active member, when they were last seen there and when it was archived."""
-    query = select(Membership.last_seen_at, SchoolClass.archived_at)
-    query = query.join(SchoolClass, SchoolClass.id == Membership.class_id)
-    return db.execute(query.where(Membership.account_id == account_id, Membership.status == Status.active)).all()
+    return select_core(db, *_presence(account_id)).all()
 
 
 def is_presence_stale(db: Session, account_id: UUID, unless_since: datetime) -> bool:

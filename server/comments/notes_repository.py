@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import ClassRole, Membership, Status
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import ReceivedNote, SentNote
+from server.database import table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -104,7 +105,7 @@ def insert_note(db: Session, note: Note, readers: Collection[UUID]) -> None:
     db.add(note)
     db.flush()
     rows = [{"note_id": note.id, "account_id": reader, "seen_at": None} for reader in readers]
-    db.execute(insert(NoteReader), rows)
+    db.execute(insert(table_of(NoteReader)), rows)
 
 
 def load_received_notes(db: Session, account_id: UUID, exercise: str) -> Sequence[ReceivedNote]:

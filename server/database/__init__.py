@@ -10,6 +10,13 @@ from server.database.engine import (
     run_after_commit,
     upsert_statement,
 )
+from server.database.hot_path import (
+    detached_instance,
+    detached_instances,
+    prepared_statement,
+    select_core,
+    write_core,
+)
 
 __all__ = [
     "END_OF_TIME",
@@ -18,10 +25,15 @@ __all__ = [
     "Base",
     "Database",
     "UtcDateTime",
+    "detached_instance",
+    "detached_instances",
     "is_lock_timeout",
     "is_unavailable",
+    "prepared_statement",
     "run_after_commit",
+    "select_core",
     "table_of",
     "upsert_statement",
     "utc_now",
+    "write_core",
 ]

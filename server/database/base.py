@@ -1,9 +1,12 @@
-"""The base of the tables: naming convention and UTC times."""
+"""What every table shares: naming convention, identities, UTC times."""
 
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any
+from functools import lru_cache
+from typing import Any, ClassVar
+from uuid import UUID
 
-from sqlalchemy import DateTime, Dialect, MetaData, Table
+from sqlalchemy import DateTime, Dialect, MetaData, Table, Uuid
 from sqlalchemy.orm import DeclarativeBase
 from sqlalchemy.types import TypeDecorator
 
@@ -16,12 +19,32 @@ NAMING = {
 }
 
 
+MOST_KNOWN = 16_384
+
+
+@lru_cache(maxsize=MOST_KNOWN)
+def _known(text: str | None) -> UUID | None:
+    return None if text is None else UUID(text)
+
+
+class CachedUuid(Uuid[UUID]):
+    """An identity. Where the database keeps it as text, the same text gives the same object: a class is read a thousand
+    rows at a time, with thousands of identities that are the same few hundreds."""
+
+    cache_ok = True
+
+    def result_processor(self, dialect: Dialect, coltype: object) -> Callable[[Any], UUID | None] | None:
+        native = super().result_processor(dialect, coltype) is None  # type: ignore[no-untyped-call]
+        return None if native else _known
+
+
 class Base(DeclarativeBase):
     metadata = MetaData(naming_convention=NAMING)
+    type_annotation_map: ClassVar[dict[Any, Any]] = {UUID: CachedUuid()}
 
 
 def table_of(model: type[Base]) -> Table:
-    """Return the table of a model, for statements that the ORM is to leave alone."""
+    """The table below a model: a statement on it that is made once runs in a tenth of the time of one on the model."""
     return model.metadata.tables[model.__tablename__]
 
 

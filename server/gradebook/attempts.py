@@ -9,7 +9,7 @@ from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
 from server.assignments.feedback_repository import has_holds_clause
-from server.database import utc_now
+from server.database import table_of, utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -34,11 +34,10 @@ def load_latest_attempt(db: Session, account_id: UUID, exercise: str) -> StoredA
 
 
 def _select_attempts() -> Select[*tuple[Any, ...]]:
-    may_be_held = has_holds_clause(Submission.account_id, Submission.exercise, utc_now())
-    query = select(Submission, Grading, may_be_held)
+    query = select(Submission, Grading, has_holds_clause(table_of(Submission)))
     return query.outerjoin(Grading, Grading.id == Submission.grading_id)
 
 
 def _load(db: Session, query: Select[*tuple[Any, ...]]) -> StoredAttempt | None:
-    row = db.execute(query.execution_options(populate_existing=True)).one_or_none()
+    row = db.execute(query.execution_options(populate_existing=True), {"now": utc_now()}).one_or_none()
     return None if row is None else StoredAttempt(*row)

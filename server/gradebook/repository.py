@@ -4,14 +4,16 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
-from uuid import UUID
+from uuid import UUID, uuid4
 
 from sqlalchemy import (
     ColumnElement,
     Row,
     and_,
+    bindparam,
     exists,
     func,
+    insert,
     or_,
     select,
     tuple_,
@@ -23,14 +25,26 @@ from sqlalchemy.orm import Session, defer, undefer
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
+from server.database import select_core, table_of, write_core
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.submissions.models import Submission
 
+_submissions = table_of(Submission)
 NEWEST_FIRST = (Submission.created_at.desc(), Submission.id.desc())
 SENDING_ORDER = tuple_(Submission.created_at, Submission.id)
 
+#: Hot path of a verdict: statements built once.
+LOCK_SUBMISSION = (
+    select(Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
+    .where(Submission.id == bindparam("submission"))
+    .with_for_update()
+)
+ADD_GRADING = insert(table_of(Grading))
+SET_COUNTING = (
+    update(_submissions).where(_submissions.c.id == bindparam("submission")).values(grading_id=bindparam("grading"))
+)
 FAILURES = blamed_on(Blame.STUDENT)
 #: Outcomes that the same file gets at every grading; whether a limit is met depends on the load of the machine.
 REPEATABLE = tuple(
@@ -140,32 +154,31 @@ def count_distinct_failures(
 
 def lock_submission(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
     """Lock the row of a submission until the commit. Return author, exercise, time and counting grading."""
-    query = select(Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
-    return db.execute(query.where(Submission.id == submission_id).with_for_update()).one_or_none()
+    return select_core(db, LOCK_SUBMISSION, {"submission": submission_id}).one_or_none()
 
 
 def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
     """Add to the history of a submission, within the bounds of a verdict; the grading does not count yet."""
-    judgement = limit_size(graded.judgement)
+    grading_id, judgement = uuid4(), limit_size(graded.judgement)
     verdict = judgement.verdict
-    grading = Grading(
-        submission_id=submission_id,
-        exercise_version=verdict.exercise_version,
-        outcome=verdict.outcome.value,
-        score=verdict.score if verdict.outcome.counts else None,
-        diagnosis=verdict.misconception,
-        seed=verdict.seed,
-        started_at=graded.started_at,
-        finished_at=graded.finished_at,
+    row = {
+        "id": grading_id,
+        "submission_id": submission_id,
+        "exercise_version": verdict.exercise_version,
+        "outcome": verdict.outcome.value,
+        "score": verdict.score if verdict.outcome.counts else None,
+        "diagnosis": verdict.misconception,
+        "seed": verdict.seed,
+        "started_at": graded.started_at,
+        "finished_at": graded.finished_at,
         **{name: verdict.timings.get(name) for name in ("checks_ms", "diagnosis_ms", "total_ms")},
-        verdict=verdict.to_json(),
-        figures=judgement.figures,
-        filmed=list(judgement.films) or None,
-        films=judgement.films or None,
-    )
-    db.add(grading)
-    db.flush()
-    return grading.id
+        "verdict": verdict.to_json(),
+        "figures": judgement.figures,
+        "filmed": list(judgement.films) or None,
+        "films": judgement.films or None,
+    }
+    write_core(db, ADD_GRADING, row)
+    return grading_id
 
 
 def list_failed_submissions(db: Session) -> Sequence[Submission]:
@@ -183,14 +196,17 @@ def load_with_author(db: Session, submission_id: UUID) -> tuple[Submission, Acco
 
 def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Make one of a submission's gradings count."""
-    query = update(Submission).where(Submission.id == submission_id).values(grading_id=grading_id)
-    db.execute(query.execution_options(synchronize_session=False))
+    write_core(db, SET_COUNTING, {"submission": submission_id, "grading": grading_id})
 
 
 def set_counting_gradings(db: Session, grading_by_submission: Mapping[UUID, UUID]) -> None:
     """Make these gradings count."""
-    for submission_id in sorted(grading_by_submission):
-        set_counting_grading(db, submission_id, grading_by_submission[submission_id])
+    if grading_by_submission:
+        rows = [
+            {"submission": submission, "grading": grading_by_submission[submission]}
+            for submission in sorted(grading_by_submission)
+        ]
+        db.execute(SET_COUNTING, rows)
 
 
 def is_grading_of(db: Session, grading_id: UUID, submission_id: UUID) -> bool:

@@ -3,15 +3,17 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
+from functools import cache
 from itertools import groupby
 from typing import Protocol
 from uuid import UUID
 
-from sqlalchemy import Select, and_, case, delete, func, or_, select, union
+from sqlalchemy import Insert, Select, and_, case, delete, func, or_, select, union
+from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import upsert_statement
+from server.database import table_of, upsert_statement, write_core
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -86,8 +88,15 @@ def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: Counted
     No two attempts of one account have the same time: the rate limit of the account serialises them.
     """
     row = {"account_id": account_id, "exercise": exercise, **vars(compute_totals([attempt]))}
-    statement = upsert_statement(db, Standing)
-    new, old = statement.excluded, Standing
+    write_core(db, _count_statement(db.get_bind().dialect.name), row)
+
+
+@cache
+def _count_statement(dialect: str) -> Insert:
+    """Return the statement of `count_attempt`, built once: it is on the hot path of a verdict."""
+    insert = postgresql.insert if dialect == "postgresql" else sqlite.insert
+    statement = insert(table_of(Standing))
+    new, old = statement.excluded, table_of(Standing).c
     later = new.last_at >= old.last_at
     sooner = old.first_success_at.is_(None) | (new.first_success_at < old.first_success_at)
     changes = {
@@ -98,7 +107,7 @@ def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: Counted
         "first_success_at": case((sooner, new.first_success_at), else_=old.first_success_at),
         "last_at": case((later, new.last_at), else_=old.last_at),
     }
-    db.execute(statement.on_conflict_do_update(index_elements=KEY, set_=changes), row)
+    return statement.on_conflict_do_update(index_elements=KEY, set_=changes)
 
 
 def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:

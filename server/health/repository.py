@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row, exists, func, select, text
 from sqlalchemy.orm import Session, aliased
 
-from server.database import upsert_statement
+from server.database import table_of, upsert_statement
 from server.gradebook.models import Grading
 from server.health.models import EventCount
 from server.queue.models import Job
@@ -90,7 +90,7 @@ def latest_failures(db: Session, outcome: str, since: datetime, limit: int) -> S
 def increment_count(db: Session, name: str, why: str) -> None:
     """Increment a counter."""
     statement = upsert_statement(db, EventCount).values(name=name, why=why, times=1)
-    again = {"times": EventCount.times + 1}
+    again = {"times": table_of(EventCount).c.times + 1}
     db.execute(statement.on_conflict_do_update(index_elements=["name", "why"], set_=again))
 
 

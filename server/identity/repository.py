@@ -2,12 +2,13 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, delete, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import upsert_statement, utc_now
+from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.identity.logins import earlier_form, is_valid_login, normalise_login
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, KnownDevice, PasswordLink, Role
 from server.text.lines import tidy_line
@@ -30,19 +31,37 @@ def find_account_by_typed_login(db: Session, typed: str) -> Account | None:
     return next(filter(None, accounts), None)
 
 
+#: On the hot path of every request: loaded as columns.
+_accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, table_of(ApiToken).c
+
+
+@prepared_statement
+def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+    query = select(_accounts).join(_sessions.token_digest.table, _sessions.account_id == _accounts.c.id)
+    conditions = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
+    return query.where(*conditions, _accounts.c.disabled_at.is_(None))
+
+
 def find_account_by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
-    """Return the account of a browser session."""
-    query = select(Account).join(BrowserSession, BrowserSession.account_id == Account.id)
-    conditions = (BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now)
-    return db.execute(query.where(*conditions, _enabled)).scalar_one_or_none()
+    """Return the account of a browser session, as a detached object."""
+    row = select_core(db, *_by_session(token_digest, now)).one_or_none()
+    return None if row is None else next(detached_instances(Account, [row]))[0]
+
+
+@prepared_statement
+def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+    query = select(_accounts, _tokens.last_used_at).join(_tokens.id.table, _tokens.account_id == _accounts.c.id)
+    conditions = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
+    return query.where(*conditions, _accounts.c.disabled_at.is_(None))
 
 
 def find_account_by_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
-    """Return the account of an API token, and when the token was last used."""
-    query = select(Account, ApiToken.last_used_at).join(ApiToken, ApiToken.account_id == Account.id)
-    conditions = (ApiToken.token_digest == token_digest, ApiToken.expires_at > now)
-    row = db.execute(query.where(*conditions, _enabled)).one_or_none()
-    return None if row is None else (row[0], row[1])
+    """Return the account of an API token, as a detached object, and when the token was last used."""
+    row = select_core(db, *_by_api_token(token_digest, now)).one_or_none()
+    if row is None:
+        return None
+    account, (last_used_at,) = next(detached_instances(Account, [row]))
+    return account, last_used_at
 
 
 def update_last_use(db: Session, token_digest: str, now: datetime) -> None:

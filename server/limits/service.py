@@ -4,13 +4,19 @@ import math
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, delete, select, update
+from sqlalchemy import Row, bindparam, delete, select, update
 from sqlalchemy.orm import Session
 
 from server.base.errors import RateLimited
 from server.base.settings import BucketSettings
-from server.database import upsert_statement, utc_now
+from server.database import select_core, table_of, upsert_statement, utc_now, write_core
 from server.limits.models import Allowance
+
+_allowances = table_of(Allowance)
+_of_key = _allowances.c.key == bindparam("bucket")
+#: On the hot path of every submission: built once.
+LOCK_BUCKET = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
+SET_TOKENS = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
 
 
 def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> None:
@@ -21,7 +27,7 @@ def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> N
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise RateLimited(refusal.format(seconds=wait), retry_after=wait)
-    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=tokens - 1, updated_at=now))
+    write_core(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
 
 
 def give_back_token(db: Session, key: str) -> None:
@@ -47,10 +53,9 @@ def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
 
 
 def _lock_bucket(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
-    query = select(Allowance.tokens, Allowance.updated_at).where(Allowance.key == key).with_for_update()
-    row = db.execute(query).one_or_none()
+    row = select_core(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
     if row is not None:
         return row
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
-    return db.execute(query).one()
+    return select_core(db, LOCK_BUCKET, {"bucket": key}).one()

@@ -9,7 +9,7 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, Status
-from server.database import upsert_statement, utc_now
+from server.database import table_of, upsert_statement, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import AnswerCount
 
@@ -18,7 +18,7 @@ def save_answer(db: Session, account_id: UUID, poll: str, answer: str) -> None:
     """Insert the first answer, or update the last one and the number of tries."""
     now = utc_now()
     row = {"answer": answer, "last": answer, "tries": 1, "answered_at": now, "last_at": now}
-    again = {"last": answer, "tries": PollAnswer.tries + 1, "last_at": now}
+    again = {"last": answer, "tries": table_of(PollAnswer).c.tries + 1, "last_at": now}
     statement = upsert_statement(db, PollAnswer).values(account_id=account_id, poll=poll, **row)
     db.execute(statement.on_conflict_do_update(index_elements=["account_id", "poll"], set_=again))
 

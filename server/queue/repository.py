@@ -1,24 +1,24 @@
 """Queries of the queue: enqueue, claim, heartbeat, conditional end, recovery.
 
-Each change of state is ONE conditional statement, hence atomic on both databases. One clock times the leases: that of
-PostgreSQL, else the machine's.
+Each change of state is ONE conditional statement, hence atomic on both databases. Statements of the hot path are built
+once. One clock times the leases: that of PostgreSQL, else the machine's.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import datetime, timedelta
 from typing import Any
-from uuid import UUID
+from uuid import UUID, uuid4
 
 from sqlalchemy import (
-    ColumnElement,
     Row,
-    Select,
     and_,
+    bindparam,
     case,
     delete,
     exists,
     func,
+    insert,
     literal_column,
     or_,
     select,
@@ -27,7 +27,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session, aliased
 
-from server.database import UtcDateTime, utc_now
+from server.database import UtcDateTime, select_core, table_of, utc_now, write_core
 from server.queue.fair_queueing import TURN_STEP, FlowState, Turn
 from server.queue.interfaces import Lease, Precedence, Sender, WaitingJob, WorkerCapabilities
 from server.queue.models import Job
@@ -37,9 +37,127 @@ ENQUEUE_LOCK = 0x7475726E
 #: Idle timeout of a transaction for which others wait.
 IDLE_TIMEOUT = "5s"
 
-_waits, _leased = Job.lease_token.is_(None), Job.lease_token.is_not(None)
-_order = (Job.priority, Job.turn, Job.created_at, Job.id)
+_jobs = table_of(Job)
+_held_by_token = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bindparam("by"))
+_waits, _leased = _jobs.c.lease_token.is_(None), _jobs.c.lease_token.is_not(None)
+_order = (_jobs.c.priority, _jobs.c.turn, _jobs.c.created_at, _jobs.c.id)
+_of_kinds = _jobs.c.kind.in_(bindparam("kinds", expanding=True))
+_next_job_id = select(_jobs.c.id).where(_waits, _of_kinds).order_by(*_order).limit(1)
+_version_available = or_(_jobs.c.needs.is_(None), _jobs.c.needs.in_(bindparam("having", expanding=True)))
+_refused_before = _jobs.c.refused_at <= bindparam("before")
+_no_lease = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
+
+_of_rank = _jobs.c.priority == bindparam("rank")
+_of_sender = and_(_waits, _jobs.c.sender == bindparam("sender"))
+_served_turn = select(func.max(_jobs.c.turn)).where(_leased, _of_rank).scalar_subquery()
+_first_waiting_turn = select(_jobs.c.turn).where(_waits, _of_rank).order_by(*_order).limit(1).scalar_subquery()
+_waiting_from_address = (
+    select(func.count()).where(_waits, _of_rank, _jobs.c.address == bindparam("address")).scalar_subquery()
+)
+FLOW_STATE = select(
+    _served_turn,
+    _first_waiting_turn,
+    func.max(_jobs.c.turn).filter(_waits),
+    func.max(_jobs.c.own_turn).filter(_leased),
+    func.min(_jobs.c.own_turn).filter(_waits),
+    func.max(_jobs.c.own_turn).filter(_waits),
+    func.max(_jobs.c.own_turn).filter(_of_sender),
+    func.count().filter(_of_sender),
+    _waiting_from_address,
+).where(_jobs.c.line == bindparam("line"))
+PUSH_BACK_FLOW = (
+    update(_jobs)
+    .where(_waits, _jobs.c.line == bindparam("in_line"), _jobs.c.own_turn > bindparam("after"))
+    .values(turn=_jobs.c.turn + TURN_STEP)
+    .returning(_jobs.c.turn)
+)
+INSERT = insert(_jobs)
+_new_lease = {
+    "tries": _jobs.c.tries + 1,
+    "lease_owner": bindparam("owner"),
+    "lease_token": bindparam("token"),
+    "lease_until": bindparam("until"),
+    "started_at": bindparam("now"),
+}
+_other_waiting = _jobs.alias("other_waiting")
+#: Excludes the claimed job by its id: the databases differ on whether it still waits at that moment. The literal
+#: column keeps its table name, which SQLite loses in a RETURNING clause.
+_more_waiting = exists().where(
+    _other_waiting.c.lease_token.is_(None),
+    _other_waiting.c.kind.in_(bindparam("kinds", expanding=True)),
+    _other_waiting.c.id != literal_column("job.id"),
+)
+_claim = update(_jobs).values(**_new_lease)
+_claim = _claim.returning(
+    *(
+        _jobs.c.id,
+        _jobs.c.kind,
+        _jobs.c.key,
+        _jobs.c.payload,
+        _jobs.c.tries,
+        _jobs.c.needs,
+        _jobs.c.priority,
+        _jobs.c.line,
+        _more_waiting.label("more_waiting"),
+    )
+)
+#: Only jobs whose version this worker has, or that were refused longer ago than the timeout.
+_capable = or_(_version_available, _refused_before)
+#: Only jobs that go before a running one.
+_precedes_running = or_(
+    _jobs.c.priority < bindparam("below"),
+    and_(_jobs.c.priority == bindparam("rank"), _jobs.c.line != bindparam("flow")),
+)
+#: The next job, by whether the claim has capabilities and a precedence.
+_choices = {
+    (capable, precedes): _next_job_id.where(*[_capable] * capable, *[_precedes_running] * precedes)
+    for capable in (False, True)
+    for precedes in (False, True)
+}
+#: PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
+CLAIMS = {
+    key: _claim.where(_jobs.c.id == choice.with_for_update(skip_locked=True).scalar_subquery())
+    for key, choice in _choices.items()
+}
+FIND_PRECEDING = {capable: _choices[capable, True].add_columns(_jobs.c.priority) for capable in (False, True)}
+_version_missing = and_(_waits, _of_kinds, ~_version_available)
+ANY_VERSION_MISSING = select(exists().where(_version_missing))
+REFUSE = update(_jobs).where(_version_missing, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
+EXTEND_LEASE = update(_jobs).where(_held_by_token).values(lease_until=bindparam("until")).returning(_jobs.c.id)
 _set_idle_timeout = func.set_config("idle_in_transaction_session_timeout", IDLE_TIMEOUT, True)
+END = delete(_jobs).where(_held_by_token).returning(_jobs.c.id)
+#: On PostgreSQL: the result that follows locks rows for which others may wait.
+END_WITH_IDLE_TIMEOUT = END.returning(_set_idle_timeout)
+RELEASE_LEASE = (
+    update(_jobs)
+    .where(_held_by_token)
+    .values(tries=_jobs.c.tries - bindparam("untried"), **_no_lease)
+    .returning(_jobs.c.id)
+)
+_other = aliased(Job)
+_sort_keys = (tuple_(job.priority, job.turn, job.created_at, job.id) for job in (_other, Job))
+_precedes = next(_sort_keys) < next(_sort_keys)
+_jobs_ahead = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _precedes).scalar_subquery()
+NOW = select(func.clock_timestamp(type_=UtcDateTime()))
+NOW_WITHOUT_SYNC = select(func.clock_timestamp(type_=UtcDateTime()), func.set_config("synchronous_commit", "off", True))
+COUNT_BY_KIND = select(_jobs.c.kind, func.count().label("jobs")).group_by(_jobs.c.kind)
+OLDEST_WAITING = (
+    select(_jobs.c.id).where(_waits, _jobs.c.kind == bindparam("kind")).order_by(_jobs.c.created_at, _jobs.c.id)
+)
+COUNT_REFUSED = (
+    select(_jobs.c.needs, func.count()).where(_waits, _jobs.c.refused_at.is_not(None)).group_by(_jobs.c.needs)
+)
+#: Prefers `before`, else the next job to claim.
+FIND_STALLED = (
+    select(_jobs.c.id)
+    .where(_waits, _jobs.c.kind.in_(bindparam("kinds", expanding=True)))
+    .where(~exists().where(aliased(Job).lease_token.is_not(None)))
+    .order_by(case((_jobs.c.id == bindparam("before"), 0), else_=1), *_order)
+    .limit(1)
+)
+POSITION = select(Job.lease_token, _jobs_ahead, Job.refused_at).where(
+    Job.kind == bindparam("kind"), Job.key == bindparam("key")
+)
 
 
 def lock_enqueueing(db: Session) -> None:
@@ -54,7 +172,7 @@ def lock_enqueueing(db: Session) -> None:
 def current_time(db: Session) -> datetime:
     """Return the time of the clock that all users of the database share."""
     if db.get_bind().dialect.name == "postgresql":
-        return db.execute(select(func.clock_timestamp(type_=UtcDateTime()))).scalar_one()
+        return db.execute(NOW).scalar_one()
     return utc_now()
 
 
@@ -66,35 +184,19 @@ def claim_time(db: Session) -> datetime:
     """
     if db.get_bind().dialect.name != "postgresql":
         return utc_now()
-    without_sync = func.set_config("synchronous_commit", "off", True)
-    now: datetime = db.execute(select(func.clock_timestamp(type_=UtcDateTime()), without_sync)).scalar_one()
+    now: datetime = db.execute(NOW_WITHOUT_SYNC).scalar_one()
     return now
 
 
 def load_flow_state(db: Session, sender: Sender) -> FlowState:
     """Load the turns and the backlog against which a new job of this sender is scheduled."""
-    of_rank, of_sender = Job.priority == sender.rank, and_(_waits, Job.sender == sender.name)
-    served_turn = select(func.max(Job.turn)).where(_leased, of_rank)
-    first_waiting_turn = select(Job.turn).where(_waits, of_rank).order_by(*_order).limit(1)
-    waiting_from_address = select(func.count()).where(_waits, of_rank, Job.address == sender.address)
-    query = select(
-        served_turn.scalar_subquery(),
-        first_waiting_turn.scalar_subquery(),
-        func.max(Job.turn).filter(_waits),
-        func.max(Job.own_turn).filter(_leased),
-        func.min(Job.own_turn).filter(_waits),
-        func.max(Job.own_turn).filter(_waits),
-        func.max(Job.own_turn).filter(of_sender),
-        func.count().filter(of_sender),
-        waiting_from_address.scalar_subquery(),
-    )
-    return FlowState(*db.execute(query.where(Job.flow == sender.flow)).one())
+    parameters = {"rank": sender.rank, "line": sender.flow, "sender": sender.name, "address": sender.address}
+    return FlowState(*select_core(db, FLOW_STATE, parameters).one())
 
 
 def push_back_flow(db: Session, sender: Sender, own_turn: int) -> int:
     """Move waiting jobs of the flow with a later own turn one turn of the flow back; return the freed turn."""
-    statement = update(Job).where(_waits, Job.flow == sender.flow, Job.own_turn > own_turn)
-    moved = db.execute(statement.values(turn=Job.turn + TURN_STEP).returning(Job.turn)).scalars()
+    moved: Sequence[int] = db.execute(PUSH_BACK_FLOW, {"in_line": sender.flow, "after": own_turn}).scalars().all()
     return min(moved) - TURN_STEP
 
 
@@ -102,12 +204,12 @@ def insert_job(
     db: Session, kind: str, key: str, payload: Mapping[str, Any], sender: Sender, turn: Turn, needs: str | None
 ) -> UUID:
     """Insert a waiting job; return its id."""
-    job = Job(kind=kind, key=key, payload=dict(payload), priority=sender.rank, required_version=needs)
-    job.sender, job.address, job.flow = sender.name, sender.address, sender.flow
-    job.turn, job.own_turn = turn.flow, turn.own
-    db.add(job)
-    db.flush()
-    return job.id
+    job_id = uuid4()
+    job = {"id": job_id, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
+    origin = {"sender": sender.name, "address": sender.address, "line": sender.flow}
+    schedule = {"turn": turn.flow, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
+    write_core(db, INSERT, {**job, **origin, **schedule})
+    return job_id
 
 
 @dataclass(frozen=True)
@@ -128,100 +230,75 @@ def claim(
     precedence: Precedence | None = None,
 ) -> Lease | None:
     """Lease the next waiting job."""
-    # PostgreSQL skips rows that another claim has locked; SQLite serialises its writers.
-    next_job = _select_next(kinds, new.now, able, precedence).with_for_update(skip_locked=True)
-    statement = update(Job).where(Job.id == next_job.scalar_subquery())
-    statement = statement.values(
-        tries=Job.tries + 1,
-        lease_owner=new.owner,
-        lease_token=new.token,
-        lease_until=new.until,
-        started_at=new.now,
-    )
-    columns = (Job.id, Job.kind, Job.key, Job.payload, Job.tries, Job.required_version, Job.priority, Job.flow)
-    statement = statement.returning(*columns, _more_waiting(kinds))
-    row = db.execute(statement, execution_options={"synchronize_session": False}).one_or_none()
+    statement = CLAIMS[able is not None, precedence is not None]
+    parameters = {"owner": new.owner, "token": new.token, "now": new.now, "until": new.until}
+    row = select_core(db, statement, {**parameters, **_choice(kinds, new.now, able, precedence)}).one_or_none()
     if row is None:
         return None
-    job_id, kind, key, payload, tries, version, rank, flow, more_waiting = row
     return Lease(
-        job_id, new.token, kind, key, payload, tries, new.now, version, more_waiting=more_waiting, rank=rank, flow=flow
+        row.id,
+        new.token,
+        row.kind,
+        row.key,
+        row.payload,
+        row.tries,
+        new.now,
+        row.needs,
+        more_waiting=row.more_waiting,
+        rank=row.priority,
+        flow=row.line,
     )
-
-
-def _more_waiting(kinds: Collection[str]) -> ColumnElement[bool]:
-    """Return whether another job waits, beside the one just claimed.
-
-    Excludes that job by its id: the databases differ on whether it still waits at that moment. The literal column keeps
-    its table name, which SQLite loses in a RETURNING clause.
-    """
-    other = aliased(Job)
-    return exists().where(other.lease_token.is_(None), other.kind.in_(kinds), other.id != literal_column("job.id"))
 
 
 def find_preceding(
     db: Session, kinds: Collection[str], precedence: Precedence, able: WorkerCapabilities | None
 ) -> WaitingJob | None:
     """Return the waiting job that goes before a running one."""
-    query = _select_next(kinds, current_time(db), able, precedence).add_columns(Job.priority)
-    row = db.execute(query).one_or_none()
-    return None if row is None else WaitingJob(*row)
+    statement = FIND_PRECEDING[able is not None]
+    row = select_core(db, statement, _choice(kinds, current_time(db), able, precedence)).one_or_none()
+    return None if row is None else WaitingJob(row.id, row.priority)
 
 
-def _select_next(
+def _choice(
     kinds: Collection[str], now: datetime, able: WorkerCapabilities | None, precedence: Precedence | None
-) -> Select[UUID]:
-    """Select the id of the next job.
-
-    With `able`: of jobs whose version the worker has, or that were refused longer ago than the timeout. With
-    `precedence`: of jobs that go before a running one.
-    """
-    query = select(Job.id).where(_waits, Job.kind.in_(kinds)).order_by(*_order).limit(1)
+) -> dict[str, Any]:
+    """Return the parameters that choose a job."""
+    parameters: dict[str, Any] = {"kinds": list(kinds)}
     if able is not None:
-        refused_before = Job.refused_at <= now - timedelta(seconds=able.refusal_timeout)
-        query = query.where(or_(_version_available(able), refused_before))
+        parameters |= _capability_parameters(able, now)
     if precedence is not None:
-        other_flow = and_(Job.priority == precedence.rank, Job.flow != precedence.flow)
-        query = query.where(or_(Job.priority < precedence.below, other_flow))
-    return query
-
-
-def _version_available(able: WorkerCapabilities) -> ColumnElement[bool]:
-    return or_(Job.required_version.is_(None), Job.required_version.in_(able.versions))
+        parameters |= asdict(precedence)
+    return parameters
 
 
 def mark_refused(db: Session, kinds: Collection[str], able: WorkerCapabilities) -> bool:
     """Record the first refusal of jobs that need another version; False where there are none."""
     now = current_time(db)
-    missing = and_(_waits, Job.kind.in_(kinds), ~_version_available(able))
-    if not db.execute(select(exists().where(missing))).scalar_one():
+    parameters = {"kinds": list(kinds), "having": list(able.versions)}
+    if not db.execute(ANY_VERSION_MISSING, parameters).scalar_one():
         return False
-    db.execute(update(Job).where(missing, Job.refused_at.is_(None)).values(refused_at=now))
+    db.execute(REFUSE, {**parameters, "now": now})
     return True
+
+
+def _capability_parameters(able: WorkerCapabilities, now: datetime) -> dict[str, Any]:
+    return {"having": list(able.versions), "before": now - timedelta(seconds=able.refusal_timeout)}
 
 
 def extend_lease(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
     """Extend the lease; False when it was lost."""
-    statement = update(Job).where(_is_held(job_id, token)).values(lease_until=until)
-    return db.execute(statement.returning(Job.id)).first() is not None
+    return db.execute(EXTEND_LEASE, {"held": job_id, "by": token, "until": until}).first() is not None
 
 
 def delete_leased(db: Session, job_id: UUID, token: UUID) -> bool:
     """Delete the job if its lease is still held; return whether it was."""
-    # On PostgreSQL, the result that follows locks rows for which others may wait.
-    timeout = (_set_idle_timeout,) if db.get_bind().dialect.name == "postgresql" else ()
-    return db.execute(delete(Job).where(_is_held(job_id, token)).returning(Job.id, *timeout)).first() is not None
+    statement = END_WITH_IDLE_TIMEOUT if db.get_bind().dialect.name == "postgresql" else END
+    return select_core(db, statement, {"held": job_id, "by": token}).first() is not None
 
 
 def release_lease(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:
     """Put an unfinished job back in its place; `tried`: this try counts."""
-    no_lease = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
-    statement = update(Job).where(_is_held(job_id, token)).values(tries=Job.tries - (0 if tried else 1), **no_lease)
-    return db.execute(statement.returning(Job.id)).first() is not None
-
-
-def _is_held(job_id: UUID, token: UUID) -> ColumnElement[bool]:
-    return and_(Job.id == job_id, Job.lease_token == token)
+    return db.execute(RELEASE_LEASE, {"held": job_id, "by": token, "untried": 0 if tried else 1}).first() is not None
 
 
 def lock_leased_jobs(db: Session, kinds: Collection[str]) -> Sequence[Job]:
@@ -238,42 +315,35 @@ def leased_jobs_of(db: Session, kinds: Collection[str], owner: str) -> Sequence[
 
 def load_position(db: Session, kind: str, key: str) -> Row[UUID | None, int, datetime | None] | None:
     """Load the job's lease token, the number of waiting jobs before it in claim order, and when it was refused."""
-    other = aliased(Job)
-    sort_key, other_sort_key = (tuple_(job.priority, job.turn, job.created_at, job.id) for job in (Job, other))
-    ahead = select(func.count()).select_from(other).where(other.lease_token.is_(None), other_sort_key < sort_key)
-    query = select(Job.lease_token, ahead.scalar_subquery(), Job.refused_at)
-    return db.execute(query.where(Job.kind == kind, Job.key == key)).one_or_none()
+    return db.execute(POSITION, {"kind": kind, "key": key}).one_or_none()
 
 
 def find_stalled(db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
     """Return a waiting job while none runs: `before` if it still waits, else the next one."""
-    query = select(Job.id).where(_waits, Job.kind.in_(kinds), ~exists().where(aliased(Job).lease_token.is_not(None)))
-    return db.execute(query.order_by(case((Job.id == before, 0), else_=1), *_order).limit(1)).scalar_one_or_none()
+    parameters = {"kinds": list(kinds), "before": before}
+    return db.execute(FIND_STALLED, parameters).scalar_one_or_none()
 
 
 def count_by_kind(db: Session) -> Mapping[str, int]:
     """Count waiting and running jobs by kind."""
-    return dict(db.execute(select(Job.kind, func.count()).group_by(Job.kind)).all())
+    return {row.kind: row.jobs for row in db.execute(COUNT_BY_KIND)}
 
 
 def oldest_waiting_ids(db: Session, kind: str, count: int) -> Sequence[UUID]:
     """Return the ids of the oldest waiting jobs of a kind."""
-    query = select(Job.id).where(_waits, Job.kind == kind).order_by(Job.created_at, Job.id)
-    return db.execute(query.limit(count)).scalars().all()
+    return db.execute(OLDEST_WAITING.limit(count), {"kind": kind}).scalars().all()
 
 
 def count_running(db: Session) -> int:
     """Count the leased jobs."""
-    return db.execute(select(func.count()).select_from(Job).where(_leased)).scalar_one()
+    return db.execute(select(func.count()).select_from(_jobs).where(_leased)).scalar_one()
 
 
 def count_waiting(db: Session) -> int:
     """Count the waiting jobs."""
-    return db.execute(select(func.count()).select_from(Job).where(_waits)).scalar_one()
+    return db.execute(select(func.count()).select_from(_jobs).where(_waits)).scalar_one()
 
 
 def count_refused_by_version(db: Session) -> Mapping[str, int]:
     """Count refused waiting jobs by the version they require."""
-    query = select(Job.required_version, func.count()).where(_waits, Job.refused_at.is_not(None))
-    rows = db.execute(query.group_by(Job.required_version))
-    return {version: count for version, count in rows if version is not None}
+    return {needs: count for needs, count in db.execute(COUNT_REFUSED) if needs is not None}

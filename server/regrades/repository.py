@@ -6,17 +6,19 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import Row, func, insert, select, tuple_, update
+from sqlalchemy import Row, bindparam, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
+from server.database import table_of
 from server.gradebook.models import Grading
 from server.regrades.differences import VerdictDifference
 from server.regrades.models import Regrade, RegradeItem
 from server.regrades.schemas import AppliedRegrade, OutdatedExercise, RegradedAttempt
 from server.submissions.models import Submission
 
+_items = table_of(RegradeItem)
 #: The fields of `RegradedAttempt` that are plain columns.
 PLAIN_FIELDS = tuple(field.name for field in fields(RegradedAttempt))[:-2]
 _before, _after = aliased(Grading), aliased(Grading)
@@ -92,7 +94,7 @@ def add_items(db: Session, regrade_id: UUID, rows: Sequence[tuple[UUID, UUID, bo
         }
         for position, (submission, grading, counted) in enumerate(rows)
     ]
-    db.execute(insert(RegradeItem), items)
+    db.execute(insert(_items), items)
 
 
 def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission, UUID] | None:
@@ -109,7 +111,7 @@ def load_next_item(db: Session, regrade_id: UUID) -> Row[RegradeItem, Submission
 
 def set_graded(db: Session, item_id: UUID, grading_id: UUID, differences: Sequence[VerdictDifference]) -> None:
     values = {"after_id": grading_id, "differences": [difference.to_json() for difference in differences]}
-    db.execute(update(RegradeItem).where(RegradeItem.id == item_id).values(**values))
+    db.execute(update(_items).where(_items.c.id == item_id).values(**values))
 
 
 def load_item_ids(db: Session, item_id: UUID) -> Row[UUID, UUID, UUID | None] | None:
@@ -161,7 +163,9 @@ def load_author_ids(db: Session, regrade_id: UUID) -> frozenset[UUID]:
 
 
 def set_applied(db: Session, items: Collection[UUID], *, is_applied: bool) -> None:
-    db.execute(update(RegradeItem).where(RegradeItem.id.in_(items)).values(is_applied=is_applied))
+    if items:
+        statement = update(_items).where(_items.c.id == bindparam("item")).values(is_applied=is_applied)
+        db.execute(statement, [{"item": item_id} for item_id in items])
 
 
 def count_sent_since(db: Session, accounts: Collection[UUID], exercise: str, when: datetime) -> Mapping[UUID, int]:

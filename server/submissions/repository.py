@@ -5,10 +5,18 @@ from datetime import datetime
 from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import upsert_statement, utc_now
+from server.database import (
+    detached_instance,
+    prepared_statement,
+    select_core,
+    table_of,
+    upsert_statement,
+    utc_now,
+    write_core,
+)
 from server.submissions.models import Submission, Variant
 
 
@@ -23,22 +31,32 @@ class GradingRow(NamedTuple):
     created_at: datetime
 
 
+_submissions = table_of(Submission)
+INSERT = insert(_submissions)
+#: On the hot path of a verdict: built once, without ORM objects.
+GRADING_ROW = select(*(_submissions.c[name] for name in GradingRow._fields)).where(
+    _submissions.c.id == bindparam("submission")
+)
+
+
+@prepared_statement
+def _by_id(submission_id: UUID) -> Select[Submission]:
+    return select(Submission).where(Submission.id == submission_id)
+
+
 def by_id(db: Session, submission_id: UUID) -> Submission | None:
-    return db.execute(select(Submission).where(Submission.id == submission_id)).scalar_one_or_none()
+    return db.execute(*_by_id(submission_id)).scalar_one_or_none()
 
 
 def load_grading_row(db: Session, submission_id: UUID) -> GradingRow | None:
-    columns = (getattr(Submission, name) for name in GradingRow._fields)
-    row = db.execute(select(*columns).where(Submission.id == submission_id)).one_or_none()
+    row = select_core(db, GRADING_ROW, {"submission": submission_id}).one_or_none()
     return None if row is None else GradingRow(*row)
 
 
 def add(db: Session, **values: Any) -> Submission:
-    """Insert a submission that waits for its first grading."""
-    submission = Submission(**values)
-    db.add(submission)
-    db.flush()
-    return submission
+    """Insert a submission that waits for its first grading; the returned object is detached."""
+    write_core(db, INSERT, values)
+    return detached_instance(Submission, {**values, "grading_id": None}.items())
 
 
 def ungraded(db: Session) -> Sequence[Submission]:
@@ -47,11 +65,19 @@ def ungraded(db: Session) -> Sequence[Submission]:
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
+@prepared_statement
+def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
+    query = (
+        select(Submission.exercise, func.count())
+        .where(Submission.account_id == account_id, Submission.grading_id.is_(None))
+        .group_by(Submission.exercise)
+    )
+    return query if everywhere else query.where(Submission.exercise == exercise)
+
+
 def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
-    """Count an account's submissions that wait for their first grading, by exercise (in all, or in one alone)."""
-    query = select(Submission.exercise, func.count()).group_by(Submission.exercise)
-    query = query.where(Submission.account_id == account_id, Submission.grading_id.is_(None))
-    return dict(db.execute(query if exercise is None else query.where(Submission.exercise == exercise)).all())
+    """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
+    return dict(select_core(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
 def count_waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
@@ -87,15 +113,19 @@ def move_submissions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
 
 
+@prepared_statement
+def _seed(account_id: UUID, exercise: str) -> Select[int]:
+    return select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
+
+
 def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
-    query = select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
-    return db.execute(query).scalar_one_or_none()
+    return select_core(db, *_seed(account_id, exercise)).scalar_one_or_none()
 
 
 def load_seed(db: Session, account_id: UUID, exercise: str) -> int:
     """Load a seed that exists."""
-    query = select(Variant.seed).where(Variant.account_id == account_id, Variant.exercise == exercise)
-    return db.execute(query).scalar_one()
+    seed: int = select_core(db, *_seed(account_id, exercise)).scalar_one()
+    return seed
 
 
 def insert_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
