@@ -32,7 +32,6 @@ NOT_TEXT = (
 UNKNOWN_ENCODING = "L’encodage « {name} » n’est pas proposé : utf-8, utf-16, cp1252, iso8859_15, mac_roman ou cp850."
 SCANNED = 200_000  # characters that are judged
 DOUBT, USUAL = 3.0, 1.5  # points between two readings that may both be right; of Windows before any other
-MAX_EXAMPLES = 5
 
 #: How often letters stand in French names, roughly; other Latin letters are possible, and weigh one.
 WEIGHTS = {
