@@ -10,6 +10,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.errors import Invalid, NotFound
 from server.behaviour import export, service
 from server.behaviour.models import BehaviourGroup
+from server.behaviour.repository import find_name
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
@@ -109,8 +110,7 @@ def name_group(
     access = rights.require_right(db, account, Right.name_behaviours, which.class_id)
     group = which.find(db, access)
     require_open(access.school_class)
-    found = service.load_class_group(db, access.school_class, which.exercise, which.group)
-    stored = name_texts(found.name or GroupNameForm())
+    stored = name_texts(find_name(db, access.school_class.id, group.id) or GroupNameForm())
     require_same_version(fields, account, SUBJECT, stored, name_texts(GroupNameForm(title, explanation, question)))
     if action == "retirer" or not (title + explanation + question).strip():
         service.withdraw_group_name(db, access.school_class, group, account.id)
