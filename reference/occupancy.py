@@ -32,6 +32,7 @@ P_HIT = 0.7
 CLAMP = 5.0
 BEYOND = 1e-6
 CHANCE = 0.5
+MOST_CELLS = 50_000_000
 
 
 class OccupancyError(InvalidArgumentError):
@@ -103,7 +104,8 @@ class OccupancyGrid:
     def integrate(self, scan: Scan, T_world_robot: ArrayLike) -> None:
         """Add a scan taken at a pose (3,) of the world. Raises OccupancyError.
 
-        What lies off the grid is left out; a beam that was not measured adds nothing.
+        What lies off the grid is left out; a beam that was not measured adds nothing, and no reading marks the cell in
+        which the lidar stands: that one is free.
         """
         pose = np.asarray(T_world_robot, dtype=np.float64)
         if pose.shape != (3,) or not np.all(np.isfinite(pose)):
@@ -132,9 +134,10 @@ class OccupancyGrid:
         ends = origin + lengths[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
         cells = crossed_cells(np.broadcast_to(origin, ends.shape), ends)
         last = np.floor(ends).astype(np.int64)
+        stops = scan.hits & np.any(last != np.floor(origin).astype(np.int64), axis=1)
         at_end = (cells.x == last[cells.segment, 0]) & (cells.y == last[cells.segment, 1])
-        crossing = ~(at_end & scan.hits[cells.segment])
-        return self._flat(cells.x[crossing], cells.y[crossing]), self._flat(*last[scan.hits].T)
+        crossing = ~(at_end & stops[cells.segment])
+        return self._flat(cells.x[crossing], cells.y[crossing]), self._flat(*last[stops].T)
 
     def _flat(self, x: Indices, y: Indices) -> Indices:
         """The indices of the cells (x, y) that are on the grid."""
@@ -163,7 +166,8 @@ def build_map(
 ) -> OccupancyGrid:
     """The map of `scans` taken at `poses` (n, 3) of the world; just large enough for their points, with a margin.
 
-    `resolution` in metres a cell, `margin` in metres. Raises OccupancyError.
+    `resolution` in metres a cell, `margin` in metres. Raises OccupancyError, also for poses so far apart that the map
+    would have more than 50 million cells: one pose gone astray must not fill the memory.
     """
     frames = np.asarray(poses, dtype=np.float64)
     if frames.shape != (len(scans), 3) or not np.all(np.isfinite(frames)):
@@ -175,7 +179,12 @@ def build_map(
     seen = [frames[:, :2], *(transform(pose, scan.points()) for pose, scan in zip(frames, scans, strict=True))]
     points = np.concatenate(seen)
     low = np.floor((points.min(axis=0) - margin) / resolution)
-    width, height = (np.ceil((points.max(axis=0) + margin) / resolution) - low).astype(np.int64) + 1
+    extent = np.ceil((points.max(axis=0) + margin) / resolution) - low + 1
+    if not np.prod(extent) <= MOST_CELLS:
+        astray = int(np.argmax(np.linalg.norm(frames[:, :2] - np.median(frames[:, :2], axis=0), axis=1)))
+        across = " by ".join(f"{side:.4g} m" for side in extent * resolution)
+        raise OccupancyError("poses", f"ask for a map of {across}, {np.prod(extent):.2g} cells: see pose {astray}")
+    width, height = extent.astype(np.int64)
     corner = np.append(low * resolution, 0.0)
     grid = OccupancyGrid(np.zeros((height, width)), resolution, corner, model or InverseSensorModel())
     for pose, scan in zip(frames, scans, strict=True):

@@ -78,5 +78,5 @@ def _entered(u0: Floats, v0: Floats, u1: Floats, v1: Floats, *, other_first: boo
 def _moment(start: Floats, end: Floats, cell: Indices, k: Indices) -> Floats:
     """When, from 0 at the start to 1 at the end, the k-th grid line is crossed; without meaning where none is."""
     line = np.where(end > start, cell + k, cell + 1 - k)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.asarray((line - start) / (end - start))

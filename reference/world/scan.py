@@ -2,9 +2,10 @@
 
 Angles are in radians from the robot's heading, counter-clockwise; lengths are in metres, or in cells.
 
-A beam ends in one of three ways: it is stopped (a range below `max_range`), it meets nothing as far as the lidar sees
-(`max_range`: the way is free), or it was not measured, which says nothing at all. REP 117 has a value for each: a
-length, +Inf, and NaN; -Inf, or a reading under the least range, is something too close to be measured.
+A beam is stopped (a range below `max_range`), or else one of three things, for each of which REP 117 has a value: it
+meets nothing as far as the lidar sees (`max_range`, +Inf: the way is free); it was not measured (NaN), which says
+nothing at all; or something is too close to be measured (-Inf, or a reading under the least range): where it is nobody
+knows, but the way is not free. The last two are no measurements of a length: no map and no belief learns from them.
 
 Source: REP 117, "Informational Distance Measurements" (ROS, 2011).
 """
@@ -12,13 +13,15 @@ Source: REP 117, "Informational Distance Measurements" (ROS, 2011).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.errors import InvalidArgumentError
+from reference.errors import InvalidArgumentError, check_word
 
 Floats = NDArray[np.float64]
+Zero = Literal["no measurement", "too close", "nothing seen"]
 
 
 class ScanError(InvalidArgumentError):
@@ -30,14 +33,16 @@ class Scan:
     """`ranges` (n,) in [0, max_range] along `angles` (n,); a beam that reads `max_range` touched nothing.
 
     `measured` (n,): which beams say something; all do unless told otherwise, and what the others read has no meaning.
-    The arrays are copied and cannot be written to. An empty scan is a scan; what needs points refuses it. Raises
-    ScanError for a range that is not a number of [0, max_range], or an angle that is not finite.
+    `too_close` (n,): which of those others were stopped nearer than the lidar can measure. The arrays are copied and
+    cannot be written to. An empty scan is a scan; what needs points refuses it. Raises ScanError for a range that is
+    not a number of [0, max_range], or an angle that is not finite.
     """
 
     ranges: Floats
     angles: Floats
     max_range: float
     measured: NDArray[np.bool_] = field(default_factory=lambda: np.array(True))
+    too_close: NDArray[np.bool_] = field(default_factory=lambda: np.array(False))
 
     def __post_init__(self) -> None:
         if not 0.0 < self.max_range < np.inf:
@@ -47,26 +52,46 @@ class Scan:
             raise ScanError("ranges", f"of shape {ranges.shape} is not an array (n,) of lengths in [0, max_range]")
         if angles.shape != ranges.shape or not np.all(np.isfinite(angles)):
             raise ScanError("angles", f"of shape {angles.shape} is not an array ({len(ranges)},) of finite angles")
-        measured = np.array(self.measured, dtype=np.bool_)
-        if measured.shape not in ((), ranges.shape):
-            raise ScanError("measured", f"of shape {measured.shape} is not an array ({len(ranges)},) of truths")
-        measured = np.array(np.broadcast_to(measured, ranges.shape))
-        for name, values in (("ranges", ranges), ("angles", angles), ("measured", measured)):
+        close = self._mask("too_close", self.too_close, ranges.shape)
+        measured = self._mask("measured", self.measured, ranges.shape) & ~close
+        for name, values in (("ranges", ranges), ("angles", angles), ("measured", measured), ("too_close", close)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
 
+    @staticmethod
+    def _mask(name: str, truths: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+        mask = np.array(truths, dtype=np.bool_)
+        if mask.shape not in ((), shape):
+            raise ScanError(name, f"of shape {mask.shape} is not an array ({shape[0]},) of truths")
+        return np.array(np.broadcast_to(mask, shape))
+
     @classmethod
-    def from_sensor(cls, ranges: ArrayLike, angles: ArrayLike, max_range: float, min_range: float = 0.0) -> Scan:
+    def from_sensor(
+        cls,
+        ranges: ArrayLike,
+        angles: ArrayLike,
+        max_range: float,
+        min_range: float = 0.0,
+        *,
+        zero: Zero = "no measurement",
+    ) -> Scan:
         """A scan from raw readings: +Inf, `max_range` or more met nothing up to there.
 
-        NaN, -Inf, 0 and below, or below `min_range` are no measurements. Raises ScanError.
+        -Inf, and a length below `min_range`, are too close; NaN and negative lengths are no measurements. What a 0
+        stands for differs from driver to driver: `zero` tells. Raises ScanError.
         """
         if not 0.0 <= min_range < max_range:
             raise ScanError("min_range", f"{min_range} is not a length below max_range")
+        check_word("zero", zero, Zero, ScanError)
         readings = np.asarray(ranges, dtype=np.float64)
+        if zero == "nothing seen":
+            readings = np.where(readings == 0.0, np.inf, readings)
         measured = (readings > 0.0) & (readings >= min_range)
+        close = (readings == -np.inf) | ((readings > 0.0) & (readings < min_range))
+        if zero == "too close":
+            close |= readings == 0.0
         lengths = np.where(measured & (readings < max_range), readings, max_range)
-        return cls(lengths, np.asarray(angles, dtype=np.float64), max_range, measured)
+        return cls(lengths, np.asarray(angles, dtype=np.float64), max_range, measured, close)
 
     @classmethod
     def full_turn(cls, ranges: ArrayLike, max_range: float) -> Scan:
@@ -100,7 +125,7 @@ class Scan:
     def take(self, beams: ArrayLike) -> Scan:
         """The scan of some beams: indices (k,) or a mask (n,)."""
         kept = np.asarray(beams)
-        return Scan(self.ranges[kept], self.angles[kept], self.max_range, self.measured[kept])
+        return Scan(self.ranges[kept], self.angles[kept], self.max_range, self.measured[kept], self.too_close[kept])
 
     def only_measured(self) -> Scan:
         """The scan of the beams that say something; the scan itself where all do."""

@@ -173,6 +173,33 @@ def test_a_beam_that_was_not_measured_clears_no_wall(reading: float, once: bool)
     assert grid.log_odds[1, 40] < 0.0
 
 
+@pytest.mark.parametrize("once", [True, False])
+@pytest.mark.parametrize("reading", [0.02, 0.04])
+def test_no_reading_marks_the_cell_of_the_lidar_itself(once: bool, reading: float) -> None:
+    grid = OccupancyGrid(np.zeros((3, 5)), 0.1, model=InverseSensorModel(once_a_scan=once))
+    for _ in range(10):
+        grid.integrate(Scan.full_turn([reading, 2.0, reading, reading], 5.0), [0.25, 0.15, 0.3])
+    assert grid.probabilities[1, 2] < 0.05
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=seeds)
+def test_the_cell_of_the_lidar_never_looks_occupied(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    grid = OccupancyGrid(np.zeros((12, 12)), 0.1)
+    pose = [*rng.uniform(0.1, 1.1, 2), rng.uniform(-3, 3)]
+    readings = np.where(rng.random(20) < 0.3, rng.uniform(0, 0.2, 20), rng.uniform(0, 2.0, 20))
+    grid.integrate(Scan.full_turn(readings, 2.0), pose)
+    assert grid.log_odds[int(pose[1] / 0.1), int(pose[0] / 0.1)] <= 0.0
+
+
+@pytest.mark.parametrize("far", [1e6, -3e7, 1e200])
+def test_a_pose_gone_astray_makes_no_giant_map(far: float) -> None:
+    with pytest.raises(OccupancyError, match="see pose 1") as caught:
+        build_map([Scan.full_turn([1.0, 2.0], 5.0)] * 4, [(0, 0, 0), (far, far, 0), (1, 0, 0), (2, 0, 0)], 0.05)
+    assert caught.value.argument == "poses"
+
+
 def test_a_map_of_scans_with_gaps_is_that_of_their_measured_beams() -> None:
     rng = np.random.default_rng(5)
     angles, poses = turn_angles(60), rng.uniform(-1, 1, (4, 3))

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from reference.sensors.rays import thinned
 from reference.world.scan import Scan, ScanError, turn_angles
@@ -26,8 +28,36 @@ def test_no_echo_and_no_measurement_are_two_events() -> None:
     scan = Scan.from_sensor([math.inf, math.nan, -math.inf, 0.0, -1.0, 9.0, 5.0, 2.0, 0.1], np.zeros(9), 5.0, 0.2)
     assert scan.measured.tolist() == [True, False, False, False, False, True, True, True, False]
     assert scan.hits.tolist() == [False] * 7 + [True, False]
+    assert scan.too_close.tolist() == [False, False, True, False, False, False, False, False, True]
     assert scan.only_measured().ranges.tolist() == [5.0, 5.0, 5.0, 2.0]
     assert len(scan.points()) == 1
+
+
+@pytest.mark.parametrize(
+    ("zero", "measured", "close"),
+    [("no measurement", False, False), ("too close", False, True), ("nothing seen", True, False)],
+)
+@pytest.mark.parametrize("least", [0.0, 0.2])
+def test_a_zero_is_one_event_or_another_as_the_driver_has_it(
+    zero: Any, measured: bool, close: bool, least: float
+) -> None:
+    scan = Scan.from_sensor([0.0, 2.0], np.zeros(2), 5.0, least, zero=zero)
+    assert (scan.measured[0], scan.too_close[0], scan.hits[0]) == (measured, close, False)
+    assert (scan.measured[1], scan.too_close[1], scan.hits[1]) == (True, False, True)
+
+
+READINGS = st.one_of(st.floats(-1.0, 9.0), st.sampled_from([math.inf, -math.inf, math.nan, 0.0]))
+
+
+@given(st.lists(READINGS, max_size=30), st.sampled_from([0.0, 0.1, 1.0]), st.integers(1, 4))
+def test_every_reading_is_one_event_and_stays_so_in_parts(readings: Any, least: float, step: int) -> None:
+    scan = Scan.from_sensor(readings, np.zeros(len(readings)), 5.0, least)
+    nothing_seen = scan.measured & (scan.ranges >= 5.0)
+    unknown = ~scan.measured & ~scan.too_close
+    events = np.stack([scan.hits, nothing_seen, scan.too_close, unknown])
+    assert events.sum(axis=0).tolist() == [1] * len(readings)
+    np.testing.assert_array_equal(scan.every(step).too_close, scan.too_close[::step])
+    np.testing.assert_array_equal(scan.every(step).measured, scan.measured[::step])
 
 
 def test_what_was_not_measured_stays_so_in_parts_of_a_scan() -> None:
@@ -75,6 +105,8 @@ def test_a_scan_keeps_what_it_was_given() -> None:
         ("angles", lambda: Scan(np.ones(1), np.array([math.nan]), 5.0)),
         ("max_range", lambda: Scan(np.ones(1), np.zeros(1), math.inf)),
         ("measured", lambda: Scan(np.ones(2), np.zeros(2), 5.0, np.array([True]))),
+        ("too_close", lambda: Scan(np.ones(2), np.zeros(2), 5.0, too_close=np.array([True]))),
+        ("zero", lambda: Scan.from_sensor([1.0], [0.0], 5.0, zero="to close")),  # type: ignore[arg-type]
         ("min_range", lambda: Scan.from_sensor([1.0], [0.0], 5.0, 5.0)),
         ("min_range", lambda: Scan.from_sensor([1.0], [0.0], 5.0, math.nan)),
         ("step", lambda: Scan.full_turn([1.0], 5.0).every(0)),
