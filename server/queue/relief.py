@@ -49,7 +49,6 @@ class ReliefSeat:
         self._closing = threading.Event()
         self._watcher = threading.Thread(target=self._watch, name="relief-watch", daemon=True)
         self._thread: threading.Thread | None = None
-        self._began = 0.0
         self._watched: Lease | None = None
         self._waiting: WaitingJob | None = None
         self._waiting_since = 0.0
@@ -83,7 +82,7 @@ class ReliefSeat:
             self._watched, self._waiting = running, None
             return
         taken = self._is_taken()
-        if taken and self._clock() - self._began > self._patience.stopped:
+        if self._main.programs.stopped_seconds(running.token) > self._patience.stopped:
             self._main.programs.abandon(running.token)
             return
         precedence = self._precedence(running) if not taken else self._precedence_over_relief()
@@ -98,7 +97,6 @@ class ReliefSeat:
             self._give_back()
         else:
             self._thread = threading.Thread(target=self._run_jobs, args=(running,), name="relief", daemon=True)
-            self._began = self._clock()
             self._thread.start()
 
     def _precedence(self, running: Lease) -> Precedence:

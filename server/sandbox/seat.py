@@ -45,6 +45,12 @@ class SeatPrograms:
         self._stopped_seconds = 0.0
         self._abandoned = False
 
+    def stopped_seconds(self, job: UUID) -> float:
+        """Return the seconds for which the programs of the job have been stopped since they last went on."""
+        with self._lock:
+            stopped_at = self._stopped_at
+            return 0.0 if stopped_at is None or self._job != job else time.monotonic() - stopped_at
+
     def clock(self) -> float:
         """Return the seconds of `time.monotonic`, without those for which the programs were stopped."""
         stopped_at = self._stopped_at

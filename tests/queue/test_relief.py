@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
 from server.database import Database
-from server.queue.interfaces import Lease, Precedence, Sender, WorkerCapabilities
+from server.queue.interfaces import Lease, Precedence, Sender, WaitingJob, WorkerCapabilities
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
 from server.queue.relief import Patience
@@ -106,11 +106,34 @@ class Bell:
         return not self.ended.wait(0.005)
 
 
+class LookCounter:
+    """A queue that counts how often it is asked what goes before a running job."""
+
+    def __init__(self) -> None:
+        self._looks, self._changed = 0, threading.Condition()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(QUIET, name)
+
+    def find_preceding(self, *arguments: Any) -> WaitingJob | None:
+        found = QUIET.find_preceding(*arguments)
+        with self._changed:
+            self._looks += 1
+            self._changed.notify_all()
+        return found
+
+    def wait_for_more(self, looks: int) -> None:
+        with self._changed:
+            until = self._looks + looks
+            assert self._changed.wait_for(lambda: self._looks >= until, PATIENCE_SECONDS)
+
+
 @dataclass
 class Kitchen:
     database: Database
     settings: Settings
     oven: Oven = field(default_factory=Oven)
+    queue: Any = QUIET
 
     def put(self, key: str, rank: int, flow: str, kind: str = KIND, needs: str | None = None) -> None:
         with self.database.write() as db:
@@ -120,7 +143,7 @@ class Kitchen:
     @contextmanager
     def working(self, patience: Patience = AT_ONCE) -> Iterator[None]:
         tasks: Any = {KIND: self.oven}
-        worker, bell = Worker(self.database, QUIET, self.settings, tasks, patience=patience), Bell()
+        worker, bell = Worker(self.database, self.queue, self.settings, tasks, patience=patience), Bell()
         thread = threading.Thread(target=worker.run, args=(bell,), daemon=True)
         thread.start()
         try:
@@ -206,6 +229,20 @@ def test_a_job_that_was_stopped_for_long_is_given_back_untried_and_done_later(ki
         kitchen.oven.wait_until(lambda: len(kitchen.oven.recorded) == 2)
         assert kitchen.oven.recorded.count("loop") == 1
     assert kitchen.is_empty()
+
+
+def test_a_job_claimed_beside_a_long_one_of_the_second_seat_has_not_been_stopped(kitchen: Kitchen) -> None:
+    kitchen.queue = looks = LookCounter()
+    kitchen.put("loop", GUEST, "there")
+    with kitchen.working(Patience(look=0.005, rank=0.0, flow=0.0, stopped=0.05)):
+        loop = kitchen.oven.next_beginning(0)
+        kitchen.put("answer", MEMBER, "ada")
+        kitchen.oven.next_beginning(1)
+        assert loop.killed.wait(PATIENCE_SECONDS)
+        again = kitchen.oven.next_beginning(2)
+        looks.wait_for_more(10)
+        assert not (again.killed.is_set() or again.stopped.is_set())
+        assert len(kitchen.oven.began) == 3
 
 
 def test_a_worker_that_ends_gives_the_job_of_its_second_seat_back_untried(kitchen: Kitchen) -> None:
