@@ -22,6 +22,7 @@ from server.course import reuse
 from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
 from server.sandbox import CallBatch, Frame, Kit, LibraryFile, Policy, ProgramFault, Sandbox, Session, judging_too_long
+from server.sandbox.seat import seat_clock
 
 log = logging.getLogger(__name__)
 
@@ -117,6 +118,8 @@ class SandboxPrograms:
         self.load_error = ""
         self._asked, self._has_started = tuple(asked), False
         self._sessions = list[Session]()
+        #: The seat's: while its programs are stopped, no limit of theirs passes.
+        self.clock = seat_clock()
 
     def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
         self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)

@@ -18,7 +18,7 @@ from server.sandbox.course_pipes import CourseChannel
 from server.sandbox.faults import Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, ChildExit
-from server.sandbox.seat import current_seat
+from server.sandbox.seat import current_seat, seat_clock
 from server.sandbox.values import Kit
 from server.sandbox.wire import AnswerBudgetExceeded, DeadlineExceeded, ForgedAnswer, WireClosed
 
@@ -57,7 +57,7 @@ class ChildConnection:
 
     def __init__(self, child: Child, policy: Policy) -> None:
         self._child, self._policy, self._seat = child, policy, current_seat()
-        self._clock = self._seat.clock if self._seat else time.monotonic
+        self._clock = seat_clock()
         child.wire.clock = self._clock
         self._waited, self._deadline = 0.0, 0.0
         self._bytes_left, self._items_left = policy.session_bytes, policy.session_items

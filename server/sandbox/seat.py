@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Protocol
@@ -116,6 +116,12 @@ class SeatPrograms:
         """Stop counting a process, which may be counted no longer."""
         with self._lock:
             self._programs.discard(program)
+
+
+def seat_clock() -> Callable[[], float]:
+    """Return the clock of the programs that this thread executes: that of its seat, else `time.monotonic`."""
+    seat = current_seat()
+    return time.monotonic if seat is None else seat.clock
 
 
 def current_seat() -> SeatPrograms | None:

@@ -7,7 +7,6 @@ remaining runs cannot change the result, or a run exhausts a limit.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -17,7 +16,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, StudentFault
 
-#: Elapsed seconds after which no other run is started, well below the limit of a grading.
+#: Seconds of the programs' clock after which no other run is started, well below the limit of a grading.
 MAX_TOTAL_SECONDS = 240.0
 
 
@@ -101,9 +100,10 @@ class ClosedLoop(Check):
 
     def _play_runs(self, bench: Bench) -> RunTally:
         """Play runs until the result is decided."""
-        tally, deadline = RunTally(), time.monotonic() + self.seconds
+        clock = bench.runner.clock
+        tally, deadline = RunTally(), clock() + self.seconds
         for number in range(self.runs):
-            if time.monotonic() > deadline:
+            if clock() > deadline:
                 tally.stopped = True
                 break
             run = Run(number, bench)

@@ -6,8 +6,7 @@ the time, memory or bytes that were left are discarded, and a fresh launch is as
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from graders.core.code.pipelining import fatal_fault
 from graders.core.contract.outcomes import Outcome
@@ -25,7 +24,8 @@ HANG_SECONDS = 2.0
 class PiggybackCalls:
     """Batches that are queued for the next exchange, then their answers."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
         self._queued: Sequence[PlannedCalls] = ()
         self._answers: dict[PlannedCalls, Sequence[Answer]] = {}
         self._sent_at = 0.0
@@ -37,12 +37,12 @@ class PiggybackCalls:
         """Remove and return the queued batches; none where they would take too long for this exchange."""
         if seconds_per_call * sum(len(batch.calls) for batch in self._queued) > MAX_EXPECTED_SECONDS:
             return ()
-        batches, self._queued, self._sent_at = self._queued, (), time.perf_counter()
+        batches, self._queued, self._sent_at = self._queued, (), self._clock()
         return batches
 
     def store_answers(self, answers_by_batch: Mapping[PlannedCalls, Sequence[Answer]]) -> None:
         """Keep the answers if all of them are trustworthy, or those before the point where the program hangs."""
-        elapsed = time.perf_counter() - self._sent_at
+        elapsed = self._clock() - self._sent_at
         trusted = {batch: answers if _are_trustworthy(answers) else () for batch, answers in answers_by_batch.items()}
         hung = elapsed > HANG_SECONDS and any(map(_hangs, answers_by_batch.values()))
         if hung or (elapsed <= MAX_ANSWER_SECONDS and all(trusted.values())):

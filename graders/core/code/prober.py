@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 import threading
-import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -136,7 +135,7 @@ class Prober:
         launched once more with another seed and given the same calls: kept state makes the same answers, random
         numbers do not.
         """
-        deadline = time.monotonic() + MAX_PROBING_SECONDS
+        deadline = runner.clock() + MAX_PROBING_SECONDS
         chosen = self._select_probes(functions, alone)
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             indices, probes_of_kit = zip(*group, strict=True)
@@ -154,7 +153,7 @@ class Prober:
                     probes_of_kit,
                     batches,
                     _reseeded(probes_of_kit[0].kit),
-                    time.monotonic() + MAX_PROBING_SECONDS,
+                    runner.clock() + MAX_PROBING_SECONDS,
                 )
             for k, answers in enumerate(results):
                 if len(answers) > len(probes_of_kit[k].calls):
@@ -241,7 +240,7 @@ def _probe_side_program(
             for number, answer in flatten_blocks(program.call_batches(batches)):
                 index, function = callable_indices[number], batches[number].function
                 runner.note(program, function, answer)
-                if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
+                if runner.clock() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
                     break
                 args = batches[number].calls[len(results[index])]
                 results[index].append(read_answer(args, answer, probed[index].read))

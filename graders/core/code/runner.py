@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -24,6 +23,7 @@ from graders.core.contract.program import (
     Programs,
     Reply,
     StudentFault,
+    clock_of,
 )
 from graders.core.contract.values import Arguments, Value
 
@@ -64,7 +64,8 @@ class Runner:
     ) -> None:
         self.reenacting = reenacting
         self.budget = budget
-        self._started_at, self._answer_count = time.perf_counter(), 0
+        self.clock = clock_of(programs)
+        self._started_at, self._answer_count = self.clock(), 0
         self._programs = programs
         self._source = source
         self._kit = kit
@@ -73,7 +74,7 @@ class Runner:
         self._program: Program | None = None
         self._dead_functions: dict[str, StudentFault] = {}
         self._pipeline = CallPipeline()
-        self._piggybacked = PiggybackCalls()
+        self._piggybacked = PiggybackCalls(self.clock)
         self._observations: list[Observation] = []
         self._deferred: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
@@ -110,7 +111,7 @@ class Runner:
     @property
     def seconds_per_call(self) -> float:
         """Mean seconds of a call so far, with the handling of its answer."""
-        return (time.perf_counter() - self._started_at) / max(1, self._answer_count)
+        return (self.clock() - self._started_at) / max(1, self._answer_count)
 
     def answer_batches(self, batches: Sequence[PlannedCalls]) -> Sequence[Sequence[Answer]]:
         """Return the answers of the main program to several batches, sent in one exchange.

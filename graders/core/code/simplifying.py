@@ -94,7 +94,9 @@ def shrink_and_reject(
     if bench.runner.reenacting or stops(failure):
         raise to_rejection(failure)
     budget, ahead = bench.runner.budget, 1 if costly else MAX_PREFETCHED
-    search = ShrinkSearch(failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead)
+    search = ShrinkSearch(
+        failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead, clock=bench.runner.clock
+    )
     unsimplified = PendingShrink(function, arguments, search, to_rejection)
     if bench.program is None:
         raise unsimplified

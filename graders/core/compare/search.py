@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
@@ -48,7 +49,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
 
     `neighbours` gives simpler inputs, the simplest first; `fair` tells whether an input is valid; `judge` gives the
     failure of an answer, None where it is no example of the same mistake; `stops` tells whether the search ends after
-    a failure. `ahead` bounds the inputs of one batch.
+    a failure. `ahead` bounds the inputs of one batch. `clock` gives the seconds that the budget bounds.
     """
 
     def __init__(
@@ -62,10 +63,11 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
         fair: Callable[[CaseT], bool] = lambda case: True,
         stops: Callable[[FailureT], bool] = lambda failure: False,
         ahead: int = 1,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.simplest, self.case = failure, case
         self._neighbours, self._judge, self._fair, self._stops = neighbours, judge, fair, stops
-        self._budget, self._ahead = budget, ahead
+        self._budget, self._ahead, self._clock = budget, ahead, clock
         #: From the first question on.
         self.seconds = budget.seconds
         self._here: _Tried[CaseT, AnswerT, FailureT] = self._tried(case, 0)
@@ -77,7 +79,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
     def questions(self, limit: int = 1 << 30) -> list[CaseT]:
         """Return the next batch of inputs, at most `limit`; empty when the search is over."""
         if self._deadline is None:
-            self._deadline = self._budget.clock() + self.seconds
+            self._deadline = self._clock() + self.seconds
         due = self._due()
         if due is None:
             return []
@@ -116,7 +118,7 @@ class ShrinkSearch(Generic[CaseT, AnswerT, FailureT]):
 
     def _may_go_on(self) -> bool:
         assert self._deadline is not None
-        return self._spent < self._budget.calls and self._budget.clock() <= self._deadline
+        return self._spent < self._budget.calls and self._clock() <= self._deadline
 
     def _likely(self, limit: int) -> list[_Tried[CaseT, AnswerT, FailureT]]:
         """Return the unanswered inputs that are most likely to be reached, the current one first."""

@@ -7,7 +7,6 @@ while the failure lasts, within bounded calls and time: a counterexample must be
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,11 +20,10 @@ Shrinker = Callable[[Value], Iterator[Value]]
 
 @dataclass(frozen=True)
 class Budget:
-    """Bounds of one shrinking: number of calls, and `seconds` of `clock` (inf: no bound)."""
+    """Bounds of one shrinking: number of calls, and `seconds` of the search's clock (inf: no bound)."""
 
     calls: int = 80
     seconds: float = 0.25
-    clock: Callable[[], float] = time.monotonic
 
 
 def keep(value: Value) -> Iterator[Value]:

@@ -5,7 +5,8 @@ The sandbox implements it for students' programs, `graders.core.contract.local` 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -152,6 +153,15 @@ class PreparablePrograms(Protocol):
         ...
 
 
+@runtime_checkable
+class StoppablePrograms(Protocol):
+    """Programs that may be stopped for a while."""
+
+    def clock(self) -> float:
+        """Return seconds, as `time.monotonic` does, without those for which the programs were stopped."""
+        ...
+
+
 class Programs(Protocol):
     """Starts the programs of files."""
 
@@ -161,3 +171,8 @@ class Programs(Protocol):
         The batches `ahead` may travel with the file; `call_batches` must then be called with them first.
         """
         ...
+
+
+def clock_of(programs: Programs) -> Callable[[], float]:
+    """Return the clock, in seconds, by which the time of these programs is bounded."""
+    return programs.clock if isinstance(programs, StoppablePrograms) else time.monotonic

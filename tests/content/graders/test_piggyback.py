@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-from graders.core.code import piggyback
 from graders.core.code.grading import CodeGrader
 from graders.core.code.piggyback import HANG_SECONDS, MAX_ANSWER_SECONDS, MAX_EXPECTED_SECONDS, PiggybackCalls
 from graders.core.compare.shrinking import Budget
@@ -82,20 +81,17 @@ REPLIES = tuple(Reply(0.5) for _ in range(10))
 
 def test_what_would_take_long_is_not_asked_beside_anything() -> None:
     """Their time would be taken from the search for a simple counterexample."""
-    calls = PiggybackCalls()
+    calls = PiggybackCalls(lambda: 0.0)
     calls.queue([FIRST, SECOND])
     assert calls.take_queued(seconds_per_call=1.01 * MAX_EXPECTED_SECONDS / 20) == ()
     assert calls.take_queued(seconds_per_call=0.99 * MAX_EXPECTED_SECONDS / 20) == [FIRST, SECOND]
     assert calls.take_queued(seconds_per_call=0.0) == (), "once"
 
 
-def stored_after(
-    seconds: float, last: StudentFault, monkeypatch: pytest.MonkeyPatch
-) -> list[tuple[Reply | StudentFault, ...] | None]:
+def stored_after(seconds: float, last: StudentFault) -> list[tuple[Reply | StudentFault, ...] | None]:
     """Return the stored answers of three batches, of which the second ended with a fault after some seconds."""
     now = 100.0
-    monkeypatch.setattr(piggyback.time, "perf_counter", lambda: now)
-    calls = PiggybackCalls()
+    calls = PiggybackCalls(lambda: now)
     calls.queue([FIRST, SECOND, LAST])
     calls.take_queued(0.0)
     now += seconds
@@ -103,11 +99,11 @@ def stored_after(
     return [None if told is None else tuple(told) for told in map(calls.answers, (FIRST, SECOND, LAST))]
 
 
-def test_who_hangs_for_long_is_waited_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_hangs_for_long_is_waited_for_once() -> None:
     hung = StudentFault(Outcome.TIMEOUT, "Trop long.", fatal=True)
     died = StudentFault(Outcome.RUNTIME_ERROR, "Mort.", fatal=True)
-    assert stored_after(1.1 * HANG_SECONDS, hung, monkeypatch) == [REPLIES, (), ()]
-    assert stored_after(1.1 * HANG_SECONDS, died, monkeypatch) == [None] * 3
-    assert stored_after(0.9 * MAX_ANSWER_SECONDS, hung, monkeypatch) == [None] * 3, (
+    assert stored_after(1.1 * HANG_SECONDS, hung) == [REPLIES, (), ()]
+    assert stored_after(1.1 * HANG_SECONDS, died) == [None] * 3
+    assert stored_after(0.9 * MAX_ANSWER_SECONDS, hung) == [None] * 3, (
         "under limits of its own it may have come to an end"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -46,9 +45,11 @@ LOOP = ClosedLoop(
 )  # fmt: skip
 
 
-def ran(body: str, loop: ClosedLoop = LOOP, **about: Any) -> tuple[Runner, Programs, Rejection | None]:
+def ran(
+    body: str, loop: ClosedLoop = LOOP, programs: Programs | None = None, **about: Any
+) -> tuple[Runner, Programs, Rejection | None]:
     """What comes of the loop for a program whose function has this body."""
-    programs = Programs()
+    programs = programs or Programs()
     runner = Runner(programs, f"def essai(k):\n    {body}\n".encode(), KIT, **about)
     try:
         loop.run(Bench("boucle", runner, np.random.default_rng(0), KIT))
@@ -129,10 +130,22 @@ def test_a_mistake_that_is_reenacted_plays_no_run() -> None:
     assert not runner.observations
 
 
-def test_runs_that_last_too_long_are_begun_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = itertools.count(0.0, 100.0)
-    monkeypatch.setattr("graders.core.code.loops.time.monotonic", lambda: next(clock))
-    _, programs, rejection = ran("return True")
-    assert rejection is not None
-    assert rejection.cause is Outcome.TIMEOUT
-    assert len(programs.opened) == 2
+class TimedPrograms(Programs):
+    """Programs by whose clock a run takes `seconds`."""
+
+    def __init__(self, seconds: float) -> None:
+        super().__init__()
+        self._seconds = seconds
+
+    def clock(self) -> float:
+        return self._seconds * len(self.opened)
+
+
+@pytest.mark.parametrize(("seconds", "runs"), [(130.0, 2), (0.0, 6)])
+def test_runs_that_last_too_long_by_the_clock_of_their_programs_are_begun_no_more(seconds: float, runs: int) -> None:
+    """The clock of programs that are stopped stands still."""
+    programs = TimedPrograms(seconds)
+    runner, _, rejection = ran("return True", programs=programs)
+    assert len(programs.opened) == runs
+    assert (None if rejection is None else rejection.cause) == (Outcome.TIMEOUT if seconds else None)
+    assert runner.seconds_per_call == seconds

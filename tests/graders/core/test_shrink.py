@@ -1,6 +1,7 @@
 """Shrinking keeps the failure, simplifies, and stops."""
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -23,11 +24,12 @@ def shrink(
     still_fails: Callable[[Arguments], bool],
     budget: Budget,
     ahead: int = 1,
+    clock: Callable[[], float] = time.monotonic,
 ) -> Arguments:
     """The simplest arguments found on which a program still fails."""
     search: ShrinkSearch[Arguments, bool, Arguments] = ShrinkSearch(
         arguments, arguments, partial(neighbours, shrinkers), lambda args, fails: args if fails else None,
-        budget=budget, ahead=ahead,
+        budget=budget, ahead=ahead, clock=clock,
     )  # fmt: skip
     while asked := search.questions():
         search.take([still_fails(one) for one in asked])
@@ -76,14 +78,14 @@ def test_a_stubborn_failure_costs_a_bounded_number_of_calls() -> None:
 
 def test_shrinking_stops_when_its_time_is_over_and_keeps_what_it_has() -> None:
     now = iter(range(100))
-    budget = Budget(seconds=3, clock=lambda: float(next(now)))
+    budget = Budget(seconds=3)
     calls: list[float] = []
 
     def fails(args: tuple[np.ndarray, ...]) -> bool:
         calls.append(float(args[0][0]))
         return len(calls) == 1
 
-    (found,) = shrink((np.array([2.7]),), (shrink_array,), fails, budget)
+    (found,) = shrink((np.array([2.7]),), (shrink_array,), fails, budget, clock=lambda: float(next(now)))
     assert calls == [3.0, 0.0, 1.0]
     assert np.array_equal(found, [3.0])
 
