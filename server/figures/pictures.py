@@ -1,4 +1,5 @@
-"""Pictures, rendered once for concurrent requests (single-flight), one at a time, and cached in memory and on disk."""
+"""Pictures, rendered once for concurrent requests (single-flight), one at a time for each visitor, and cached in memory
+and on disk."""
 
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
 from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
+from server.figures.program import RESERVE
 from server.figures.store import PictureStore
 
 log = logging.getLogger(__name__)
@@ -51,20 +53,20 @@ class Pictures:
 
     def __init__(self, drawer: Drawer, store: PictureStore, *, most_waiting: int = MAX_WAITING) -> None:
         self._drawer, self._store = drawer, store
-        self._limiter = FairLimiter(1, most_waiting)
+        self._limiter = FairLimiter(1, most_waiting, RESERVE)
         self._cache: LRUCache[str, bytes] = LRUCache(MEMORY_CACHE_BYTES, len)
         self._in_flight: dict[str, InFlight] = {}
         self._warming: asyncio.Task[None] | None = None
 
-    async def get(self, order: DrawingRequest, address: str) -> bytes:
-        """Raises Crowded, or Failed to all who wait for it.
+    async def get(self, order: DrawingRequest, flow: str, rank: int) -> bytes:
+        """Return a picture for a sender's flow and rank. Raises Crowded, or Failed to all who wait for it.
 
         Whoever leaves does not stop it for the others; what all have left before it was begun is not drawn.
         """
         known = self._cache.get(order.key)
         if known is not None:
             return known
-        coming = self._in_flight.get(order.key) or self._start(order, address)
+        coming = self._in_flight.get(order.key) or self._start(order, flow, rank)
         coming.viewers += 1
         try:
             return await asyncio.shield(coming.task)
@@ -74,9 +76,9 @@ class Pictures:
                 self._remove_in_flight(order.key, coming)
                 coming.task.cancel()
 
-    def _start(self, order: DrawingRequest, address: str) -> InFlight:
+    def _start(self, order: DrawingRequest, flow: str, rank: int) -> InFlight:
         coming = self._in_flight[order.key] = InFlight()
-        coming.begin(self._load_or_render(order, address, coming))
+        coming.begin(self._load_or_render(order, flow, rank, coming))
         coming.task.add_done_callback(partial(self._finish, order.key, coming))
         return coming
 
@@ -90,16 +92,16 @@ class Pictures:
         if self._in_flight.get(key) is coming:
             del self._in_flight[key]
 
-    async def _load_or_render(self, order: DrawingRequest, address: str, coming: InFlight) -> bytes:
+    async def _load_or_render(self, order: DrawingRequest, flow: str, rank: int, coming: InFlight) -> bytes:
         kept = await run_in_threadpool(self._store.get, order.key)
-        picture = await self._render(order, address, coming) if kept is None else kept
+        picture = await self._render(order, flow, rank, coming) if kept is None else kept
         return self._cache.put(order.key, picture)
 
-    async def _render(self, order: DrawingRequest, address: str, coming: InFlight) -> bytes:
+    async def _render(self, order: DrawingRequest, flow: str, rank: int, coming: InFlight) -> bytes:
         if len(order.payload) > MAX_PAYLOAD_BYTES:
             raise InternalFailure(order.messages.failed)
         try:
-            await self._limiter.acquire(address)
+            await self._limiter.acquire(flow, rank)
         except LimiterFullError:
             raise Overloaded(order.messages.crowded, retry_after=5) from None
         coming.started = True
@@ -108,7 +110,7 @@ class Pictures:
         except HelperError as error:
             raise InternalFailure(order.messages.failed) from error
         finally:
-            self._limiter.release(address)
+            self._limiter.release(flow, rank)
         await run_in_threadpool(self._store.put, order.key, picture)
         return picture
 

@@ -1,6 +1,7 @@
-"""The process that draws: one figure or replay after the other, none of which may take the machine's memory or time.
+"""The process that draws figures and replays, none of which may take the machine's memory or time, nor hold up others.
 
-It ends when the service closes the line, and dies with it.
+It is warm, and draws in forks of its own (`artists`): one, unless several pictures are asked at once. It ends when the
+service closes the line, and dies with it.
 """
 
 from __future__ import annotations
@@ -9,13 +10,14 @@ import gzip
 import json
 import logging
 import resource
-import signal
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from graders.plotting import counterexample
 from server.base import helper_line
 from server.base.helper_line import ServiceLine
+from server.figures.artists import Artist, Studio
 from server.figures.program import MAX_MEMORY_BYTES, MAX_PICTURE_BYTES, MAX_REPLAY_BYTES
 
 log = logging.getLogger(__name__)
@@ -26,31 +28,41 @@ def serve(line: ServiceLine) -> None:
     resource.setrlimit(resource.RLIMIT_DATA, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
     questions = line.questions()
     _, told = next(questions)
-    allowed = json.loads(told)["cpu_seconds"]
+    opening = json.loads(told)
+    _warm_up()
+    studio = Studio(_draw, opening["cpu_seconds"])
+    pool = ThreadPoolExecutor(opening["at_once"], thread_name_prefix="artist")
     for number, asked in questions:
-        signal.setitimer(signal.ITIMER_PROF, allowed)  # its signal ends this process, in the midst of C code too
-        _answer(line, number, asked)
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        pool.submit(_answer, line, studio, studio.take(), number, asked)
+    pool.shutdown(wait=False, cancel_futures=True)
 
 
-def _answer(line: ServiceLine, number: int, asked: bytes) -> None:
-    try:
-        picture = render(json.loads(asked))
-    except Exception:
-        log.exception("a figure or a replay could not be drawn: %.200r", asked)
-        line.answer(number, helper_line.FAILED, b"")
-        return
-    if len(picture) > MAX_PICTURE_BYTES:
-        log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
+def _answer(line: ServiceLine, studio: Studio, artist: Artist, number: int, asked: bytes) -> None:
+    picture = studio.ask(artist, asked)
+    if picture is None:
+        log.error("a figure or a replay could not be drawn: %.200r", asked)
         line.answer(number, helper_line.FAILED, b"")
     else:
         line.answer(number, helper_line.DONE, picture)
 
 
+def _draw(asked: bytes) -> bytes | None:
+    """Return the picture, in a fork; None where it cannot be drawn, or is too large."""
+    try:
+        picture = render(json.loads(asked))
+    except Exception:
+        log.exception("a figure or a replay could not be drawn: %.200r", asked)
+        return None
+    if len(picture) > MAX_PICTURE_BYTES:
+        log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
+        return None
+    return picture
+
+
 def render(question: dict[str, Any]) -> bytes:
     """The picture or the replay that an `Order` asks for; nothing where it is only to be ready for one."""
     if question["kind"] == "warm":
-        return _warm_up()
+        return b""
     if question["kind"] == "film":
         return _render_replay(question)
     theme, form = question["theme"], question["form"]
@@ -75,8 +87,8 @@ def _render_replay(question: dict[str, Any]) -> bytes:
     return gzip.compress(body, 6, mtime=0)
 
 
-def _warm_up() -> bytes:
-    """Everything that drawing loads at the first need is loaded: libraries, fonts, formulas."""
+def _warm_up() -> None:
+    """Load everything that drawing loads at the first need: libraries, fonts, formulas."""
     import server.figures.lessons  # noqa: F401
     from graders.plotting import drawing, to_bytes
 
@@ -85,4 +97,3 @@ def _warm_up() -> bytes:
         axes.plot([0, 1], label="$x$")
         axes.legend()
         to_bytes(figure, "svg")
-    return b""

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from uuid import UUID
 
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import NotFound
+from server.classes import presence
 from server.course.models import Course
 from server.database import Database
 from server.figures import drawing_requests
@@ -16,6 +18,8 @@ from server.figures.pictures import Pictures
 from server.gradebook import service as gradebook
 from server.gradebook.figures import NO_FIGURE, NO_FILM, load_figure_data, load_film_data
 from server.identity.models import Account
+from server.queue.interfaces import Sender
+from server.submissions.queue_senders import GUEST_RANK, MEMBER_RANK, queue_sender
 
 
 @dataclass(frozen=True)
@@ -41,12 +45,12 @@ class Figures:
         if course_module is None or name not in course_module.drawings:
             raise NotFound(NO_FIGURE)
         order = await run_in_threadpool(drawing_requests.lesson_figure_request, course_module.drawings[name], theme)
-        return await self.pictures.get(order, address)
+        return await self.pictures.get(order, address, MEMBER_RANK)  # there are few, and each is drawn once
 
     async def draw_verdict_figure(self, account: Account | None, wanted: VerdictFigureQuery, address: str) -> bytes:
         """A figure of a submission that this account may see. Raises NotFound, Crowded or Failed."""
-        order = await run_in_threadpool(self._verdict_figure_request, account, wanted)
-        return await self.pictures.get(order, address)
+        order, sender = await run_in_threadpool(self._verdict_figure_request, account, wanted, address)
+        return await self.pictures.get(order, sender.flow, sender.rank)
 
     async def render_film(
         self, account: Account | None, submission_id: str, check: str, grading: UUID | None, address: str
@@ -55,26 +59,37 @@ class Figures:
 
         Raises NotFound, Crowded or Failed.
         """
-        order = await run_in_threadpool(self._film_request, account, submission_id, check, grading)
-        return await self.pictures.get(order, address)
+        order, sender = await run_in_threadpool(self._film_request, account, submission_id, check, grading, address)
+        return await self.pictures.get(order, sender.flow, sender.rank)
 
     def _film_request(
-        self, account: Account | None, submission_id: str, check: str, grading: UUID | None
-    ) -> DrawingRequest:
+        self, account: Account | None, submission_id: str, check: str, grading: UUID | None, address: str
+    ) -> tuple[DrawingRequest, Sender]:
         with self.database.read() as db:
             attempt = gradebook.find_attempt(db, account, submission_id)
             film, title = load_film_data(db, attempt, check, grading)
+            sender = _viewer(db, account, address)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FILM)
-        return drawing_requests.film_request(exercise, film, title)
+        return drawing_requests.film_request(exercise, film, title), sender
 
-    def _verdict_figure_request(self, account: Account | None, wanted: VerdictFigureQuery) -> DrawingRequest:
+    def _verdict_figure_request(
+        self, account: Account | None, wanted: VerdictFigureQuery, address: str
+    ) -> tuple[DrawingRequest, Sender]:
         """In a transaction of its own, over before anything is drawn. Raises NotFound."""
         with self.database.read() as db:
             attempt = gradebook.find_attempt(db, account, wanted.submission_id)
             data = load_figure_data(db, attempt, wanted.name, wanted.grading)
+            sender = _viewer(db, account, address)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FIGURE)
-        return drawing_requests.verdict_figure_request(exercise, data, wanted.form, wanted.theme)
+        return drawing_requests.verdict_figure_request(exercise, data, wanted.form, wanted.theme), sender
+
+
+def _viewer(db: Session, account: Account | None, address: str) -> Sender:
+    """Return whose turn a figure of a verdict takes: turns are those of the queue."""
+    if account is None:
+        return Sender(address=address, flow=address, rank=GUEST_RANK)
+    return queue_sender(account, address, member=presence.is_member(db, account.id))

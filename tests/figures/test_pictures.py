@@ -48,8 +48,8 @@ def order(name: str) -> DrawingRequest:
     return DrawingRequest(name.encode(), name.encode().hex().zfill(64))
 
 
-def looks(pictures: Pictures, name: str, address: str = "here") -> asyncio.Task[bytes]:
-    return asyncio.create_task(pictures.get(order(name), address))
+def looks(pictures: Pictures, name: str, flow: str = "here", rank: int = 0) -> asyncio.Task[bytes]:
+    return asyncio.create_task(pictures.get(order(name), flow, rank))
 
 
 def play(folder: Path, scene: Callable[[Drawer, Pictures], Awaitable[None]], *, most_waiting: int = 64) -> None:
@@ -195,7 +195,10 @@ def test_the_queue_has_an_end_but_not_for_a_picture_that_is_coming(tmp_path: Pat
 def test_a_crowd_at_one_address_makes_room_for_another(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: Pictures) -> None:
         first = looks(pictures, "a")
-        await drawer.begun.wait()
+        second = looks(pictures, "f", "there")
+        while drawer.at_once < 2:
+            await drawer.begun.wait()
+            drawer.begun.clear()
         crowd = []
         for waiting, name in enumerate("bc", 1):
             crowd.append(looks(pictures, name))
@@ -204,9 +207,29 @@ def test_a_crowd_at_one_address_makes_room_for_another(tmp_path: Path) -> None:
         with pytest.raises(Overloaded):
             await crowd.pop()
         drawer.go.set()
-        assert await asyncio.gather(first, *crowd, elsewhere) == [b"<a>", b"<b>", b"<e>"]
+        assert await asyncio.gather(first, second, *crowd, elsewhere) == [b"<a>", b"<f>", b"<b>", b"<e>"]
 
     play(tmp_path, scene, most_waiting=2)
+
+
+def test_no_flow_nor_rank_keeps_all_others_waiting(tmp_path: Path) -> None:
+    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+        crowd = [looks(pictures, str(k), "guests", rank=2) for k in range(9)]
+        await drawer.begun.wait()
+        await until_waiting(pictures, 8)
+        crowd += [looks(pictures, str(k), "other guests", rank=2) for k in range(10, 19)]
+        await until_waiting(pictures, 16)
+        assert drawer.at_once == 2
+        drawer.begun.clear()
+        member = looks(pictures, "m", "ada")
+        await drawer.begun.wait()
+        assert drawer.drawn["m"] == 1
+        drawer.go.set()
+        assert await member == b"<m>"
+        await asyncio.gather(*crowd)
+        assert drawer.most_at_once == 3
+
+    play(tmp_path, scene)
 
 
 def test_what_was_drawn_before_a_restart_is_not_drawn_again(tmp_path: Path) -> None:
@@ -235,7 +258,7 @@ def test_a_picture_that_cannot_be_kept_is_shown_nevertheless(tmp_path: Path) -> 
 def test_what_is_too_large_to_be_drawn_is_not_asked(tmp_path: Path) -> None:
     async def scene(drawer: Drawer, pictures: Pictures) -> None:
         with pytest.raises(InternalFailure):
-            await pictures.get(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here")
+            await pictures.get(DrawingRequest(b"x" * (MAX_PAYLOAD_BYTES + 1), "0" * 64), "here", 0)
         assert not drawer.drawn
 
     play(tmp_path, scene)

@@ -176,7 +176,7 @@ async def figure(
     if data is None:
         raise NotFound("Cette vérification ne dessine rien.")
     picture = await figures.pictures.get(
-        drawing_requests.verdict_figure_request(exercise.id, data, "svg", theme), client_address(request)
+        drawing_requests.verdict_figure_request(exercise.id, data, "svg", theme), client_address(request), rank=0
     )
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers={"Cache-Control": "no-store"})
 
