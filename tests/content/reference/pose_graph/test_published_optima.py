@@ -90,6 +90,15 @@ def test_levenberg_marquardt_reaches_the_optimum_from_the_chordal_start(publishe
     assert np.all(np.diff(found.chi2) <= 0)
 
 
+@pytest.mark.parametrize(("name", "optimum"), [("ring", 11.163101), ("M3500", 137.91295), ("city10000", 511.98516)])
+def test_levenberg_marquardt_from_odometry_is_damped_too_little_to_be_caught(published, name, optimum) -> None:
+    """With a first damping of 1e-5, city10000 stops in a local minimum at 1484.69 after 77 steps."""
+    content = published(name)
+    found = levenberg_marquardt(content.graph, content.poses, max_iterations=20)
+    assert found.converged
+    assert found.chi2[-1] == pytest.approx(optimum, rel=1e-6)
+
+
 def test_the_ring_has_its_published_cost_with_unit_information(published) -> None:
     """Half of chi2 with omega = I: 0.0222."""
     content = published("ring")
