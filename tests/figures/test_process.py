@@ -8,6 +8,7 @@ import json
 import os
 import signal
 from collections.abc import Awaitable, Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -60,6 +61,10 @@ def drawing(path: Path, function: str) -> Drawing:
 
 def question(path: Path, function: str) -> bytes:
     return drawing_requests.lesson_figure_request(drawing(path, function), "dark").payload
+
+
+def has_ended(pid: int) -> bool:
+    return not alive(pid)
 
 
 def play(scene: Callable[[Helper], Awaitable[None]], made: HelperProgram | None = None) -> None:
@@ -125,6 +130,7 @@ def test_what_takes_too_much_processor_time_ends_alone_beside_others(folder: Pat
         await endless
         for fork in children(process):
             os.kill(fork, signal.SIGKILL)
+            await asyncio.to_thread(until, partial(has_ended, fork), "the one that waited is gone")
         assert await helper.ask(question(folder, "right")) == lesson
         assert helper._process.pid == process
 
