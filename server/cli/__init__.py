@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
+from server.base.version import VERSION
 from server.cli import authors, options
 from server.cli.french import speak_french
 from server.cli.options import bounded
@@ -70,6 +71,9 @@ def loading(arguments: argparse.Namespace) -> Iterator[None]:
 def _parser() -> argparse.ArgumentParser:
     speak_french()
     parser = argparse.ArgumentParser(prog="balise", description="Plateforme de cours à correction automatique.")
+    parser.add_argument(
+        "--version", action="version", version=f"balise {VERSION}", help="écrit la version, et s’arrête"
+    )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMANDE")
     _serve(commands.add_parser("serve", help="lance tout le service", description="Lance tout le service."))
     help_text = "lance le service avec une classe fictive, dont une séance est en cours, pour visiter"

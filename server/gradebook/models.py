@@ -14,7 +14,8 @@ class Grading(Base):
     """One grading of one submission, never changed afterwards. `score` is None for an internal error.
 
     The columns repeat the parts of the verdict that lists and sums need. `films`: recordings of the program by check;
-    `filmed`: the checks that have one; None where there are none.
+    `filmed`: the checks that have one; None where there are none. `balise_version`: the version that graded; None
+    before 1.0.0.
     """
 
     __tablename__ = "grading"
@@ -22,6 +23,7 @@ class Grading(Base):
     id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
     submission_id: Mapped[UUID] = mapped_column(ForeignKey("submission.id", ondelete="CASCADE"), index=True)
     exercise_version: Mapped[str] = mapped_column(String(64))
+    balise_version: Mapped[str | None] = mapped_column(String(32))
     outcome: Mapped[str] = mapped_column(String(32))
     score: Mapped[float | None]
     diagnosis: Mapped[str | None] = mapped_column(String(200))

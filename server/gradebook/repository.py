@@ -24,6 +24,7 @@ from sqlalchemy.orm import Session, defer, undefer
 
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from server.base.version import VERSION
 from server.classes.models import Membership, Status
 from server.database import select_core, table_of, write_core
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
@@ -165,6 +166,7 @@ def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID
         "id": grading_id,
         "submission_id": submission_id,
         "exercise_version": verdict.exercise_version,
+        "balise_version": VERSION,
         "outcome": verdict.outcome.value,
         "score": verdict.score if verdict.outcome.counts else None,
         "diagnosis": verdict.misconception,

@@ -11,6 +11,7 @@ from server.base.counters import VISITS
 from server.base.errors import Forbidden, NotFound, Unauthorised
 from server.base.logs import RECENT_ERRORS
 from server.base.settings import Settings
+from server.base.version import VERSION
 from server.database.dependencies import Db
 from server.grading.supervisor import WorkerSupervisor
 from server.health import service_status
@@ -34,7 +35,7 @@ SCHEME = "bearer"
 @router.get("/healthz")
 async def alive() -> Response:
     """Answer while the process lives; it does not read the database."""
-    return JSONResponse({"status": "ok"}, headers=NO_STORE)
+    return JSONResponse({"status": "ok", "version": VERSION}, headers=NO_STORE)
 
 
 @router.get("/readyz")

@@ -13,6 +13,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
+from server.base.version import VERSION
 from server.database import utc_now
 from server.health import repository
 from server.queue import lease_owner
@@ -81,7 +82,7 @@ class WebProcessStatus:
 
 @dataclass(frozen=True)
 class ServiceStatus:
-    """`process` is None where only the database was read."""
+    """`process` is None where only the database was read; `version` is that of the program that read."""
 
     at: datetime
     queue: Sequence[QueueDepth]
@@ -89,6 +90,7 @@ class ServiceStatus:
     verdicts: VerdictTimes
     faults: Sequence[RecentError]
     process: WebProcessStatus | None = None
+    version: str = VERSION
 
 
 def load_status(

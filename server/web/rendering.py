@@ -19,6 +19,7 @@ from server.base import root_path, school_time
 from server.base.app_services import get_service
 from server.base.files import TEMPLATES
 from server.base.http import SAFE_METHODS
+from server.base.version import VERSION
 from server.course import Course, Module
 from server.identity.models import Account
 from server.marks import means
@@ -57,7 +58,7 @@ def jinja_environment() -> Environment:
     )  # fmt: skip
     jinja.globals.update(
         static=assets.static_url, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.time_zone,
-        mean_formula=means.FORMULA, column_mark_text=column_mark_text,
+        mean_formula=means.FORMULA, column_mark_text=column_mark_text, version=VERSION,
     )  # fmt: skip
     return jinja
 

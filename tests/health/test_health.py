@@ -21,6 +21,7 @@ from server.base.app_services import add_services, get_service
 from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
 from server.base.middleware import RequestLog
+from server.base.version import VERSION
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 from server.health.event_counter import EventCounter
@@ -36,7 +37,7 @@ FORM = {"name": "Ada", "login": "ada", "password": "notes sur la machine"}
 
 
 def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert site.client.get("/healthz").json() == {"status": "ok"}
+    assert site.client.get("/healthz").json() == {"status": "ok", "version": VERSION}
     ready = site.client.get("/readyz")
     assert (ready.status_code, ready.json()["status"]) == (200, "ok")
     assert "set-cookie" not in ready.headers, "who asks is no visitor"

@@ -17,6 +17,7 @@ import yaml
 
 from server.base.files import ROOT
 from server.base.settings import OTHER_VARIABLES, Settings, variable_name
+from server.base.version import VERSION
 from server.board.live import MAX_STREAM_SECONDS
 from server.cli import _parser
 from server.sandbox.child import syscalls
@@ -122,7 +123,7 @@ def test_every_command_is_one_of_the_command_line(where: str, arguments: list[st
 
 
 def test_the_image_is_of_this_version_and_has_what_it_needs() -> None:
-    version, container = PROJECT["project"]["version"], text("container/Containerfile")
+    version, container = VERSION, text("container/Containerfile")
     assert f"ARG VERSION={version}" in container
     assert compose()["x-balise"]["image"] == f"balise:{version}"
     assert documents("kubernetes/kustomization.yaml")[0]["images"] == [{"name": "balise", "newTag": version}]
