@@ -101,6 +101,10 @@ def _parser() -> argparse.ArgumentParser:
     options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"
     options.restore(commands.add_parser("restore", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = (
+        "copie toutes les données d’une base vers une autre, vide, SQLite ou PostgreSQL, le service étant arrêté"
+    )
+    options.move(commands.add_parser("move", help=help_text, description=f"{help_text.capitalize()}."))
     options.admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
 

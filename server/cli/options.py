@@ -24,6 +24,13 @@ def restore(parser: argparse.ArgumentParser) -> None:
     _common(parser)
 
 
+def move(parser: argparse.ArgumentParser) -> None:
+    help_text = "base de départ : postgresql://…, sqlite:///FICHIER, ou un dossier de données"
+    parser.add_argument("source", metavar="FROM", help=help_text)
+    parser.add_argument("target", metavar="TO", help="base d’arrivée, vide ou à créer, de même")
+    parser.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
+
+
 def top(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     help_text = "adresse du service, lu avec le jeton d’un administrateur (sans elle : sa base de données)"

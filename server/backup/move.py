@@ -1,0 +1,176 @@
+"""Moving every row from one database to another, of the same engine or not, and comparing them afterwards.
+
+Both are at the current schema, and nobody else uses them. JSON is moved as the text that is stored, so that
+NULL and the JSON value `null` stay apart.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    ColumnElement,
+    Connection,
+    Select,
+    Table,
+    Text,
+    bindparam,
+    cast,
+    insert,
+    inspect,
+    select,
+    text,
+)
+from sqlalchemy.exc import DBAPIError
+
+from server.backup.archive import BackupError, TableDigest
+from server.backup.postgres import FOREIGN_KEYS
+from server.database import Database
+from server.database.engine import writing_engine
+from server.database.migrate import lock_migrations, require_current, upgrade_connection
+
+BATCH_ROWS = 500
+HASH_MODULUS = 1 << 256
+TRIGGERS = "SELECT name, sql FROM sqlite_master WHERE type = 'trigger' ORDER BY name"
+OTHER_CLIENTS = (
+    "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND backend_type = 'client backend' "
+    "AND pid <> pg_backend_pid()"
+)
+Progress = Callable[[str, int], None]
+
+
+def move_rows(
+    source: Database, target: Database, tables: Sequence[Table], progress: Progress
+) -> Mapping[str, TableDigest]:
+    """Copy all rows into an empty target, in one transaction, and compare both; return the digest of each table.
+
+    `progress` is called with the name and number of rows of each table once it is copied. Raises WrongSchema where the
+    source is not at the current schema, BackupError where the target is not empty, where somebody uses the source, or
+    where a row is refused or differs: the target is then as it was.
+    """
+    require_current(source.engine)
+    reading = source.engine
+    if not source.is_local_file:
+        reading = reading.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+    with reading.begin() as old, writing_engine(target.engine).begin() as new:
+        _require_unused(old)
+        _require_empty(new, tables)
+        lock_migrations(new)
+        upgrade_connection(new)
+        with _without_triggers(new), _without_foreign_keys(new):
+            moved = {}
+            for table in tables:
+                moved[table.name] = _copy_table(old, new, table)
+                progress(table.name, moved[table.name].rows)
+        differences = [table.name for table in tables if table_digest(new, table) != moved[table.name]]
+        if differences:
+            raise BackupError(f"ce qui a été copié diffère de l’original : {', '.join(differences[:5])}.")
+    return moved
+
+
+def _require_unused(connection: Connection) -> None:
+    """SQLite's data folder has a lock of its own."""
+    if connection.dialect.name == "postgresql":
+        others = connection.execute(text(OTHER_CLIENTS)).scalar_one()
+        if others:
+            raise BackupError(
+                f"la base de départ sert encore (connexions : {others}) : arrêtez le service et ses correcteurs."
+            )
+
+
+def _require_empty(connection: Connection, tables: Sequence[Table]) -> None:
+    existing = set(inspect(connection).get_table_names())
+    for table in tables:
+        if table.name in existing and connection.execute(select(1).select_from(table).limit(1)).first() is not None:
+            raise BackupError(f"la base d’arrivée sert déjà (table {table.name}) : choisissez-en une vide.")
+
+
+def _copy_table(old: Connection, new: Connection, table: Table) -> TableDigest:
+    statement = _insert_statement(new, table)
+    rows, total = 0, 0
+    for batch in _batches(old, table):
+        total = _add_hashes(total, batch)
+        rows += len(batch)
+        names = [column.name for column in table.columns]
+        try:
+            new.execute(statement, [dict(zip(names, row, strict=True)) for row in batch])
+        except DBAPIError as error:
+            raise BackupError(f"la table {table.name} ne se copie pas : {error.orig}") from error
+    return TableDigest(rows, f"{total:064x}")
+
+
+def table_digest(connection: Connection, table: Table) -> TableDigest:
+    """Return the number of rows, and the sum of the hashes of the rows, whatever their order."""
+    rows, total = 0, 0
+    for batch in _batches(connection, table):
+        total = _add_hashes(total, batch)
+        rows += len(batch)
+    return TableDigest(rows, f"{total:064x}")
+
+
+def _add_hashes(total: int, batch: Sequence[Sequence[Any]]) -> int:
+    for row in batch:
+        total += int.from_bytes(hashlib.sha256(repr(tuple(row)).encode()).digest())
+    return total % HASH_MODULUS
+
+
+def _batches(connection: Connection, table: Table) -> Iterator[Sequence[Sequence[Any]]]:
+    query = select_as_stored(table)
+    result = connection.execute(query, execution_options={"yield_per": BATCH_ROWS})
+    yield from result.partitions()
+
+
+def select_as_stored(table: Table) -> Select[Any]:
+    """Return a query of all columns in which JSON is text."""
+    columns: list[ColumnElement[Any]] = [
+        cast(column, Text).label(column.name) if isinstance(column.type, JSON) else column for column in table.columns
+    ]
+    return select(*columns)
+
+
+def _insert_statement(connection: Connection, table: Table) -> Any:
+    """Return an INSERT that takes JSON as text."""
+    is_postgres = connection.dialect.name == "postgresql"
+    documents = {}
+    for column in table.columns:
+        if isinstance(column.type, JSON):
+            parameter = bindparam(column.name, type_=Text)
+            documents[column.name] = cast(parameter, column.type) if is_postgres else parameter
+    others = {column.name: bindparam(column.name, type_=column.type) for column in table.columns}
+    return insert(table).values({**others, **documents})
+
+
+@contextmanager
+def _without_triggers(connection: Connection) -> Iterator[None]:
+    """Rows keep the revisions that they have."""
+    if connection.dialect.name == "postgresql":
+        names = inspect(connection).get_table_names()
+        for name in names:
+            connection.execute(text(f'ALTER TABLE "{name}" DISABLE TRIGGER USER'))
+        yield
+        for name in names:
+            connection.execute(text(f'ALTER TABLE "{name}" ENABLE TRIGGER USER'))
+        return
+    triggers = connection.execute(text(TRIGGERS)).all()
+    for name, _ in triggers:
+        connection.execute(text(f'DROP TRIGGER "{name}"'))
+    yield
+    for _, statement in triggers:
+        connection.exec_driver_sql(statement)
+
+
+@contextmanager
+def _without_foreign_keys(connection: Connection) -> Iterator[None]:
+    """Foreign keys are circular: they are held at the end."""
+    if connection.dialect.name == "sqlite":
+        connection.execute(text("PRAGMA defer_foreign_keys = ON"))
+        yield
+        return
+    keys = connection.execute(text(FOREIGN_KEYS)).all()
+    for table, name, _ in keys:
+        connection.execute(text(f"ALTER TABLE {table} DROP CONSTRAINT {name}"))
+    yield
+    for table, name, definition in keys:
+        connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))

@@ -1,0 +1,71 @@
+"""`balise move FROM TO`: copies all data to another database, SQLite or PostgreSQL, the service being stopped."""
+
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, nullcontext
+from pathlib import Path
+
+from sqlalchemy import make_url
+from sqlalchemy.exc import ArgumentError
+
+from server.backup.archive import BackupError
+from server.backup.move import move_rows
+from server.base.settings import Settings
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
+from server.cli.data_lock import exclusive_data_folder
+from server.cli.database import in_words, require_database
+from server.database import Database
+from server.tables import metadata
+from server.web.words import plural
+
+
+def run(arguments: Namespace) -> int:
+    old, new = _settings_of(arguments.source), _settings_of(arguments.target)
+    if old.url == new.url:
+        raise CannotRun("la base de départ et celle d’arrivée sont la même.")
+    require_database(old)
+
+    def progress(table: str, rows: int) -> None:
+        print(f"  {table} : {plural(rows, 'ligne')}", file=sys.stderr, flush=True)
+
+    try:
+        with (
+            _stopped(old),
+            _stopped(new),
+            in_words(),
+            closing(Database(old.url)) as source,
+            closing(Database(new.url)) as target,
+        ):
+            moved = move_rows(source, target, metadata.sorted_tables, progress)
+    except BackupError as error:
+        raise CannotRun(str(error)) from error
+    rows = sum(table.rows for table in moved.values())
+    if arguments.json:
+        print(json.dumps({"rows": rows, "tables": {name: table.rows for name, table in moved.items()}}))
+    else:
+        print(f"{plural(rows, 'ligne')} de {len(moved)} tables copiées, et comparées une à une à l’original.")
+        print("L’original n’a pas changé. Réglez BALISE_DATABASE_URL (ou --data) sur la nouvelle base, puis démarrez.")
+    return 0
+
+
+def _settings_of(name: str) -> Settings:
+    """Return the settings of a database named by its address, or by a data folder."""
+    if "://" not in name:
+        return Settings(data_dir=Path(name), database_url=None, nats_url="")
+    try:
+        make_url(name)
+    except ArgumentError as error:
+        raise CannotRun(f"« {name} » n’est ni une adresse de base de données, ni un dossier.") from error
+    return read_settings(database_url=name)
+
+
+@contextmanager
+def _stopped(settings: Settings) -> Iterator[None]:
+    """Hold the lock of the data folder of a SQLite file. Raises CannotRun where a service has it."""
+    url = make_url(settings.url)
+    folder = Path(url.database or "").parent if url.get_backend_name() == "sqlite" else None
+    with nullcontext() if folder is None else exclusive_data_folder(settings.model_copy(update={"data_dir": folder})):
+        yield
