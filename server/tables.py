@@ -59,3 +59,4 @@ TABLES = (
     health.EventCount,
 )
 metadata = Base.metadata
+TABLE_NAMES = frozenset(metadata.tables)

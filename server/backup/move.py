@@ -56,18 +56,25 @@ def move_rows(
         reading = reading.execution_options(isolation_level="REPEATABLE READ", postgresql_readonly=True)
     with reading.begin() as old, writing_engine(target.engine).begin() as new:
         _require_unused(old)
-        _require_empty(new, tables)
         lock_migrations(new)
-        upgrade_connection(new)
-        with _without_triggers(new), _without_foreign_keys(new):
-            moved = {}
-            for table in tables:
-                moved[table.name] = _copy_table(old, new, table)
-                progress(table.name, moved[table.name].rows)
-        differences = [table.name for table in tables if table_digest(new, table) != moved[table.name]]
-        if differences:
-            raise BackupError(f"ce qui a été copié diffère de l’original : {', '.join(differences[:5])}.")
-    return moved
+        _require_empty(new, tables)
+        return copy_rows(old, new, tables, progress)
+
+
+def copy_rows(
+    old: Connection, new: Connection, tables: Sequence[Table], progress: Progress
+) -> Mapping[str, TableDigest]:
+    """Copy all rows into a database without any, in the caller's transaction, and compare. Raises BackupError."""
+    upgrade_connection(new)
+    with _without_triggers(new), _without_foreign_keys(new):
+        copied = {}
+        for table in tables:
+            copied[table.name] = _copy_table(old, new, table)
+            progress(table.name, copied[table.name].rows)
+    differences = [table.name for table in tables if table_digest(new, table) != copied[table.name]]
+    if differences:
+        raise BackupError(f"ce qui a été copié diffère de l’original : {', '.join(differences[:5])}.")
+    return copied
 
 
 def _require_unused(connection: Connection) -> None:

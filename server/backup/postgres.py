@@ -59,7 +59,7 @@ def save(archive: zipfile.ZipFile, database: Database, table_names: Collection[s
         if revision is None:
             raise BackupError("cette base de données n’est pas une base de Balise : rien n’est sauvegardé.")
         for table in _own_tables(connection, table_names):
-            with archive.open(_member_name(table), "w", force_zip64=True) as file:
+            with archive.open(member_name(table), "w", force_zip64=True) as file:
                 tables[table] = _copy_table(connection, table, file.write)
     return Manifest("postgresql", revision, made_at, tables)
 
@@ -78,15 +78,20 @@ def restore(
 ) -> None:
     """Restore in one transaction: everything, at the current schema, or nothing."""
     with database.engine.begin() as connection:
-        connection.execute(text(LOCK_TIMEOUT))
-        lock_migrations(connection)
-        existing = _own_tables(connection, table_names)
-        if existing and not replace:
-            raise BackupError("cette base de données sert déjà : --replace la remplace, et efface ce qu’elle contient.")
-        for table in existing:
-            connection.execute(text(f'DROP TABLE "{table}" CASCADE'))
+        clear(connection, table_names, replace=replace)
         _load_tables(archive, manifest, connection)
         upgrade_connection(connection)
+
+
+def clear(connection: Connection, table_names: Collection[str], *, replace: bool) -> None:
+    """Drop Balise's tables until the commit, alone. Raises BackupError where there are some and `replace` is false."""
+    connection.execute(text(LOCK_TIMEOUT))
+    lock_migrations(connection)
+    existing = _own_tables(connection, table_names)
+    if existing and not replace:
+        raise BackupError("cette base de données sert déjà : --replace la remplace, et efface ce qu’elle contient.")
+    for table in existing:
+        connection.execute(text(f'DROP TABLE "{table}" CASCADE'))
 
 
 def _load_tables(archive: zipfile.ZipFile, manifest: Manifest, connection: Connection) -> None:
@@ -100,7 +105,7 @@ def _load_tables(archive: zipfile.ZipFile, manifest: Manifest, connection: Conne
         if table not in existing:
             raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
         connection.execute(text(f'DELETE FROM "{table}"'))
-        with archive.open(_member_name(table)) as file:
+        with archive.open(member_name(table)) as file:
             _load_table(connection, table, file)
     for table, name, definition in keys:
         connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))
@@ -155,5 +160,5 @@ def _driver(connection: Connection) -> psycopg.Connection[tuple[object, ...]]:
     return driver
 
 
-def _member_name(table: str) -> str:
+def member_name(table: str) -> str:
     return f"tables/{table}.copy"

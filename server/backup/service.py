@@ -1,17 +1,20 @@
 """Making, verifying and restoring backups of any supported database."""
 
-from collections.abc import Collection
+import logging
+from collections.abc import Collection, Sequence
 from contextlib import closing
 from datetime import datetime
 from pathlib import Path
 
-from sqlalchemy import make_url
+from sqlalchemy import Table, make_url
 
-from server.backup import postgres, sqlite
+from server.backup import foreign, postgres, sqlite
 from server.backup.archive import BackupError, Manifest, create_archive, open_archive, write_manifest
-from server.base.settings import Settings
+from server.base.settings import Settings, variable_name
 from server.database import Database, utc_now
-from server.database.migrate import is_known_revision
+from server.database.migrate import head_revision, is_known_revision, missing_migrations
+
+log = logging.getLogger(__name__)
 
 
 def back_up(settings: Settings, path: Path, table_names: Collection[str]) -> Manifest:
@@ -36,12 +39,44 @@ def back_up(settings: Settings, path: Path, table_names: Collection[str]) -> Man
     return manifest
 
 
+def save_before_upgrade(
+    settings: Settings, database: Database, table_names: Collection[str], now: datetime
+) -> Path | None:
+    """Save a database whose schema is about to change, and log where; return the copy, None where none is made.
+
+    A SQLite file is copied beside itself. PostgreSQL is saved into the folder of the setting `upgrade_backup_dir`;
+    without one, the log says that nothing was saved. Raises WrongSchema where the database comes from a newer Balise,
+    BackupError where the copy fails: nothing has changed then.
+    """
+    revision = missing_migrations(database.engine)
+    if revision is None:
+        return None
+    name = f"avant-schema-{revision}-{now:%Y%m%d-%H%M%S}"
+    file = _sqlite_file(settings)
+    if file is not None:
+        copy = file.with_name(f"{file.name}.{name}")
+        sqlite.copy_database(file, copy)
+    elif settings.upgrade_backup_dir is not None:
+        copy = settings.upgrade_backup_dir / f"balise-{name}.zip"
+        back_up(settings, copy, table_names)
+    else:
+        log.warning(
+            "upgrading the database from schema %s to %s without a safety copy: %s names no folder",
+            *(revision, head_revision(), variable_name("upgrade_backup_dir")),
+        )
+        return None
+    log.warning("upgrading the database from schema %s to %s; safety copy: %s", revision, head_revision(), copy)
+    return copy
+
+
 def verify(settings: Settings, path: Path) -> Manifest:
-    """Restore a backup aside and compare. Raises BackupError."""
+    """Restore a backup of either engine aside and compare. Raises BackupError."""
     with open_archive(path) as (archive, manifest):
-        _require_compatible(settings, manifest)
+        _require_known_revision(manifest)
         if manifest.engine == "sqlite":
             sqlite.verify(archive, manifest, path.parent)
+        elif not settings.on_postgres:
+            foreign.verify_postgres(archive, manifest, path.parent)
         else:
             with closing(Database(settings.url)) as database:
                 postgres.verify(archive, manifest, database)
@@ -49,21 +84,27 @@ def verify(settings: Settings, path: Path) -> Manifest:
 
 
 def restore(
-    settings: Settings, path: Path, table_names: Collection[str], *, replace: bool, now: datetime
+    settings: Settings, path: Path, tables: Sequence[Table], *, replace: bool, now: datetime
 ) -> tuple[Manifest, Path | None]:
     """Replace the database, which nobody may be using; return the manifest and where an old SQLite file was kept.
 
-    Raises BackupError, and then nothing has changed.
+    The backup may be of either engine. `tables`: Balise's, at the current schema. Raises BackupError, and then nothing
+    has changed.
     """
     with open_archive(path) as (archive, manifest):
-        _require_compatible(settings, manifest)
+        _require_known_revision(manifest)
         file = _sqlite_file(settings)
         if file is not None:
             if file.exists() and not replace:
                 raise BackupError(f"{file} existe déjà : --replace le remplace, et le garde à côté.")
-            return manifest, sqlite.restore(archive, manifest, file, f".avant-{now:%Y%m%d-%H%M%S}")
+            unpack = sqlite.unpack if manifest.engine == "sqlite" else foreign.unpack_postgres
+            return manifest, sqlite.restore(archive, manifest, file, f".avant-{now:%Y%m%d-%H%M%S}", unpack)
         with closing(Database(settings.url)) as database:
-            postgres.restore(archive, manifest, database, table_names, replace=replace)
+            if manifest.engine == "postgresql":
+                names = {table.name for table in tables}
+                postgres.restore(archive, manifest, database, names, replace=replace)
+            else:
+                foreign.restore_sqlite(archive, manifest, database, tables, replace=replace)
         return manifest, None
 
 
@@ -72,12 +113,7 @@ def _sqlite_file(settings: Settings) -> Path | None:
     return Path(url.database or "") if url.get_backend_name() == "sqlite" else None
 
 
-def _require_compatible(settings: Settings, manifest: Manifest) -> None:
-    configured_engine = "postgresql" if _sqlite_file(settings) is None else "sqlite"
-    if manifest.engine != configured_engine:
-        raise BackupError(
-            f"cette sauvegarde est d’une base {manifest.engine}, et BALISE_DATABASE_URL en dit une {configured_engine}."
-        )
+def _require_known_revision(manifest: Manifest) -> None:
     if not is_known_revision(manifest.revision):
         raise BackupError(
             f"cette sauvegarde vient d’une version plus récente de Balise (schéma {manifest.revision}) : "

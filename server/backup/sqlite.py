@@ -5,7 +5,7 @@ import shutil
 import sqlite3
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
@@ -15,10 +15,11 @@ from server.database.migrate import upgrade
 
 FILE_NAME = "balise.sqlite3"
 DATABASE_SUFFIXES = ("", "-wal", "-shm")
+Unpack = Callable[[zipfile.ZipFile, Manifest, Path], None]
 
 
 def save(archive: zipfile.ZipFile, source: Path, made_at: str) -> Manifest:
-    with _temporary_folder(source.parent) as folder:
+    with temporary_folder(source.parent) as folder:
         copy = folder / FILE_NAME
         # Not opened read-only: in WAL mode a reader writes to the -shm file.
         with closing(sqlite3.connect(source, timeout=60)) as old, closing(sqlite3.connect(copy)) as new:
@@ -29,21 +30,36 @@ def save(archive: zipfile.ZipFile, source: Path, made_at: str) -> Manifest:
     return manifest
 
 
+def copy_database(source: Path, target: Path) -> None:
+    """Copy a database as it is now, for its owner alone. Raises BackupError, and then leaves no copy."""
+    try:
+        target.touch(OWNER_ALONE, exist_ok=False)
+        with closing(sqlite3.connect(source, timeout=60)) as old, closing(sqlite3.connect(target)) as new:
+            old.backup(new)
+            new.execute("PRAGMA journal_mode=DELETE")
+    except (OSError, sqlite3.Error) as error:
+        target.unlink(missing_ok=True)
+        raise BackupError(f"la base de données ne se copie pas dans {target} : {error}.") from error
+
+
 def verify(archive: zipfile.ZipFile, manifest: Manifest, parent: Path) -> None:
     """Restore into a temporary folder. Raises BackupError where the content differs."""
-    with _temporary_folder(parent) as folder:
-        _extract_and_verify(archive, manifest, folder / FILE_NAME)
+    with temporary_folder(parent) as folder:
+        unpack(archive, manifest, folder / FILE_NAME)
 
 
-def restore(archive: zipfile.ZipFile, manifest: Manifest, target: Path, suffix_of_old: str) -> Path | None:
+def restore(
+    archive: zipfile.ZipFile, manifest: Manifest, target: Path, suffix_of_old: str, unpack: Unpack
+) -> Path | None:
     """Replace `target` by the backup, upgraded to the current schema. Nobody else may use it meanwhile.
 
-    The old file is kept under its name with `suffix_of_old` appended; return where, if there was one.
+    `unpack` writes the verified content of the backup into a new SQLite file. The old file is kept under its name with
+    `suffix_of_old` appended; return where, if there was one.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    with _temporary_folder(target.parent) as folder:
+    with temporary_folder(target.parent) as folder:
         restored = folder / FILE_NAME
-        _extract_and_verify(archive, manifest, restored)
+        unpack(archive, manifest, restored)
         database = Database(f"sqlite:///{restored}")
         with closing(database):
             upgrade(database.engine)
@@ -56,7 +72,8 @@ def restore(archive: zipfile.ZipFile, manifest: Manifest, target: Path, suffix_o
     return old_file
 
 
-def _extract_and_verify(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None:
+def unpack(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None:
+    """Write the database of a backup into a new file. Raises BackupError where it is damaged."""
     path.touch(OWNER_ALONE)
     with archive.open(FILE_NAME) as packed, path.open("wb") as file:
         shutil.copyfileobj(packed, file)
@@ -101,7 +118,7 @@ def _revision(database: sqlite3.Connection) -> str:
 
 
 @contextmanager
-def _temporary_folder(folder: Path) -> Iterator[Path]:
-    """Create a temporary folder on the same disk."""
+def temporary_folder(folder: Path | None) -> Iterator[Path]:
+    """Create a temporary folder, on the disk of `folder` where one is named."""
     with tempfile.TemporaryDirectory(prefix=".balise-", dir=folder) as name:
         yield Path(name)

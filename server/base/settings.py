@@ -61,6 +61,12 @@ class Settings(BaseSettings):
         "`?sslmode=verify-full&sslrootcert=FILE` behind it",
         json_schema_extra=_told("SQLite, in the data folder"),
     )
+    upgrade_backup_dir: Path | None = Field(
+        default=None,
+        description="the folder where a backup of a PostgreSQL database is written before its schema is upgraded; a "
+        "SQLite file is copied beside itself",
+        json_schema_extra=_told("none: no backup"),
+    )
     nats_url: str = Field(
         default="",
         repr=False,

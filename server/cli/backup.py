@@ -10,10 +10,8 @@ from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.database import in_words, require_database
 from server.database import utc_now
-from server.tables import metadata
+from server.tables import TABLE_NAMES
 from server.web.words import plural
-
-OURS = frozenset(metadata.tables)
 
 
 def run(arguments: Namespace) -> int:
@@ -24,7 +22,7 @@ def run(arguments: Namespace) -> int:
     path = path / name if path.is_dir() else path
     try:
         with in_words():
-            manifest = service.back_up(settings, path, OURS)
+            manifest = service.back_up(settings, path, TABLE_NAMES)
     except BackupError as error:
         raise CannotRun(str(error)) from error
     show(manifest, path, arguments.json, f"Sauvegarde faite dans {path}, et vérifiée en la restaurant à part")

@@ -8,11 +8,12 @@ from sqlalchemy.exc import SQLAlchemyError
 from server.backup import service
 from server.backup.archive import BackupError
 from server.cli import CannotRun
-from server.cli.backup import OURS, show
+from server.cli.backup import show
 from server.cli.configuration import read_settings
 from server.cli.data_lock import exclusive_data_folder
 from server.database import utc_now
 from server.database.migrate import WrongSchema
+from server.tables import metadata
 
 
 def run(arguments: Namespace) -> int:
@@ -22,7 +23,9 @@ def run(arguments: Namespace) -> int:
             show(service.verify(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
             return 0
         with exclusive_data_folder(settings):
-            manifest, kept = service.restore(settings, arguments.file, OURS, replace=arguments.replace, now=utc_now())
+            manifest, kept = service.restore(
+                settings, arguments.file, metadata.sorted_tables, replace=arguments.replace, now=utc_now()
+            )
     except (BackupError, WrongSchema) as error:
         raise CannotRun(str(error)) from error
     except SQLAlchemyError as error:

@@ -17,6 +17,8 @@ from fastapi import FastAPI
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
+from server.backup.archive import BackupError
+from server.backup.service import save_before_upgrade
 from server.base import http, logs, traces
 from server.base.app_services import get_service
 from server.base.concurrency import Gate
@@ -27,7 +29,7 @@ from server.cli.data_lock import exclusive_data_folder
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.start_cache import CACHE_FILE, StartCache
-from server.database import STARTUP_TIMEOUT, Database, is_unavailable
+from server.database import STARTUP_TIMEOUT, Database, is_unavailable, utc_now
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import WorkerSupervisor
@@ -36,6 +38,7 @@ from server.identity import links
 from server.reading.ahead import read_ahead
 from server.sandbox import WallStatus, safe_to_serve
 from server.submissions.job_events import JobEvents
+from server.tables import TABLE_NAMES
 
 log = logging.getLogger(__name__)
 
@@ -217,8 +220,9 @@ def _migrate(settings: Settings) -> None:
     database = Database(settings.url)
     try:
         database.wait_until_available(STARTUP_TIMEOUT)
+        save_before_upgrade(settings, database, TABLE_NAMES, utc_now())
         upgrade(database.engine)
-    except WrongSchema as error:
+    except (WrongSchema, BackupError) as error:
         raise CannotRun(str(error)) from error
     except SQLAlchemyError as error:
         raise CannotRun(f"la base de données ne convient pas : {error}") from error

@@ -85,6 +85,17 @@ def head_revision() -> str:
     return newest
 
 
+def missing_migrations(engine: Engine) -> str | None:
+    """Return the schema of a database that has data and lacks migrations; None where nothing is to be upgraded.
+
+    Raises WrongSchema where the database comes from a newer Balise.
+    """
+    with engine.connect() as connection:
+        revision = current_revision(connection)
+    _require_known(revision)
+    return None if revision in {None, head_revision()} else revision
+
+
 def is_known_revision(revision: str) -> bool:
     return revision in _before()
 

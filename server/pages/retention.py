@@ -257,11 +257,11 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("sortie d’erreur",),
     ),
     lambda _: Row(
-        "Sauvegardes : tout ce qui était dans la base ce jour-là",
+        "Sauvegardes, et copies d’avant une mise à jour : tout ce qui était dans la base ce jour-là",
         "jusqu’à ce qu’elles soient remplacées",
         "l’administrateur, là où il les met",
+        ("upgrade_backup_dir",),
         (),
-        (),
-        ("fichiers de « balise backup »",),
+        ("fichiers de « balise backup »", "fichiers « .avant-… »"),
     ),
 )

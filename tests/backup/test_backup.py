@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import shutil
 import sqlite3
@@ -9,31 +10,36 @@ import stat
 import threading
 import zipfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 from uuid import UUID
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from sqlalchemy import select, text, update
 
 from server.backup import service
 from server.backup.archive import MANIFEST, BackupError
+from server.backup.foreign import read_text_field
+from server.backup.move import table_digest
 from server.base.settings import Settings
 from server.cli import main
-from server.cli.backup import OURS
 from server.cli.data_lock import exclusive_data_folder
-from server.database import Database, utc_now
-from server.database.migrate import require_current, upgrade
+from server.database import END_OF_TIME, Database, utc_now
+from server.database.migrate import WrongSchema, alembic_config, missing_migrations, require_current, upgrade
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.queue.models import Job
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
+from server.tables import TABLE_NAMES, metadata
 from tests.support.crowd import Sent, store
 from tests.support.service import EXERCISE, QUIET, new_account, worker_of
 
 #: What COPY, JSON and SQLite each have a way of their own to write.
+TABLES = metadata.sorted_tables
 AWKWARD = "é ’\t\\N \\ \" ' $$ \r\n \u2028 𝔸"
 
 
@@ -84,11 +90,11 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
     file = tmp_path / "save.zip"
     with busy(database, both) as acknowledged:
         before = dict(acknowledged)
-        manifest = service.back_up(both, file, OURS)
+        manifest = service.back_up(both, file, TABLE_NAMES)
         while len(acknowledged) < len(before) + 5:
             threading.Event().wait(0.01)
     database.close()
-    restored, kept = service.restore(both, file, OURS, replace=True, now=utc_now())
+    restored, kept = service.restore(both, file, TABLES, replace=True, now=utc_now())
     assert restored == manifest
     again = Database(both.url)
     with again.read() as db:
@@ -117,12 +123,12 @@ def test_revisions_are_what_they_were_and_are_drawn_anew_again(
     (graded,) = store(database, [Sent(ada.id, EXERCISE, utc_now(), 0.5)])
     before = told(database)
     file = tmp_path / "save.zip"
-    service.back_up(both, file, OURS)
+    service.back_up(both, file, TABLE_NAMES)
     with database.write() as db:
         db.execute(update(Grading).where(Grading.submission_id == graded).values(score=1.0))
     assert told(database) != before
     database.close()
-    service.restore(both, file, OURS, replace=True, now=utc_now())
+    service.restore(both, file, TABLES, replace=True, now=utc_now())
     again = Database(both.url)
     assert told(again) == before
     with again.write() as db:
@@ -141,14 +147,14 @@ MOSTLY_SQLITE = pytest.mark.parametrize(
 @MOSTLY_SQLITE
 def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both: Settings, tmp_path: Path) -> None:
     new_account(database)
-    first = service.back_up(both, tmp_path / "1.zip", OURS)
+    first = service.back_up(both, tmp_path / "1.zip", TABLE_NAMES)
     assert {name for name, saved in first.tables.items() if saved.rows} == {"account", "alembic_version"}
-    assert first.tables.keys() == OURS | {"alembic_version"}
+    assert first.tables.keys() == TABLE_NAMES | {"alembic_version"}
     if both.url.startswith("sqlite"):
         assert service.verify(both, tmp_path / "1.zip") == first
     with database.write() as db:
         db.execute(text("UPDATE account SET name = 'Eve'"))
-    changed = service.back_up(both, tmp_path / "2.zip", OURS)
+    changed = service.back_up(both, tmp_path / "2.zip", TABLE_NAMES)
     assert changed.differences(first.tables) == ["account"], "and all else is what it was"
     assert stat.S_IMODE((tmp_path / "2.zip").stat().st_mode) == 0o600
     assert sorted(path.name for path in tmp_path.glob("*.zip*")) == ["1.zip", "2.zip"], "nothing half written"
@@ -174,7 +180,7 @@ def altered(file: Path, made: Path, member: str, change: Any) -> Path:
 def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tmp_path: Path) -> None:
     ada = new_account(database, name="Ada Lovelace")
     file = tmp_path / "save.zip"
-    service.back_up(both, file, OURS)
+    service.back_up(both, file, TABLE_NAMES)
     data = "balise.sqlite3" if both.url.startswith("sqlite") else "tables/account.copy"
     (tmp_path / "cut.zip").write_bytes(file.read_bytes()[:-30])
     (tmp_path / "text.zip").write_text("bonjour")
@@ -188,12 +194,12 @@ def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tm
     ]
     for path in damaged:
         with pytest.raises(BackupError):
-            service.restore(both, path, OURS, replace=True, now=utc_now())
+            service.restore(both, path, TABLES, replace=True, now=utc_now())
     newer = altered(file, tmp_path / "newer.zip", MANIFEST, _from_the_future)
     with pytest.raises(BackupError, match="plus récente"):
         service.verify(both, newer)
     with pytest.raises(BackupError, match="--replace"):
-        service.restore(both, file, OURS, replace=False, now=utc_now())
+        service.restore(both, file, TABLES, replace=False, now=utc_now())
     with database.read() as db:
         assert db.execute(select(Account.id)).scalars().all() == [ada.id]
 
@@ -202,11 +208,46 @@ def _from_the_future(manifest: bytes) -> bytes:
     return json.dumps({**json.loads(manifest), "revision": "9999"}).encode()
 
 
-def test_a_backup_of_another_engine_is_refused(sqlite: Database, settings: Settings, tmp_path: Path) -> None:
-    service.back_up(settings, tmp_path / "save.zip", OURS)
-    elsewhere = settings.model_copy(update={"database_url": "postgresql://localhost/nulle-part"})
-    with pytest.raises(BackupError, match="sqlite"):
-        service.verify(elsewhere, tmp_path / "save.zip")
+def rows_as_stored(database: Database) -> dict[str, Any]:
+    with database.engine.connect() as connection:
+        return {table.name: table_digest(connection, table) for table in TABLES}
+
+
+@pytest.mark.parametrize("database_url", ["sqlite", "postgresql"], indirect=True)
+def test_a_backup_is_restored_into_the_other_engine(
+    database: Database, both: Settings, tmp_path: Path, postgres_url: str
+) -> None:
+    accounts = [new_account(database, name=f"{AWKWARD} {number}") for number in range(3)]
+    first, *_ = store(database, [Sent(account.id, EXERCISE, utc_now(), 0.5) for account in accounts])
+    with database.write() as db:
+        source = AWKWARD.encode() + b"\x00\\xff"
+        db.execute(update(Submission).where(Submission.id == first).values(source=source, created_at=END_OF_TIME))
+        db.execute(update(Grading).where(Grading.submission_id == first).values(figures={AWKWARD: [1e-320, 0.1]}))
+    before = rows_as_stored(database)
+    file = tmp_path / "save.zip"
+    service.back_up(both, file, TABLE_NAMES)
+    is_local = database.is_local_file
+    url = postgres_url if is_local else f"sqlite:///{tmp_path}/other.sqlite3"
+    other = both.model_copy(update={"database_url": url})
+    assert service.verify(other, file).rows
+    service.restore(other, file, TABLES, replace=is_local, now=utc_now())
+    with closing(Database(other.url)) as restored:
+        assert rows_as_stored(restored) == before
+        require_current(restored.engine)
+        with restored.write() as db:
+            db.execute(Account.__table__.delete())
+    member = "balise.sqlite3" if is_local else "tables/account.copy"
+    damaged = altered(file, tmp_path / "damaged.zip", member, lambda content: content.replace(b" 1", b" 7"))
+    with pytest.raises(BackupError, match="abîmée"):
+        service.restore(other, damaged, TABLES, replace=True, now=utc_now())
+
+
+@given(st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0")))
+def test_a_field_of_copy_is_read_as_it_was_written(value: str) -> None:
+    written = value.replace("\\", "\\\\")
+    for character, letter in (("\b", "b"), ("\f", "f"), ("\n", "n"), ("\r", "r"), ("\t", "t"), ("\v", "v")):
+        written = written.replace(character, f"\\{letter}")
+    assert read_text_field(written) == value
 
 
 def test_the_commands_save_and_restore_beside_what_was_there(
@@ -253,7 +294,7 @@ def test_what_is_no_database_of_ours_is_not_saved(settings: Settings, tmp_path: 
     settings.data_dir.mkdir(parents=True)
     sqlite3.connect(settings.data_dir / "balise.sqlite3").execute("CREATE TABLE other (x)").connection.close()
     with pytest.raises(BackupError, match="rien n’est sauvegardé"):
-        service.back_up(settings, tmp_path / "save.zip", OURS)
+        service.back_up(settings, tmp_path / "save.zip", TABLE_NAMES)
     assert not [path for path in tmp_path.iterdir() if path != settings.data_dir]
 
 
@@ -261,8 +302,51 @@ def test_an_older_backup_comes_to_the_current_schema(settings: Settings, tmp_pat
     old = Database(settings.url)
     upgrade(old.engine, "0016")
     old.close()
-    assert service.back_up(settings, tmp_path / "old.zip", OURS).revision == "0016"
-    service.restore(settings, tmp_path / "old.zip", OURS, replace=True, now=utc_now())
+    assert service.back_up(settings, tmp_path / "old.zip", TABLE_NAMES).revision == "0016"
+    service.restore(settings, tmp_path / "old.zip", TABLES, replace=True, now=utc_now())
     now = Database(settings.url)
     require_current(now.engine)
     now.close()
+
+
+def test_a_database_is_saved_before_its_schema_changes(
+    database: Database, both: Settings, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert service.save_before_upgrade(both, database, TABLE_NAMES, utc_now()) is None, "nothing is missing"
+    old = both.model_copy(update={"data_dir": tmp_path / "old", "upgrade_backup_dir": tmp_path})
+    with closing(Database(old.url)) as older:
+        if older.is_local_file:
+            upgrade(older.engine, "0016")
+        else:
+            from alembic import command
+
+            with older.engine.begin() as connection:
+                command.downgrade(alembic_config(connection), "0029")
+        copy = service.save_before_upgrade(old, older, TABLE_NAMES, utc_now())
+        assert copy is not None
+        assert str(copy) in caplog.text, "the administrator reads where"
+        assert stat.S_IMODE(copy.stat().st_mode) == 0o600
+        if older.is_local_file:
+            with closing(Database(f"sqlite:///{copy}")) as saved, pytest.raises(WrongSchema, match="0016"):
+                require_current(saved.engine)
+        else:
+            assert service.verify(old, copy).revision == "0029"
+            unset = old.model_copy(update={"upgrade_backup_dir": None})
+            assert service.save_before_upgrade(unset, older, TABLE_NAMES, utc_now()) is None
+            assert "without a safety copy" in caplog.text
+        upgrade(older.engine)
+        assert service.save_before_upgrade(old, older, TABLE_NAMES, utc_now()) is None
+
+
+def test_a_copy_that_does_not_fit_changes_nothing(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
+    with closing(Database(settings.url)) as older:
+        upgrade(older.engine, "0016")
+        monkeypatch.setattr(Path, "touch", _disk_is_full)
+        with pytest.raises(BackupError, match="No space left"):
+            service.save_before_upgrade(settings, older, TABLE_NAMES, utc_now())
+        assert missing_migrations(older.engine) == "0016"
+    assert not list(settings.data_dir.glob("*.avant-*"))
+
+
+def _disk_is_full(_path: Path, *_: object, **__: object) -> None:
+    raise OSError(errno.ENOSPC, "No space left on device")

@@ -100,7 +100,7 @@ WRONG_USAGE = {
     (): "il manque COMMANDE",
     ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : "
     "'serve', 'demo', 'grade', 'check', 'new', 'schema', 'study', 'preview', 'doctor', 'submit', 'login', 'export', "
-    "'worker', 'top', 'backup', 'restore', 'admin'",
+    "'worker', 'top', 'backup', 'restore', 'move', 'admin'",
     ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",

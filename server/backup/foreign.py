@@ -1,0 +1,147 @@
+"""Restoring a backup of one engine into a database of the other."""
+
+import hashlib
+import sqlite3
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import IO
+from uuid import UUID
+
+from sqlalchemy import Table
+
+from server.backup import postgres, sqlite
+from server.backup.archive import OWNER_ALONE, BackupError, Manifest, TableDigest
+from server.backup.move import TRIGGERS, copy_rows
+from server.database import Database
+from server.database.migrate import upgrade
+
+BATCH_ROWS = 500
+NULL = r"\N"
+#: Escapes of the text format of COPY (PostgreSQL's manual, COPY, "Text Format").
+ESCAPES = {"b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v": "\v"}
+Value = str | int | float | bytes | None
+
+
+def restore_sqlite(
+    archive: zipfile.ZipFile, manifest: Manifest, database: Database, tables: Sequence[Table], *, replace: bool
+) -> None:
+    """Restore a backup of SQLite into PostgreSQL, in one transaction. Raises BackupError, and then nothing changes."""
+    with sqlite.temporary_folder(None) as folder:
+        file = folder / sqlite.FILE_NAME
+        sqlite.unpack(archive, manifest, file)
+        with closing(Database(f"sqlite:///{file}")) as unpacked:
+            upgrade(unpacked.engine)
+            with unpacked.engine.begin() as old, database.engine.begin() as new:
+                postgres.clear(new, {table.name for table in tables}, replace=replace)
+                copy_rows(old, new, tables, lambda _table, _rows: None)
+
+
+def verify_postgres(archive: zipfile.ZipFile, manifest: Manifest, parent: Path) -> None:
+    """Restore a backup of PostgreSQL into a temporary SQLite file. Raises BackupError where it is damaged."""
+    with sqlite.temporary_folder(parent) as folder:
+        unpack_postgres(archive, manifest, folder / sqlite.FILE_NAME)
+
+
+def unpack_postgres(archive: zipfile.ZipFile, manifest: Manifest, path: Path) -> None:
+    """Write a backup of PostgreSQL into a new SQLite file, at its schema. Raises BackupError where it is damaged."""
+    path.touch(OWNER_ALONE)
+    with closing(Database(f"sqlite:///{path}")) as database:
+        upgrade(database.engine, manifest.revision)
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA foreign_keys = OFF")
+        triggers = connection.execute(TRIGGERS).fetchall()
+        for name, _ in triggers:
+            connection.execute(f'DROP TRIGGER "{name}"')
+        for table, saved in manifest.tables.items():
+            _load_table(connection, archive, table, saved)
+        for _, statement in triggers:
+            connection.execute(statement)
+        connection.commit()
+        broken = sorted({row[0] for row in connection.execute("PRAGMA foreign_key_check")})
+    if broken:
+        raise BackupError(f"la sauvegarde est abîmée : {', '.join(broken[:5])}.")
+
+
+def _load_table(connection: sqlite3.Connection, archive: zipfile.ZipFile, table: str, saved: TableDigest) -> None:
+    types: dict[str, str] = dict(connection.execute("SELECT name, type FROM pragma_table_info(?)", (table,)).fetchall())
+    if not types:
+        raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
+    names = sorted(types)
+    converters = [_converter(types[name]) for name in names]
+    connection.execute(f'DELETE FROM "{table}"')
+    columns, holders = ", ".join(f'"{name}"' for name in names), ", ".join("?" * len(names))
+    statement = f'INSERT INTO "{table}" ({columns}) VALUES ({holders})'
+    digest = hashlib.sha256(columns.encode())
+    rows, batch = 0, []
+    with archive.open(postgres.member_name(table)) as file:
+        for line in _lines(file):
+            digest.update(line)
+            rows += 1
+            try:
+                fields = line.decode().removesuffix("\n").split("\t")
+                batch.append([convert(field) for convert, field in zip(converters, fields, strict=True)])
+            except ValueError as error:
+                raise BackupError(f"la sauvegarde est abîmée : {table}, ligne {rows}, {error}.") from error
+            if len(batch) == BATCH_ROWS:
+                connection.executemany(statement, batch)
+                batch = []
+    connection.executemany(statement, batch)
+    if TableDigest(rows, digest.hexdigest()) != saved:
+        raise BackupError(f"la sauvegarde est abîmée : {table}.")
+
+
+def _lines(file: IO[bytes]) -> Iterator[bytes]:
+    while line := file.readline():
+        yield line
+
+
+def _converter(declared_type: str) -> Callable[[str], Value]:
+    """Return the function from a field of COPY to the value that SQLite stores in a column of this type."""
+    read = _READERS.get(declared_type.partition("(")[0].upper(), read_text_field)
+    return lambda field: None if field == NULL else read(field)
+
+
+def read_text_field(field: str) -> str:
+    """Undo the escapes of COPY's text format."""
+    if "\\" not in field:
+        return field
+    first, *others = field.split("\\")
+    parts, is_literal = [first], False
+    for part in others:
+        if is_literal:
+            parts.append(part)
+            is_literal = False
+        elif not part:
+            parts.append("\\")
+            is_literal = True
+        else:
+            parts.append(ESCAPES.get(part[0], part[0]) + part[1:])
+    return "".join(parts)
+
+
+def _boolean(field: str) -> int:
+    return ("f", "t").index(field)
+
+
+def _bytes(field: str) -> bytes:
+    return bytes.fromhex(read_text_field(field).removeprefix("\\x"))
+
+
+def _moment(field: str) -> str:
+    """SQLAlchemy's form for SQLite, with six decimals and no offset: times are in UTC."""
+    day, time = field.split(" ")
+    clock, _, decimals = time.removesuffix("+00").partition(".")
+    return f"{day} {clock}.{decimals:0<6}"
+
+
+def _identity(field: str) -> str:
+    return UUID(field).hex
+
+
+_READERS: dict[str, Callable[[str], Value]] = {
+    **dict.fromkeys(("INTEGER", "BIGINT"), int),
+    **dict.fromkeys(("FLOAT", "DOUBLE"), float),
+    **{"BOOLEAN": _boolean, "BLOB": _bytes, "DATETIME": _moment, "CHAR": _identity},
+}
