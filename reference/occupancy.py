@@ -180,10 +180,11 @@ def build_map(
     points = np.concatenate(seen)
     low = np.floor((points.min(axis=0) - margin) / resolution)
     extent = np.ceil((points.max(axis=0) + margin) / resolution) - low + 1
-    if not np.prod(extent) <= MOST_CELLS:
-        astray = int(np.argmax(np.linalg.norm(frames[:, :2] - np.median(frames[:, :2], axis=0), axis=1)))
+    cells = float(extent[0]) * float(extent[1])
+    if not cells <= MOST_CELLS:
+        astray = int(np.argmax(np.hypot(*(frames[:, :2] - np.median(frames[:, :2], axis=0)).T)))
         across = " by ".join(f"{side:.4g} m" for side in extent * resolution)
-        raise OccupancyError("poses", f"ask for a map of {across}, {np.prod(extent):.2g} cells: see pose {astray}")
+        raise OccupancyError("poses", f"ask for a map of {across}, {cells:.2g} cells: see pose {astray}")
     width, height = extent.astype(np.int64)
     corner = np.append(low * resolution, 0.0)
     grid = OccupancyGrid(np.zeros((height, width)), resolution, corner, model or InverseSensorModel())
