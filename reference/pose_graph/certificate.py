@@ -66,6 +66,7 @@ class _Terms(NamedTuple):
 def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = None) -> Certificate:
     """Try to prove that poses (n, 3) and landmarks (l, 2), where an optimiser stopped, are a global minimum of chi2.
 
+    Nothing is proven where edges have partial information: (18) and (19) need all of it.
     Raises a PoseGraphError for arguments that do not fit the graph, ParameterError where several poses are fixed.
     """
     if len(graph.fixed) > 1:
@@ -74,6 +75,8 @@ def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = No
     v = np.concatenate([where[:, 0] + 1j * where[:, 1], seen_at[:, 0] + 1j * seen_at[:, 1], np.exp(1j * where[:, 2])])
     if graph.n_poses + graph.n_landmarks == 1:
         return Certificate(True, 0, 0.0)
+    if not graph.fully_informed:
+        return Certificate(False, len(v), np.inf)
     edges, sightings = _edge_terms(graph, where), _sighting_terms(graph, where, seen_at)
     if edges is None:
         return Certificate(False, len(v), np.inf)

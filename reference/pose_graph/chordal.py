@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from reference.pose_graph.errors import DisconnectedGraphError, ParameterError
-from reference.pose_graph.factor import Pattern, factorise
+from reference.pose_graph.errors import DisconnectedGraphError, ParameterError, SingularSystemError
+from reference.pose_graph.factor import Pattern, factorise, positive_definite
 from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_poses
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.se2 import wrap_angle
@@ -30,9 +30,9 @@ SHORTEST = 1e-9
 def chordal_start(graph: PoseGraph, poses: ArrayLike | None = None) -> tuple[Floats, Floats]:
     """Poses (n, 3) and landmarks (l, 2) from the measurements alone; the fixed poses are taken from `poses` (n, 3).
 
-    Without `poses` the fixed pose stands at the origin. Raises DisconnectedGraphError where orientations are tied by
-    landmarks only, SingularSystemError where a position is not determined, ParameterError where the measurements of
-    orientations cancel out, or where several poses are fixed and not given.
+    Without `poses` the fixed pose stands at the origin. Raises DisconnectedGraphError where no edge ties orientations,
+    SingularSystemError where a position is not determined, ParameterError where the measurements of orientations cancel
+    out, or where several poses are fixed and not given.
     """
     held = _held(graph, poses)
     _check_oriented(graph)
@@ -50,13 +50,14 @@ def _held(graph: PoseGraph, poses: ArrayLike | None) -> Floats:
 
 def _check_oriented(graph: PoseGraph) -> None:
     tied = np.array(graph.fixed[1:], dtype=np.int64)
-    i = np.concatenate([graph.i, np.full(len(tied), graph.fixed[0])])
-    j = np.concatenate([graph.j, tied])
+    tells = graph.information[:, 2, 2] > 0.0
+    i = np.concatenate([graph.i[tells], np.full(len(tied), graph.fixed[0])])
+    j = np.concatenate([graph.j[tells], tied])
     adjacency = sparse.coo_array((np.ones(len(i)), (i, j)), shape=(graph.n_poses, graph.n_poses))
     _, labels = csgraph.connected_components(adjacency, directed=False)
     lost = np.flatnonzero(labels != labels[graph.fixed[0]])
     if lost.size:
-        reason = f"only landmarks join pose {lost[0]} to pose {graph.fixed[0]}"
+        reason = f"no edge that tells of orientation leads from pose {lost[0]} to pose {graph.fixed[0]}"
         raise DisconnectedGraphError("edges", reason, (int(lost[0]), graph.fixed[0]))
 
 
@@ -103,7 +104,10 @@ def positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
     is_position = (equations.free >= 3 * graph.n_poses) | (equations.free % 3 != 2)
     step = np.zeros(len(equations.free))
     if is_position.any():
-        kept = equations.pattern.upper(system.data)[is_position][:, is_position]
-        step[is_position] = -factorise(sparse.csc_array(kept)).solve(system.b[is_position])
+        kept = sparse.csc_array(equations.pattern.upper(system.data)[is_position][:, is_position])
+        factor = factorise(kept)
+        if not graph.fully_informed and not positive_definite(kept, factor.lower()):
+            raise SingularSystemError("the positions are not determined: some are free")
+        step[is_position] = -factor.solve(system.b[is_position])
     found, landmarks = equations.nodes(equations.moved(state, step))
     return np.column_stack([found[:, :2], wrap_angle(found[:, 2])]), landmarks

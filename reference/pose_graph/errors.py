@@ -22,7 +22,7 @@ class NonFiniteError(PoseGraphError):
 
 
 class InformationError(PoseGraphError):
-    """An information matrix that is not symmetric and positive definite."""
+    """An information matrix that is not symmetric and positive semidefinite."""
 
 
 class DisconnectedGraphError(PoseGraphError):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -34,6 +35,10 @@ Convention = Literal["difference", "g2o"]
 
 BLOCK = 3
 POINT = 2
+
+# Shares of the largest entry of a matrix: what rounding may do to it, and the least positive eigenvalue.
+SAME = 1e-9
+POSITIVE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -66,10 +71,11 @@ class Sightings:
 class PoseGraph:
     """m edges between `n_poses` poses, and the sightings of landmarks.
 
-    `i`, `j` (m,): ends of the edges. `z_i_j` (m, 3): measured poses of j in i. `information` (m, 3, 3).
-    `fixed`: the poses that hold the gauge. `convention`: what information weighs, "difference" the residual (1) of
-    residuals.py, "g2o" the residual (2). Raises a PoseGraphError that names the argument when these do not make a graph
-    in which every node is joined to a fixed pose.
+    `i`, `j` (m,): ends of the edges. `z_i_j` (m, 3): measured poses of j in i. `information` (m, 3, 3), positive
+    semidefinite: an edge may say nothing along some directions, as a match of scans in a corridor does. `fixed`: the
+    poses that hold the gauge. `convention`: what information weighs, "difference" the residual (1) of residuals.py,
+    "g2o" the residual (2). Raises a PoseGraphError that names the argument when these do not make a graph in which
+    every node is joined to a fixed pose.
     """
 
     n_poses: int
@@ -116,6 +122,12 @@ class PoseGraph:
         _check_shape("kept", kept, self.i.shape)
         i, j, z_i_j, information = self.i[kept], self.j[kept], self.z_i_j[kept], self.information[kept]
         return replace(self, i=i, j=j, z_i_j=z_i_j, information=information)
+
+    @cached_property
+    def fully_informed(self) -> bool:
+        """Is every information matrix of the edges positive definite, so that connected poses are determined?"""
+        size = np.abs(self.information).max(axis=(1, 2), initial=0.0)
+        return bool(np.all(np.linalg.eigvalsh(self.information)[:, 0] > POSITIVE * size))
 
     @property
     def closures(self) -> NDArray[np.bool_]:
@@ -191,12 +203,15 @@ def _check_information(name: str, information: Floats) -> None:
 
 
 def information_fault(information: Floats) -> tuple[int, str] | None:
-    """The first matrix of (m, s, s) that is not symmetric, or not positive definite; and which of the two."""
+    """The first matrix of (m, s, s) that is not symmetric, or not positive semidefinite; and which of the two.
+
+    An eigenvalue that is negative by rounding alone is a zero.
+    """
     size = np.abs(information).max(axis=(1, 2), initial=0.0)
     skew = np.abs(information - information.transpose(0, 2, 1)).max(axis=(1, 2), initial=0.0)
     for wrong, what in (
-        (skew > 1e-9 * size, "symmetric"),
-        (np.linalg.eigvalsh(information)[:, 0] <= 1e-14 * size, "positive definite"),
+        (skew > SAME * size, "symmetric"),
+        (np.linalg.eigvalsh(information)[:, 0] < -SAME * size, "positive semidefinite"),
     ):
         if np.any(wrong):
             return int(np.argmax(wrong)), what

@@ -42,8 +42,9 @@ class Reason(StrEnum):
 class Gauge:
     """What held the frame, and what was left to find.
 
-    `rank` is that of H: all of the `unknowns`, as connected poses with full information always have it; with landmarks
-    or robust weights the pivots of the first factor are looked at, and less is a SingularSystemError.
+    `rank` is that of H: all of the `unknowns`, as connected poses with full information always have it; with landmarks,
+    partial information or robust weights the pivots of the first factor are looked at, and less is a
+    SingularSystemError.
     """
 
     fixed: tuple[int, ...]
@@ -134,8 +135,8 @@ class Problem:
 
     @property
     def surely_regular(self) -> bool:
-        """Connected poses and full information make H positive definite; sightings and weights need a look."""
-        return not self.graph.n_landmarks and self.weights is None
+        """Connected poses and full information make H positive definite; all else needs a look."""
+        return not self.graph.n_landmarks and self.weights is None and self.graph.fully_informed
 
     def solution(self, state: Floats, history: list[float], reason: Reason, **more: object) -> Solution:
         poses, landmarks = self.equations.nodes(state)

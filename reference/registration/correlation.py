@@ -18,12 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 from reference.registration.icp import IcpError
 from reference.registration.normals import plane_cloud
 from reference.se2 import Pose, wrap_angle
-from reference.world.distance_map import distance_to
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 BRANCHES = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+RADIUS = 3
+_AROUND = range(-RADIUS, RADIUS + 1)
+# Squared distance, and shift in y and x, of the cells around one; the farthest first, the nearest having the last word.
+OFFSETS = sorted(((y * y + x * x, y, x) for y in _AROUND for x in _AROUND if y * y + x * x <= RADIUS**2), reverse=True)
 
 
 @dataclass(frozen=True)
@@ -51,17 +54,21 @@ class Correlation:
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """The scores of shifts: `cells` (turns, n, 2) of the points of P, and `bounds`, the fields by h, from h = 0."""
+    """The scores of shifts: `places` (turns, n) of the points of P in a field laid out row by row, `width` cells a row.
 
-    cells: Indices
+    `bounds`: the field, and its largest values over squares of 2^h cells, for h = 0, 1, 2...; 0 near their borders.
+    """
+
+    places: Indices
+    width: int
     bounds: tuple[Floats, ...]
 
     def scores(self, height: int, nodes: Indices) -> Floats:
         """For nodes (k, 3) = (turn, shift in y, shift in x), the scores (k,), or their bounds over 2^height cells."""
-        field = self.bounds[height]
-        y, x = np.moveaxis(self.cells[nodes[:, 0]] + nodes[:, None, 1:], -1, 0)
-        seen = field[np.clip(y, 0, field.shape[0] - 1), np.clip(x, 0, field.shape[1] - 1)]
-        return np.asarray(seen.mean(axis=1))
+        places = self.places[nodes[:, 0]]
+        places += (nodes[:, 1] * self.width + nodes[:, 2])[:, None]
+        # What lies before the first row or behind the last one is read on the border, where there is nothing.
+        return np.asarray(self.bounds[height].ravel().take(places, mode="clip").mean(axis=1))
 
 
 def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> Correlation:
@@ -84,21 +91,33 @@ def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> C
 
 
 def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, resolution: float, height: int) -> Lattice:
-    """The field of Q on a grid with margins wide enough for every bound, and P at every turn of the guess on it."""
-    margin = 2**height + 4
-    low = np.floor(q.min(axis=0) / resolution) - margin
-    marked = np.floor(q / resolution - low).astype(np.int64)
-    occupied = np.zeros(marked.max(axis=0)[::-1] + margin + 1, dtype=np.bool_)
-    occupied[marked[:, 1], marked[:, 0]] = True
-    distance = distance_to(occupied)
-    bounds = [np.where(distance <= 3.0, np.exp(-(distance**2) / 2.0), 0.0)]
+    """The field of Q on a grid with margins wide enough for every bound, and P at every turn of the guess on it.
+
+    Shifts are below 2^height cells either way, and rows so wide that none leads off them.
+    """
+    c, s = np.cos(guess[2] + turns)[:, None], np.sin(guess[2] + turns)[:, None]
+    moved = np.stack([c * p[:, 0] - s * p[:, 1] + guess[0], s * p[:, 0] + c * p[:, 1] + guess[1]], axis=-1)
+    cells, marked = np.floor(moved / resolution).astype(np.int64), np.floor(q / resolution).astype(np.int64)
+    side = 2**height
+    margin = np.array([3 * side + RADIUS + 1, side + RADIUS + 1])
+    low, high = marked.min(axis=0) - margin, marked.max(axis=0) + margin
+    width, rows = (high - low + 1).tolist()
+    field = _field(marked - low, (rows, width))
+    bounds = [field]
     for h in range(height):
         bounds.append(_pooled(bounds[-1], 2**h))
-    c, s = np.cos(guess[2] + turns)[:, None], np.sin(guess[2] + turns)[:, None]
-    x = c * p[:, 0] - s * p[:, 1] + guess[0]
-    y = s * p[:, 0] + c * p[:, 1] + guess[1]
-    cells = np.floor(np.stack([y, x], axis=-1) / resolution - low[::-1]).astype(np.int64)
-    return Lattice(cells, tuple(bounds))
+    x, y = np.moveaxis(cells - low, -1, 0)
+    return Lattice(np.clip(y, -2 * side, rows + side) * width + np.clip(x, side, width - side), width, tuple(bounds))
+
+
+def _field(marked: Indices, shape: tuple[int, int]) -> Floats:
+    """exp(-d^2 / 2) (rows, width), d the distance in cells to the nearest of `marked` (m, 2) = (x, y); 0 from 3 on."""
+    field = np.zeros(shape)
+    places = np.unique(marked[:, 1] * shape[1] + marked[:, 0])
+    flat = field.reshape(-1)
+    for squared, shift_y, shift_x in OFFSETS:
+        flat[places + (shift_y * shape[1] + shift_x)] = np.exp(-squared / 2.0)
+    return field
 
 
 def _pooled(field: Floats, side: int) -> Floats:

@@ -69,7 +69,9 @@ def slide(T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weigh
     """
     total = weights.sum()
     centre = complex(weights @ moved) / total
-    spread = max(float(weights @ squared(moved - centre) / total) ** 0.5, TINY)
+    # Where all that counts is one point no turn is seen; what does not count must not be divided by that nothing.
+    apart = squared(moved - centre)
+    spread = max(float(weights @ apart / total) ** 0.5, ROUNDING * float(apart.max()) ** 0.5, TINY)
     J = line_jacobians(as_rows(moved), as_rows(normals), np.array([centre.real, centre.imag])) / [1.0, 1.0, spread]
     gaps = (np.conj(normals) * (moved - q)).real
     weighted = J * weights[:, None]

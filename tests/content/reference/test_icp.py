@@ -229,6 +229,38 @@ def test_the_point_to_line_optimum_is_that_of_scipy() -> None:
     np.testing.assert_allclose(seen.hessian, peer.jac.T @ peer.jac, rtol=1e-5, atol=1e-4)
 
 
+@pytest.mark.parametrize("far", [1e3, 1e9])
+def test_one_pair_that_counts_moves_across_its_line_and_no_more(far: float) -> None:
+    """Where all that counts is one point, it comes onto its line; no turn is made up, and nothing is divided by 0."""
+    P, Q = [(0.0, 0.0), (far, 0.0)], [(0.533, 0.1), (0.633, 0.1)]
+    pairing = Pairing(Cauchy(0.05), 0.5)
+    found = icp_to_lines(P, Q, [(0.0, 1.0)] * 2, (1 / 3, 0.1 + 0.02, 0.7), pairing=pairing)
+    np.testing.assert_allclose(found.T_q_p, [1 / 3, 0.1, 0.7], atol=1e-9)
+    assert found.converged
+
+
+@unhurried
+@given(seed=seeds, n=st.integers(2, 12), m=st.integers(1, 12), size=st.sampled_from([1e-6, 1.0, 1e6]))
+def test_unrelated_clouds_are_registered_or_refused_by_name(seed: int, n: int, m: int, size: float) -> None:
+    rng = np.random.default_rng(seed)
+    P, Q = size * rng.normal(size=(n, 2)), size * rng.normal(size=(m, 2)) + rng.normal(size=2)
+    angles = rng.uniform(-np.pi, np.pi, m)
+    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    pairing = Pairing(Cauchy(0.05), rng.choice([0.02, 0.5, np.inf]), rng.choice([0.1, 1.0]))
+    refusal = None
+    try:
+        found = icp_to_lines(P, Q, normals, rng.normal(size=3), pairing=pairing)
+    except IcpError as error:
+        refusal = error
+    if refusal is not None:
+        assert refusal.argument == "pairing"
+        return
+    assert np.isfinite(found.T_q_p).all()
+    held = observability(P @ found.R_q_p.T + found.t_q_p, found.t_q_p, normals[found.pairs], found.weights)
+    assert np.isfinite(held.hessian).all()
+    assert np.isfinite(held.strengths).all()
+
+
 def test_a_corridor_holds_everything_but_the_way_along_it() -> None:
     x = np.linspace(0, 10, 200)
     corridor = np.vstack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])]) @ rotation(0.4).T

@@ -107,8 +107,8 @@ def test_an_optimised_graph_can_be_written() -> None:
         ("EDGE_SE2 7 3", "EDGE_SE2 7 8", 7, "no pose 8"),
         ("EDGE_SE2 7 3", "EDGE_SE2 7 7", 7, "to itself"),
         ("3 10 2 1", "3 11 2 1", 8, "no landmark 11"),
-        ("4 -1 5", "4 -9 5", 8, "positive definite"),
-        ("1 0 0 2 0.5 3", "0 0 0 2 0.5 3", 7, "positive definite"),
+        ("4 -1 5", "4 -9 5", 8, "positive semidefinite"),
+        ("1 0 0 2 0.5 3", "0 1 0 2 0.5 3", 7, "positive semidefinite"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(old: str, new: str, line: int, reason: str) -> None:
@@ -163,7 +163,7 @@ EDGE_SE2_XY 4 9 1 0 1 0 1
         ("FIX 9", 4, "no pose 9 to fix"),
         ("FIX 0 4", 4, "several poses are fixed, and no VERTEX_SE2 says where"),
         ("EDGE_SE2 4 2 1 0", 4, "4 words, not 11"),
-        ("EDGE_SE2 4 2 1 0 0 1 9 0 1 0 1", 4, "positive definite"),
+        ("EDGE_SE2 4 2 1 0 0 1 9 0 1 0 1", 4, "positive semidefinite"),
         ("EDGE_SE2 2 2 1 0 0 1 0 0 1 0 1", 4, "to itself"),
         ("VERTEX_SE2 0 0 0 0", 2, "no pose 4"),
         ("VERTEX_XY 9 0 0", 4, "without a VERTEX_SE2"),

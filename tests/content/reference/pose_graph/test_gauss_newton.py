@@ -184,7 +184,6 @@ def edge(i: int = 0, j: int = 1, z: tuple = (1, 0, 0), omega: np.ndarray = EYE) 
         (2, [edge(z=(1, math.nan, 0))], NonFiniteError, "z_i_j"),
         (2, [edge(omega=np.full((3, 3), math.inf))], NonFiniteError, "information"),
         (2, [edge(omega=EYE + np.eye(3, k=1))], InformationError, "information"),
-        (2, [edge(omega=np.diag([1.0, 1.0, 0.0]))], InformationError, "information"),
         (2, [edge(omega=np.diag([1.0, 1.0, -1.0]))], InformationError, "information"),
         (0, [], ShapeError, "n_poses"),
     ],

@@ -224,7 +224,7 @@ def line(seen: list, n_landmarks: int = 1, **settings) -> PoseGraph:
         (lambda: line([(0, 1, [1, 1], np.eye(2))]), EdgeIndexError, "sightings.landmark"),
         (lambda: line([(2, 0, [1, 1], np.eye(2))]), EdgeIndexError, "sightings.i"),
         (lambda: line([(0, 0, [1, np.nan], np.eye(2))]), ValueError, "sightings.p_i_l"),
-        (lambda: line([(0, 0, [1, 1], np.zeros((2, 2)))]), ValueError, "sightings.information"),
+        (lambda: line([(0, 0, [1, 1], -np.eye(2))]), ValueError, "sightings.information"),
         (lambda: line([], 0, fixed=()), ParameterError, "fixed"),
         (lambda: line([], 0, fixed=(2,)), ParameterError, "fixed"),
         (lambda: line([], 0, convention="other"), ParameterError, "convention"),
