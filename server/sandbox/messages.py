@@ -9,7 +9,8 @@ import sys
 from collections.abc import Iterable, Sequence
 
 from server.sandbox.child import drawing_stand_ins, library
-from server.sandbox.explanations import explain_error, explain_import
+from server.sandbox.explanations import explain_error, explain_import, with_values
+from server.sandbox.explanations.syntax import explain_syntax
 from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import (
     describe_foreign_characters,
@@ -23,33 +24,6 @@ from server.sandbox.policy import GIB, KIB, MIB, Policy
 
 _NO_BREAK_SPACE = "\u00a0"
 
-_SYNTAX = (
-    (r"expected ':'", "il manque « : » à la fin de cette ligne"),
-    (r"'(.+)' was never closed", "« {0} » est ouvert ici et n’est jamais refermé"),
-    (r"unmatched '(.+)'", "« {0} » ferme ce qui n’a pas été ouvert"),
-    (r"closing parenthesis '(.)' does not match.*'(.)'.*", "« {0} » ferme « {1} » : les deux ne vont pas ensemble"),
-    (r"expected an indented block after (.+) on line (\d+)", "ce qui suit la ligne {1} doit être décalé à droite"),
-    (r"unexpected indent", "cette ligne est décalée vers la droite sans raison"),
-    (r"unindent does not match.*", "le décalage de cette ligne ne correspond à aucun bloc ouvert au-dessus"),
-    (r"inconsistent use of tabs.*", "des tabulations et des espaces sont mélangés pour décaler les lignes"),
-    (r"unterminated (triple-quoted )?(f-)?string literal.*", "il manque le guillemet qui ferme cette chaîne"),
-    (r"invalid syntax\. Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
-    (r"cannot assign to .*Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
-    (r"invalid syntax\. Perhaps you forgot a comma\?", "il manque peut-être une virgule"),
-    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}) n’a rien à faire là (copier-coller ?)"),
-    (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n’existe pas en Python (copier-coller ?)"),
-    (r"'(return|yield|await)' outside function", "« {0} » n’a de sens que dans une fonction"),
-    (r"'(break|continue)' .*", "« {0} » n’a de sens que dans une boucle"),
-    (r"positional argument follows keyword argument.*", "un argument sans nom suit un argument nommé"),
-    (r"non-default argument follows default argument", "un paramètre sans valeur par défaut en suit un qui en a une"),
-    (r"\(unicode error\).*|.*codec can't decode.*", "le fichier n’est pas enregistré en UTF-8"),
-    (r"too many nested parentheses.*|.*too many statically nested.*", "trop de niveaux imbriqués"),
-    (r"maximum recursion depth exceeded.*|.*parser stack overflow.*", "l’expression est trop profondément imbriquée"),
-    (r"leading zeros in decimal.*", "un nombre entier ne commence pas par 0"),
-    (r"Missing parentheses in call to '(\w+)'.*", "« {0} » est une fonction : ses arguments vont entre parenthèses"),
-    (r"invalid syntax", "Python ne comprend pas cette ligne (regardez aussi la fin de la précédente)"),
-)  # fmt: skip
-
 _OF_A_CHARACTER = re.compile("invalid (non-printable )?character")
 _LONGEST_LINE = 200
 
@@ -57,7 +31,11 @@ _ADVICE = {
     "NameError": "Ce nom n’est défini nulle part : faute de frappe, ou définition oubliée ?",
     "UnboundLocalError": "Cette variable est lue avant d’avoir reçu une valeur dans la fonction.",
     "TypeError": "Une valeur n’a pas le type qui convient, ou un appel n’a pas le bon nombre d’arguments.",
-    "IndexError": "Un indice sort du tableau : rappelez-vous que les indices vont de 0 à la longueur moins un.",
+    "IndexError": "Un indice ne désigne aucun élément : ils vont de 0 à la longueur moins un.",
+    "UFuncTypeError": "Ce calcul de numpy ne s’applique pas à des valeurs de ce type.",
+    "AxisError": "Cet axe n’existe pas : un tableau a autant d’axes que de dimensions, numérotés à partir de 0.",
+    "Exception": "Une exception a arrêté votre programme à cette ligne.",
+    "RuntimeError": "Un appel n’est pas possible à cet endroit du programme.",
     "KeyError": "Cette clé n’est pas dans le dictionnaire.",
     "AttributeError": "Cet objet n’a pas d’attribut ni de méthode de ce nom.",
     "ZeroDivisionError": "Un diviseur est nul.",
@@ -126,15 +104,16 @@ def syntax_error(text: str, source: str, line: int | None, lines: Sequence[str] 
     foreign = find_foreign_characters(lines)
     if foreign and (_OF_A_CHARACTER.search(text) or is_readable(repair(lines, foreign))):
         shown = show_foreign_characters(lines[line - 1].strip())[:_LONGEST_LINE] if line else source
-        return f"{describe_foreign_characters(foreign)} [{text}]\nLigne lue : {clean(shown)}"
-    text = text.removeprefix("f-string: ")
+        return f"{describe_foreign_characters(foreign)}\nLigne lue : {clean(shown)}"
     where = f"Ligne {line} : " if line else ""
-    explanation = next(
-        (french.format(*(m.groups())) for pattern, french in _SYNTAX if (m := re.fullmatch(pattern, text))), None
-    )
-    sentence = f"{explanation} [{text}]" if explanation else text
+    sentence = explain_syntax(text, source)
     quoted = f"\nLigne lue : {source}" if source else ""
-    return f"{where}{sentence}.{quoted}"
+    return f"{where}{sentence if where else sentence[:1].upper() + sentence[1:]}.{quoted}"
+
+
+def unreadable_line(reason: str, line: int) -> str:
+    """Return the sentence of a line for which Python is not asked."""
+    return f"Ligne {line} : {reason}."
 
 
 def null_byte() -> str:
@@ -161,8 +140,12 @@ _SYSTEM = {
 }
 
 
-#: French for texts of Python that a beginner would not understand.
-_IN_FRENCH = {"EOF when reading a line": "fin de l’entrée"}
+#: Words of a French text.
+_FRENCH = re.compile(
+    r"\b(?:les?|la|une?|des?|du|est|sont|pas|ne|sans|et|ou|dans|pour|par)\b|[àâçéèêîôùû’«]", re.IGNORECASE
+)
+#: Statements by which a program raises an exception itself, with words of its own.
+_OWN = re.compile(r"(?:^|[;:]\s*)(?:raise|assert)\b")
 
 
 def runtime_error(
@@ -173,13 +156,77 @@ def runtime_error(
     values: str = "",
     file_lines: Sequence[str] = (),
 ) -> str:
-    """Return the sentence of an exception; `values` tells the names on its line, `file_lines` are the file's."""
-    explained = explain_error(exception, text, values, frames, file_lines) if text else None
-    if explained:
-        return at_line(line, frames, f"{explained} [{exception} : {text.split(chr(10), 1)[0]}]")
-    sentence = f"{exception} ({_IN_FRENCH.get(text, text)})" if text else exception
+    """Return the sentence of an exception; `values` tells the names on its line, `file_lines` are the file's.
+
+    It ends with the type of the exception, the only word of Python's that it keeps: its texts are in English. A text
+    that the student's own program wrote is theirs, and is shown.
+    """
+    source = frames[-1].source if frames else ""
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
-    return at_line(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
+    if system is None and _OWN.search(source) and not _is_of_python(exception, text):
+        return at_line(line, frames, _own_exception(exception, text))
+    sentence = explain_error(exception, text, values, frames, file_lines) if text else None
+    if sentence is None:
+        advice = system or _special_advice(exception, text) or _ADVICE.get(exception) or _by_family(exception)
+        if system is None and _FRENCH.search(text):  # a function of the course, or the program's own
+            advice = f"« {text.splitlines()[0]} ». {advice}"
+        # Some exceptions have a name or a path where others have values.
+        sentence = with_values(advice, values if exception in _WITH_VALUES else "")
+    return at_line(line, frames, f"{sentence} [{exception}]")
+
+
+_WITH_VALUES = ("TypeError", "ValueError", "IndexError", "LinAlgError", "UFuncTypeError", "AxisError")
+
+
+def _is_of_python(exception: str, text: str) -> bool:
+    """Whether the text is Python's own, about the statement that raises: « raise 3 »."""
+    return exception == "TypeError" and text.startswith("exceptions must")
+
+
+def _own_exception(exception: str, text: str) -> str:
+    """Return the sentence of an exception that the program raised itself."""
+    if exception == "NotImplementedError":
+        return f"Cette fonction reste à écrire{f' (« {text} »)' if text else ''}. [{exception}]"
+    if exception == "AssertionError":
+        return f"Une assertion de votre programme est fausse{f' : « {text} »' if text else ''}. [{exception}]"
+    if exception == "KeyboardInterrupt":
+        return f"{_ADVICE[exception]} [{exception}]"
+    said = f" : « {text} »" if text else ""
+    return f"Votre programme lève lui-même cette exception{said}. [{exception}]"
+
+
+def _special_advice(exception: str, text: str) -> str | None:
+    """Return the advice for an exception whose text holds a value: a key, a path."""
+    if exception == "KeyError" and text:
+        return f"La clé {text.splitlines()[0][:80]} n’est pas dans le dictionnaire : d.get(…) donne None à sa place."
+    if exception == "FileNotFoundError" and (
+        path := re.search(r"'([^']*)'", text) or re.match(r"(\S+) not found", text)
+    ):
+        return f"Le fichier « {path[1]} » n’existe pas ici. {_ADVICE[exception]}"
+    return None
+
+
+def _by_family(exception: str) -> str:
+    """Return what an exception without advice of its own means, by the end of its name."""
+    for end, advice in _FAMILIES.items():
+        if exception.endswith(end):
+            return advice
+    return f"Une exception de type « {exception} » a arrêté votre programme à cette ligne."
+
+
+_FAMILIES = {
+    "UnicodeEncodeError": "Ce texte ne s’écrit pas dans cet encodage : UTF-8 connaît tous les caractères.",
+    "UnicodeDecodeError": "Ces octets ne sont pas un texte dans cet encodage.",
+    "SyntaxError": "Le texte donné à « eval » ou « exec » n’est pas du Python.",
+    "IndentationError": "Le texte donné à « eval » ou « exec » n’est pas du Python.",
+    "StopAsyncIteration": "Un itérateur est épuisé.",
+    "LookupError": "Ce qui est cherché n’existe pas.",
+    "ArithmeticError": "Un calcul est impossible.",
+    "TypeError": "Une valeur n’a pas le type qui convient, ou un appel n’a pas le bon nombre d’arguments.",
+    "OSError": "Le système refuse cette opération : tout arrive par les arguments, tout repart par « return ».",
+    "RuntimeError": "Un appel n’est pas possible à cet endroit du programme.",
+    "Warning": "Un avertissement arrête ici le programme : il a été changé en exception.",
+}
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
@@ -188,7 +235,8 @@ def import_error(exception: str, module: str, text: str, line: int | None, frame
     if explained := explain_import(exception, module, text):
         return at_line(line, frames, f"{explained} [{exception}]")
     if exception != "ModuleNotFoundError":
-        return at_line(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
+        what = f"Une partie du module « {module} »" if module else "Une partie d’un module"
+        return at_line(line, frames, f"{what} ne s’importe pas ici. [{exception}]")
     return at_line(line, frames, f"le module « {module} » n’est pas disponible ici. {_module_advice(module)}")
 
 
@@ -240,9 +288,11 @@ def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) ->
 
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    sentence = "opération interdite" + (f" [{text}]. " if text else ". ")
+    """Return the sentence of an operation that a wall refused; `text` is the system's, of which a path is told."""
+    path = re.search(r": '([^']{1,80})'", text)
+    what = f" sur « {path[1]} »" if path else ""
     advice = "Fichiers, réseau, processus et fils d’exécution sont hors d’atteinte : tout arrive par les arguments."
-    return at_line(line, frames, sentence + advice)
+    return at_line(line, frames, f"opération interdite{what}. {advice}")
 
 
 def exited(code: int) -> str:

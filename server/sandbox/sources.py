@@ -35,13 +35,13 @@ def require_text(source: bytes, policy: Policy, *, cell: bool = False) -> None:
     if not cell and (foreign := describe_foreign_file(source)):
         raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(foreign), exception="SyntaxError", fatal=True)
     if (piled := find_piled_marks(source)) is not None:
-        message = messages.syntax_error(messages.piled_marks(), "", piled)
+        message = messages.unreadable_line(messages.piled_marks(), piled)
         raise ProgramFault(
             FaultKind.SYNTAX_ERROR, messages.typeset(message), line=piled, exception="SyntaxError", fatal=True
         )
     if b"\0" in source:
         line = source[: source.index(b"\0")].count(b"\n") + 1
-        message = messages.syntax_error(messages.null_byte(), "", line)
+        message = messages.unreadable_line(messages.null_byte(), line)
         raise ProgramFault(
             FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True
         )

@@ -95,13 +95,13 @@ def test_a_call_gives_the_value_of_the_function(sandbox: Sandbox, expression: st
 @pytest.mark.parametrize(
     ("call", "exception", "text"),
     [
-        ("triple()", "TypeError", "triple() missing 1 required positional argument: 'x'"),
+        ("triple()", "TypeError", "Il manque à l’appel de triple\u00a0: x"),
         ("triple('a')", "ValueError", "pas un nombre, a"),
         ("entree({'a': 1})", "KeyError", "'absente'"),
-        ("singuliere(np.zeros((2, 2)))", "LinAlgError", "Singular matrix"),
+        ("singuliere(np.zeros((2, 2)))", "LinAlgError", "La matrice est singulière"),
         ("refuse(1)", "Refus", "refus du cours"),
-        ("triple(lambda: 0)", "TypeError", "triple() cannot take an object of type 'function'"),
-        ("triple(object())", "TypeError", "triple() cannot take an object of type 'object'"),
+        ("triple(lambda: 0)", "TypeError", "ne prend pas une fonction"),
+        ("triple(object())", "TypeError", "ne prend pas un objet de type"),
     ],
 )
 def test_a_bad_argument_is_the_programs_exception_at_its_line(

@@ -57,7 +57,7 @@ def plain(text: str) -> str:
         ("return [1, 2][x]", "Un indice doit être un nombre entier"),
         ("return [[1], [2]][0, 0]", "Une liste n’a qu’un indice : écrivez l[i][j]"),
         ("return range(x)", "Il faut ici un nombre entier : int(…), ou // pour une division entière. Ici : x vaut 2,5"),
-        ("return v[0, 1]", "Ce tableau a 1 dimension(s), et 2 indices"),
+        ("return v[0, 1]", "Ce tableau a 1 dimension, et 2 indices"),
         ("return v[7]", "L’indice 7 sort du tableau : l’axe 0 a 3 éléments"),
         ("return x ^ 2", "la puissance s’écrit ** et non ^ : x**2"),
         ("return v^2", "la puissance s’écrit ** et non ^ : v**2"),
@@ -66,7 +66,7 @@ def plain(text: str) -> str:
         ("return math.cos(v)", "math.cos ne prend qu’un nombre, et reçoit un tableau : np.cos prend des tableaux"),
         ("return float(v)", "float(…) ne prend qu’un nombre, et reçoit un tableau (NumPy 1"),
         ("return float(np.array([x]))", "a[0], ou a.item(), donne cet élément"),
-        ("return v + 'a'", "« add » ne s’applique qu’à des nombres"),
+        ("return v + 'a'", "« + » ne s’applique qu’à des nombres"),
         ("return x + 'a'", "« + » ne s’applique pas entre un nombre et une chaîne de caractères"),
         ("return x + g(1)", "« + » ne s’applique pas à None"),
         ("return x * g", "les parenthèses de son appel sont-elles oubliées ?"),
@@ -81,9 +81,9 @@ def plain(text: str) -> str:
         ("return 1 if v > 0 else 2", "(…).all() s’ils doivent l’être tous"),
         ("a, b = v", "À gauche du signe « = », 2 noms ; à droite, plus de valeurs"),
         ("return np.array(v.tolist(), copy=False)", "s’écrit np.asarray(…)"),
-        ("return math.sqrt(-x)", "racine ou logarithme d’un négatif"),
+        ("return math.sqrt(-x)", "la racine d’un nombre négatif"),
         ("return g(1, 2)", "« g » prend 1 argument, et en reçoit 2"),
-        ("return g()", "Il manque à l’appel de g : 'argument'"),
+        ("return g()", "Il manque à l’appel de g : argument"),
         ("return np.zeros(2, 3)", "entre parenthèses : np.zeros((2, 3))"),
         ("return np.linalg.inv(m)", "Il faut une matrice carrée"),
     ],
@@ -160,12 +160,16 @@ def test_names_of_python_2_are_gone_and_their_successors_are_not() -> None:
         assert "a disparu" in (explain_import("ModuleNotFoundError", name, "") or "")
 
 
-def test_english_is_cut_to_its_first_line_and_unknown_errors_keep_their_advice() -> None:
+def test_an_error_that_nobody_explains_keeps_what_its_type_means() -> None:
     message = messages.runtime_error("AttributeError", "module 'numpy' has no attribute 'int'.\nmore\nand more", 1, ())
     assert "more" not in message
     assert "np.int a disparu" in message
     assert "Un diviseur est nul" in messages.runtime_error("ZeroDivisionError", "division by zero", 1, ())
     assert explain_error("ValueError", "quelque chose", "x vaut 1", (), ()) is None
+    told = messages.runtime_error("ValueError", "something odd", 1, (), "x vaut 1")
+    assert "odd" not in told
+    assert "Ici : x vaut 1" in told
+    assert "type « EtrangeErreur »" in messages.runtime_error("EtrangeErreur", "odd", 1, ())
 
 
 def test_a_file_of_many_names_costs_little() -> None:

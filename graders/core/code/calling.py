@@ -11,7 +11,7 @@ from functools import cache
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 
-_WRONG_CALL = re.compile(r"\b(\w+)\(\) (?:takes |missing \d+ required positional)")
+_WRONG_CALL = re.compile(r"« (\w+) » prend .*? arguments?, et en reçoit|Il manque à l’appel de (\w+) :")
 _BEGINS_WITH_LINE = re.compile(r"Ligne \d")
 
 
@@ -45,12 +45,13 @@ def _told_before(finding: Finding, first: str) -> Finding:
 
 def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:
     message = finding.result.message or ""
-    called = _WRONG_CALL.search(message)
+    called = _WRONG_CALL.search(message.replace("\u00a0", " "))
     if finding.cause is not Outcome.RUNTIME_ERROR or called is None or _BEGINS_WITH_LINE.match(message):
         return finding
-    if called[1] not in signatures:
+    name = called[1] or called[2]
+    if name not in signatures:
         return finding
-    told = f"L’énoncé demande {signatures[called[1]]}. {message}"
+    told = f"L’énoncé demande {signatures[name]}. {message}"
     return replace(finding, result=replace(finding.result, message=told))
 
 

@@ -15,6 +15,7 @@ from .codec import Value
 MAX_TEXT, MAX_NAME, MAX_FRAMES, MAX_SOURCE, MAX_VALUES = 600, 80, 8, 200, 5
 MAX_INT = 10**15
 _NAME = re.compile(r"(?<![\w.'\"])([^\W\d]\w{0,40})(\.T\b)?(?![\w(])")
+_PART = re.compile(r"\[[\d:,\s-]{1,30}\]")
 #: System limits that a program can meet without trying to escape: descriptors, a full folder, a file too big.
 _LIMITS = (errno.EMFILE, errno.ENFILE, errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 #: Libraries whose own system errors mean that a wall refused something.
@@ -154,10 +155,33 @@ def _values_on_line(traceback: TracebackType | None, filename: str, lines: list[
     for match in _NAME.finditer(lines[innermost.tb_lineno - 1]):
         name, transposed = match.group(1), match.group(2) or ""
         value = frame.f_locals.get(name, frame.f_globals.get(name))
-        words = _in_words(value, transposed)
+        part = "" if transposed else _part_of(value, lines[innermost.tb_lineno - 1][match.end() :])
+        words = _in_words(_element(value, part), "") if part else _in_words(value, transposed)
         if words and len(described) < MAX_VALUES:
-            described[name + transposed] = words
+            described[name + transposed + part] = words
     return ", ".join(f"{name} {words}" for name, words in described.items())[:MAX_TEXT]
+
+
+def _part_of(value: Any, after: str) -> str:
+    """Return the part of a value that a line reads behind its name, « [:2] »; empty where it has none."""
+    match = _PART.match(after)
+    return match[0] if match and _element(value, match[0]) is not None else ""
+
+
+def _element(value: Any, part: str) -> Any:
+    """Return a part of an array, a list or a tuple, given by numbers: « [:, 0] »; None where there is none."""
+    if type(value) not in (np.ndarray, list, tuple):
+        return None
+    try:
+        keys = [
+            slice(*(int(bound) if bound.strip() else None for bound in piece.split(":")))
+            if ":" in piece
+            else int(piece)
+            for piece in part[1:-1].split(",")
+        ]
+        return value[keys[0] if len(keys) == 1 else tuple(keys)]
+    except (ValueError, IndexError, TypeError):
+        return None
 
 
 def _in_words(value: Any, transposed: str) -> str:

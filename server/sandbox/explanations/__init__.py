@@ -10,12 +10,12 @@ import re
 from collections.abc import Sequence
 
 from server.sandbox import renamed_names
-from server.sandbox.explanations.attributes import describe_gone, explain_attribute, explain_numpy_name
+from server.sandbox.explanations.attributes import explain_attribute, explain_module_name, explain_numpy_name
 from server.sandbox.explanations.names import explain_name
-from server.sandbox.explanations.values import explain_value
+from server.sandbox.explanations.values import explain_value, with_values
 from server.sandbox.faults import Frame
 
-__all__ = ["explain_error", "explain_import"]
+__all__ = ["explain_error", "explain_import", "with_values"]
 
 
 def explain_error(
@@ -37,10 +37,7 @@ def explain_import(exception: str, module: str, text: str) -> str | None:
     """Return what to import instead of a module or a name that is gone; None where there is nothing to say."""
     if exception == "ModuleNotFoundError" and (instead := renamed_names.MODULES.get(module)):
         return f"Le module « {module} » a disparu de Python 3 : {instead} le remplace."
-    if match := re.match(r"cannot import name '(\w+)' from '([\w.]+)'", text):
+    if match := re.match(r"cannot import name '(\w+)' from (?:partially initialized module )?'([\w.]+)'", text):
         name, origin = match.groups()
-        if origin == "numpy":
-            return explain_numpy_name(name, "np")
-        instead = renamed_names.ATTRIBUTES.get(origin, {}).get(name)
-        return describe_gone(f"{origin}.{name}", origin, instead) if instead else None
+        return explain_numpy_name(name, "np") if origin == "numpy" else explain_module_name(origin, name)
     return None

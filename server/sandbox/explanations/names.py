@@ -18,7 +18,7 @@ from server.sandbox.faults import Frame
 from server.sandbox.foreign_characters import describe_odd_letters, latin_spelling
 
 #: Longest file whose names are searched, and how many of its names.
-_LONGEST, _MOST_NAMES = 100_000, 1000
+_LONGEST, _MOST_NAMES, _MOST_LINES = 100_000, 1000, 3000
 _MODULE_NAMES = {"math", "cmath", "random", "itertools", "functools", "collections", "copy", "time", "sys", "os", "re"}
 _LIBRARIES = {
     "numpy": "import numpy",
@@ -128,6 +128,8 @@ def _explain_near_name(name: str, function: str, bound: Sequence[tuple[str, str,
 
 def _explain_unbound(name: str, function: str, file_lines: Sequence[str]) -> str:
     lines = sorted({line for scope, known, line in _bound_names(file_lines) if scope == function and known == name})
+    if any(re.search(rf"\bdel\b[^#]*\b{re.escape(name)}\b", line) for line in file_lines[:_MOST_LINES]):
+        return f"La variable « {name} » n’a pas, ou n’a plus de valeur : « del » la lui a retirée."
     sentence = f"La variable « {name} » est lue avant d’avoir reçu une valeur dans la fonction"
     if not lines:
         return f"{sentence}."

@@ -30,8 +30,30 @@ TYPES = {
     "complex": "un nombre complexe",
     "numpy.ufunc": "une fonction",
     "numpy.str_": "une chaîne de caractères",
+    "numpy._ArrayFunctionDispatcher": "une fonction",
+    "numpy.bool": "un booléen",
+    "numpy.float32": "un nombre",
+    "method-wrapper": "une méthode",
+    "filter": "un filter",
+    "enumerate": "un enumerate",
+    "bytes": "une suite d’octets",
+    "frozenset": "un ensemble",
+    "dict_keys": "la vue des clés d’un dictionnaire",
+    "dict_values": "la vue des valeurs d’un dictionnaire",
+    "dict_items": "la vue des couples d’un dictionnaire",
+    "coroutine": "l’appel d’une fonction « async »",
+    "numpy.random._generator.Generator": "un générateur de nombres aléatoires (rng)",
+    "Generator": "un générateur de nombres aléatoires (rng)",
 }
-CALLABLE_TYPES = ("function", "builtin_function_or_method", "method", "type", "numpy.ufunc")
+CALLABLE_TYPES = (
+    "function",
+    "builtin_function_or_method",
+    "method",
+    "method-wrapper",
+    "type",
+    "numpy.ufunc",
+    "numpy._ArrayFunctionDispatcher",
+)
 
 
 def describe_type(name: str) -> str:
