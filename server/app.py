@@ -18,7 +18,7 @@ from server.api import documentation
 from server.assignments import editing
 from server.base import middleware, root_path, school_time
 from server.base.app_services import add_services, check_services
-from server.base.concurrency import Gate, run_periodically
+from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
 from server.base.settings import Settings
 from server.behaviour import fingerprints
@@ -284,7 +284,7 @@ def _share(app: FastAPI, services: Services) -> None:
     add_services(app, Readiness(services.database, services.supervisor, services.walls, carrier))
     add_services(app, PrometheusMetrics(services.database, services.supervisor))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
-    add_services(app, services.archives)
+    add_services(app, services.archives, SingleFlight())
     check_services(app)
 
 

@@ -1,16 +1,20 @@
-"""Periodic tasks, a gate, and a limiter that is fair between flows."""
+"""Periodic tasks, a gate, a limiter that is fair between flows, and works that are done once for all."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 from collections import Counter, OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from concurrent.futures import Future
+from typing import Any, TypeVar
 
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
 from starlette.concurrency import run_in_threadpool
 
 log = logging.getLogger(__name__)
+T = TypeVar("T")
 
 
 async def run_periodically(seconds: float, action: Callable[[], None], failure_message: str) -> None:
@@ -136,3 +140,31 @@ class FairLimiter:
         queue.remove(turn)
         if not queue:
             del self._queues[key]
+
+
+class SingleFlight:
+    """Does a slow work once for all who ask for it meanwhile. For one event loop.
+
+    The work runs in a thread beside those that serve pages, and nobody waits for it in one of these: readers of
+    everything that is made at its first use would take them all.
+    """
+
+    def __init__(self, max_concurrent: int = 1) -> None:
+        self._max_concurrent = max_concurrent
+        self._limiter: CapacityLimiter | None = None
+        self._tasks: dict[Hashable, asyncio.Task[Any]] = {}
+
+    async def run(self, key: Hashable, work: Callable[[], T]) -> T:
+        """Return what `work` returns, or what it has returned to whoever asked first for this key and still waits."""
+        task = self._tasks.get(key)
+        if task is None:
+            self._limiter = self._limiter or CapacityLimiter(self._max_concurrent)
+            task = self._tasks[key] = asyncio.create_task(run_sync(work, limiter=self._limiter))
+            task.add_done_callback(lambda done: self._finish(key, done))
+        result: T = await asyncio.shield(task)
+        return result
+
+    def _finish(self, key: Hashable, task: asyncio.Task[Any]) -> None:
+        del self._tasks[key]
+        if not task.cancelled():
+            task.exception()  # where everybody has left, too

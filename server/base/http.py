@@ -74,6 +74,10 @@ def visitor_key(host: str) -> str:
     return str(ip_network((int(address), IPV6_NETWORK_BITS), strict=False))
 
 
+#: Characters of a path of this site to go to, more than the longest has.
+MAX_ADDRESS = 2000
+
+
 def local_path(address: str) -> str:
     """Return a path of this site to go to afterwards: the address itself, or `/` where it is of another site."""
     parts = urlsplit(address)

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 from uuid import UUID
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from server.base.errors import Invalid, NotFound, TooLarge
 
@@ -66,6 +70,19 @@ def format_size(count: float) -> str:
         if count >= unit:
             return f"{count / unit:.2f}".rstrip("0").rstrip(".").replace(".", ",") + NO_BREAK + name
     return f"{count:.0f}{NO_BREAK}octet{'s' if count >= 2 else ''}"
+
+
+@dataclass(frozen=True)
+class CutAt:
+    """In the annotation of a text parameter: characters beyond the first `max_length` are ignored."""
+
+    max_length: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._cut, handler(source))
+
+    def _cut(self, text: str) -> str:
+        return text[: self.max_length]
 
 
 def parse_uuid(text: UUID | str, message: str) -> UUID:

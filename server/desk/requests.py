@@ -7,7 +7,8 @@ from fastapi.responses import Response
 
 from server.web.forms import redirect
 
-GroupQuery = Annotated[str, Query(max_length=100)]
+ShortQuery = Annotated[str, Query(max_length=100)]
+GroupQuery = ShortQuery
 UNKNOWN_ACTION = "Cette action n’existe pas."
 
 

@@ -6,7 +6,8 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
-from server.base.http import client_address, device_token, local_path, session_token
+from server.base.http import MAX_ADDRESS, client_address, device_token, local_path, session_token
+from server.base.validation import CutAt
 from server.database.dependencies import Db
 from server.identity import links, secrets, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
@@ -21,10 +22,11 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 CodeQuery = Annotated[str, Query(max_length=100)]
+NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
 
 
 @router.get("/inscription")
-def sign_up_form(request: Request, account: OptionalAccount, suite: str = "/") -> HTMLResponse:
+def sign_up_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
     return account_form(request, "inscription.html", account, after=local_path(suite))
 
 
@@ -90,7 +92,7 @@ async def welcome(
 
 
 @router.get("/connexion")
-def log_in_form(request: Request, account: OptionalAccount, suite: str = "/") -> HTMLResponse:
+def log_in_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
     return account_form(request, "connexion.html", account, after=local_path(suite), action="/", resend="")
 
 

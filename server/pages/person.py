@@ -3,7 +3,7 @@
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
@@ -29,6 +29,7 @@ router = APIRouter(include_in_schema=False)
 #: The page asks for the password in two forms: the problems of the second one stand beside its own field.
 TOKEN_FIELDS = {"password": "token_password"}
 
+ShortQuery = Annotated[str, Query(max_length=100)]
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
 
@@ -46,7 +47,7 @@ def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsO
 
 @router.get("/compte")
 def account_page(
-    request: Request, account: OptionalAccount, db: Db, settings: SettingsOf, change: str = ""
+    request: Request, account: OptionalAccount, db: Db, settings: SettingsOf, change: ShortQuery = ""
 ) -> Response:
     if account is None:
         return redirect("/connexion?suite=/compte")

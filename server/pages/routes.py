@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
@@ -23,6 +23,7 @@ from server.comments.models import CHECK_LENGTH
 from server.comments.schemas import Conversation
 from server.course import Exercise
 from server.course.dependencies import CourseOf
+from server.course.first_reading import render_exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
@@ -50,6 +51,7 @@ from server.web.views import Reader, exercise_href, find_exercise, find_module
 from server.web.words import iso_moment
 
 MOVES_ON = 303
+MAX_IDENTITY = 100  # characters of a UUID, however it is written
 MOST_PAGES = 10**9
 _database, _accounts = app_service_getter(Database), app_service_getter(AccountService)
 
@@ -73,13 +75,13 @@ def kit(module: str, file: str, reader: CurrentReader) -> Response:
     return Response(taken.content, media_type=taken.media_type, headers=headers)
 
 
-@router.get("/{module:module}/exercices/{slug}")
+@router.get("/{module:module}/exercices/{slug}", dependencies=[Depends(render_exercise)])
 def exercise(
     request: Request,
     module: str,
     slug: str,
     reader: CurrentReader,
-    reprendre: Annotated[str | None, Query()] = None,
+    reprendre: Annotated[str | None, Query(max_length=MAX_IDENTITY)] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
     exercise, database = find_exercise(reader.course, module, slug), _database(request.app)

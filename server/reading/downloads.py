@@ -5,8 +5,7 @@ The archive is made at the first demand, the same bytes each time, and kept.
 
 from __future__ import annotations
 
-from threading import Lock
-
+from server.base.concurrency import SingleFlight
 from server.base.errors import NotFound
 from server.base.files import reproducible_zip
 from server.course import Course
@@ -14,20 +13,26 @@ from server.course.code import load_file
 
 
 class Downloads:
-    """Archives by module and name. Slow at first (about a second): call it in a thread."""
+    """Archives by module and name. One takes about a second to make."""
 
     def __init__(self, course: Course) -> None:
         self._course = course
         self._made: dict[tuple[str, str], bytes] = {}
-        self._lock = Lock()
+
+    async def prepare(self, module: str, name: str, once: SingleFlight) -> bytes:
+        """Return the archive, made once for all who wait for it. Raises NotFound."""
+        made = self._made.get((module, name))
+        if made is None:
+            made = await once.run((Downloads, module, name), lambda: self.archive(module, name))
+        return made
 
     def archive(self, module: str, name: str) -> bytes:
-        """A ZIP whose files stand in one folder of that name. Raises NotFound."""
+        """Return a ZIP whose files stand in one folder of that name. Raises NotFound."""
         course_module = self._course.modules.get(module)
         if course_module is None or name not in course_module.files:
             raise NotFound("Ce fichier n’existe pas.")
-        with self._lock:
-            if (module, name) not in self._made:
-                files: dict[str, bytes] = load_file(course_module.files[name]).files()
-                self._made[module, name] = reproducible_zip(name, files)
-            return self._made[module, name]
+        made = self._made.get((module, name))
+        if made is None:
+            files: dict[str, bytes] = load_file(course_module.files[name]).files()
+            made = self._made[module, name] = reproducible_zip(name, files)
+        return made

@@ -6,19 +6,21 @@ from dataclasses import asdict
 from http import HTTPStatus
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root_path
 from server.base.app_services import app_service
 from server.base.errors import NotFound
 from server.base.http import client_address
+from server.base.validation import CutAt
 from server.course.dependencies import CourseOf
+from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
 from server.figures.dependencies import FiguresOf
 from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.gradebook.dependencies import SolutionToggle
 from server.polls import service as polls
-from server.reading import service
+from server.reading import search, service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
 from server.web.dependencies import CurrentReader
@@ -28,6 +30,7 @@ from server.web.views import find_module, lesson_href
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
 
+SearchText = Annotated[str, CutAt(search.MAX_QUERY_LENGTH)]
 DownloadsOf = Annotated[Downloads, Depends(app_service(Downloads))]
 
 router = APIRouter(include_in_schema=False)
@@ -39,7 +42,7 @@ def course_home(request: Request, module: str, reader: CurrentReader) -> HTMLRes
     return render_page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
 
 
-@router.get("/{module:module}/lire/{slug}")
+@router.get("/{module:module}/lire/{slug}", dependencies=[Depends(render_lesson)])
 def lesson(
     request: Request, module: str, slug: str, reader: CurrentReader, ouvrir: Literal["", "oui"] = ""
 ) -> HTMLResponse:
@@ -70,14 +73,21 @@ def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
 
 
-@router.get("/{module:module}/glossaire")
+@router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary)])
 def glossary(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
     return render_page(request, "reading/glossary.html", reader.account, page=service.glossary_page(course_module))
 
 
-@router.get("/{module:module}/recherche")
-def search(request: Request, module: str, reader: CurrentReader, q: Annotated[str, Query()] = "") -> HTMLResponse:
+async def prepare_index(course: CourseOf, once: SingleFlightOf, module: str) -> None:
+    """Make the index of the address's module, if there is one, at the first search."""
+    course_module = course.modules.get(module)
+    if course_module is not None and not search.is_prepared(course_module):
+        await once.run((search, module), lambda: search.prepare(course_module))
+
+
+@router.get("/{module:module}/recherche", dependencies=[Depends(prepare_index)])
+def search_module(request: Request, module: str, reader: CurrentReader, q: SearchText = "") -> HTMLResponse:
     course_module = find_module(reader.course, module)
     return render_page(request, "reading/search.html", reader.account, page=service.search_page(course_module, q))
 
@@ -89,6 +99,7 @@ async def figure(request: Request, figures: FiguresOf, module: str, name: str, t
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")
-def download(downloads: DownloadsOf, module: str, name: str) -> Response:
+async def download(downloads: DownloadsOf, once: SingleFlightOf, module: str, name: str) -> Response:
+    made = await downloads.prepare(module, name, once)
     headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "public, max-age=600"}
-    return Response(downloads.archive(module, name), media_type="application/zip", headers=headers)
+    return Response(made, media_type="application/zip", headers=headers)

@@ -10,9 +10,9 @@ import re
 import sqlite3
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import islice, product
 from threading import Lock
+from weakref import WeakKeyDictionary
 
 from markupsafe import Markup, escape
 
@@ -26,7 +26,8 @@ MAX_HITS = 30
 MAX_QUERY_LENGTH, MAX_QUERY_WORDS = 200, 8  # the rest of a query is ignored
 TITLE_WEIGHT, NAME_WEIGHT = 6.0, 20.0
 WORDS_AROUND = 26
-MAX_PHRASES = 60  # combinations of word forms searched as a phrase
+MAX_SMALL_WORDS = 3  # of a query of nothing but small words
+MAX_PHRASE_WORDS = 60  # in all the combinations of word forms that are searched as phrases
 #: How a numbered block begins, « Théorème 1 : », where others only speak of it.
 NUMBERED = re.compile(r"\b[A-ZÉ]\w+\u00a0\d+(?= :)")
 MARK_START, MARK_END = "\x02", "\x03"
@@ -63,29 +64,40 @@ class Found:
 
 def find(module: Module, query: str) -> Found:
     """The places that speak of all the words of `query`, first where they stand together; failing that, of some."""
-    return _index(module).find(query)
+    return prepare(module).find(query)
 
 
-@lru_cache(maxsize=16)
-def _index(module: Module) -> Index:
-    return Index(tuple(_passages(module)))
+_indexes: WeakKeyDictionary[Module, Index] = WeakKeyDictionary()
+
+
+def is_prepared(module: Module) -> bool:
+    return module in _indexes
+
+
+def prepare(module: Module) -> Index:
+    """Return the module's index; to make it takes about a second."""
+    index = _indexes.get(module)
+    if index is None:
+        index = _indexes[module] = Index(tuple(_passages(module)))
+    return index
 
 
 class Index:
-    """One table, behind a lock: a search takes some milliseconds."""
+    """One table, behind a lock: the bounds above keep a search under some milliseconds, whatever the query."""
 
     def __init__(self, passages: Sequence[Passage]) -> None:
         self._passages = passages
         self._lock = Lock()
         self._vocabulary = Vocabulary(f"{passage.part} {passage.text} {passage.names}" for passage in passages)
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
-        options = "tokenize = 'unicode61 remove_diacritics 2'"
+        options = "tokenize = 'unicode61 remove_diacritics 2', prefix = '2 3'"
         self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")
         rows = (
             (number, passage.part, _without_marks(passage.text), passage.names)
             for number, passage in enumerate(passages)
         )
         self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
+        self._table.execute("INSERT INTO passages(passages) VALUES ('optimize')")
 
     def find(self, query: str, most: int = MAX_HITS) -> Found:
         asked = words(query)
@@ -111,7 +123,7 @@ class Index:
         return _or_query([*kin, *map(_prefix_term, beginnings)])
 
     def _ranked_hits(self, kin: list[list[str]], terms: list[str], most: int) -> tuple[HitView, ...]:
-        phrases = _or_query([" + ".join(phrase) for phrase in islice(product(*kin), MAX_PHRASES)])
+        phrases = _or_query([" + ".join(phrase) for phrase in islice(product(*kin), MAX_PHRASE_WORDS // len(kin))])
         every = " AND ".join(map(_or_query, kin))
         family = " AND ".join(self._family_query(word, alike) for word, alike in zip(terms, kin, strict=True))
         hits: dict[int, HitView] = {}
@@ -122,20 +134,21 @@ class Index:
         return tuple((hits or self._hits(" OR ".join(map(_or_query, kin)), most)).values())[:most]
 
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
+        """Rank first, then quote the best: a quotation takes longer than all the rest."""
         rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {NAME_WEIGHT}), rowid"
-        statement = f"""
-            SELECT rowid, snippet(passages, 1, '{MARK_START}', '{MARK_END}', '…', {WORDS_AROUND})
-            FROM passages WHERE passages MATCH ? ORDER BY {rank} LIMIT ?
-        """
+        best = f"SELECT rowid FROM passages WHERE passages MATCH ? ORDER BY {rank} LIMIT ?"
+        quotation = f"snippet(passages, 1, '{MARK_START}', '{MARK_END}', '…', {WORDS_AROUND})"
         with self._lock:
-            rows = self._table.execute(statement, (match, most)).fetchall()
-        return {number: _hit_view(self._passages[number], snippet) for number, snippet in rows}
+            order = [number for (number,) in self._table.execute(best, (match, most))]
+            rows = f"passages MATCH ? AND rowid IN ({', '.join(map(str, order))})"
+            quoted = dict(self._table.execute(f"SELECT rowid, {quotation} FROM passages WHERE {rows}", (match,)))
+        return {number: _hit_view(self._passages[number], quoted[number]) for number in order}
 
 
 def words(query: str) -> tuple[str, ...]:
     """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
     all_words = list(dict.fromkeys(WORD.findall(spelt(query[:MAX_QUERY_LENGTH]))))
-    telling = [word for word in all_words if word not in STOP_WORDS] or all_words
+    telling = [word for word in all_words if word not in STOP_WORDS] or all_words[:MAX_SMALL_WORDS]
     return tuple(telling[:MAX_QUERY_WORDS])
 
 

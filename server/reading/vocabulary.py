@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import difflib
 import re
+import string
 import unicodedata
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+
+import numpy as np
 
 from graders.typography import limit_marks, unaccented
 
@@ -19,6 +22,9 @@ WORD = re.compile(r"[^\W_]+")
 SHORTEST_STEM, SHORTEST_TYPO = 4, 4
 #: How much alike (`difflib`'s ratio) a word and what it is taken for are at least: « noued » and « noeud » are at 0.8.
 ALIKE = 0.8
+#: Words to compare letter by letter, those that share the most letters first.
+MAX_COMPARED = 40
+LETTERS = string.ascii_lowercase + string.digits
 
 
 def spelt(text: str) -> str:
@@ -40,6 +46,8 @@ class Vocabulary:
             self._spellings[unaccented(word) or word].append(word)
             self._of_stem[unaccented(self._stem(word))].append(word)
         self._plain = sorted(self._spellings)
+        self._letters = np.ascontiguousarray(_count_letters(self._plain))
+        self._lengths = np.array([len(word) for word in self._plain], dtype=np.int32)
 
     def knows(self, word: str) -> bool:
         """Whether it stands in the texts: it, its beginning, or another of its stem."""
@@ -69,5 +77,20 @@ class Vocabulary:
         plain = unaccented(word)
         if len(plain) < SHORTEST_TYPO:
             return None
-        close = difflib.get_close_matches(plain, self._plain, n=1, cutoff=ALIKE)
+        close = difflib.get_close_matches(plain, self._words_like(plain), n=1, cutoff=ALIKE)
         return self._spellings[close[0]][-1] if close else None  # the last one bears the accents
+
+    def _words_like(self, plain: str) -> list[str]:
+        """The words that share enough letters to be alike, in whatever order: the bound of `difflib.quick_ratio`."""
+        wanted = _count_letters([plain])
+        shared = np.minimum(self._letters, wanted).sum(axis=1, dtype=np.int32)
+        alike = 2.0 * shared / (self._lengths + len(plain))
+        enough = np.flatnonzero(alike >= ALIKE)
+        best = enough[np.argsort(-alike[enough], kind="stable")[:MAX_COMPARED]]
+        return [self._plain[index] for index in best]
+
+
+def _count_letters(words: Sequence[str]) -> np.ndarray:
+    """Shape (words, 36): how often each letter or digit stands in each word, 255 times at most."""
+    columns = [[min(word.count(letter), 255) for word in words] for letter in LETTERS]
+    return np.array(columns, dtype=np.uint8).T

@@ -45,7 +45,7 @@ class Made:
     replays: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = ()
-    questions: tuple[str, ...] = ()
+    is_rendered: bool = True
 
 
 def lesson(slug: str, kind: str = "seance", **changes: Any) -> Lesson:

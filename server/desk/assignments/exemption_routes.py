@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.assignments import editing, exemption_service
@@ -16,7 +14,7 @@ from server.database.dependencies import Db
 from server.desk.assignments import exemption_views
 from server.desk.assignments import forms as assignment_forms
 from server.desk.assignments.views import assignment_href
-from server.desk.requests import redirect_to_login
+from server.desk.requests import ShortQuery, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -34,7 +32,6 @@ EXEMPTIONS_CHANGED = (
     "Rien de votre saisie n’est encore enregistré."
 )
 GRANT_ANYWAY = "Accorder quand même"
-ShortQuery = Annotated[str, Query(max_length=100)]
 
 
 @router.get(f"{ASSIGNMENT_PATH}/amenagements")

@@ -17,7 +17,7 @@ from server.desk.assignments import exam_papers
 from server.desk.assignments import forms as assignment_forms
 from server.desk.assignments import views as assignment_views
 from server.desk.assignments.schemas import AssignmentFormPage
-from server.desk.requests import redirect_to_login
+from server.desk.requests import ShortQuery, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -45,7 +45,7 @@ def list_assignments(request: Request, class_id: str, reader: CurrentReader) -> 
 
 
 @router.get(f"{ASSIGNMENTS_PATH}/nouveau")
-def show_new_form(request: Request, class_id: str, reader: CurrentReader, sujet: str = "") -> Response:
+def show_new_form(request: Request, class_id: str, reader: CurrentReader, sujet: ShortQuery = "") -> Response:
     """`sujet` names a paper of the course, for which the form is filled."""
     if reader.account is None:
         return redirect_to_login(request)

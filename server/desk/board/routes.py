@@ -59,7 +59,7 @@ def project(
 @router.get("/classes/{class_id}/evenements")
 async def events(
     class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf, version: Text = "",
-    erreurs: Text = "", last_event_id: Annotated[str, Header()] = "",
+    erreurs: Text = "", last_event_id: Annotated[str, Header(max_length=200)] = "",
 ) -> StreamingResponse:  # fmt: skip
     """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
     access = await run_in_threadpool(

@@ -67,6 +67,10 @@ class Text:
         with _RENDERING:
             return self.__dict__.get("rendered") or render(self.source, inline=self.inline)
 
+    @property
+    def is_rendered(self) -> bool:
+        return "rendered" in self.__dict__
+
     @cached_property
     def html(self) -> str:
         for fault in self.rendered.faults:

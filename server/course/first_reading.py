@@ -1,0 +1,41 @@
+"""Texts are rendered once, at their first reading, and never by a thread that serves pages: formulas take seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated
+
+from fastapi import Depends
+
+from server.base.app_services import app_service
+from server.base.concurrency import SingleFlight
+from server.course.dependencies import CourseOf
+from server.text.markup import Text
+
+SingleFlightOf = Annotated[SingleFlight, Depends(app_service(SingleFlight))]
+
+
+async def render_texts(once: SingleFlight, texts: Iterable[Text]) -> None:
+    """Render those of the texts that nobody has read yet."""
+    missing = [text for text in texts if not text.is_rendered]
+    if missing:
+        await once.run(missing[0], lambda: [text.rendered for text in missing])
+
+
+async def render_lesson(course: CourseOf, once: SingleFlightOf, module: str, slug: str) -> None:
+    """Render the lesson of the address, if there is one."""
+    if module in course.modules:
+        await render_texts(once, [lesson.text for lesson in course.modules[module].lessons if lesson.slug == slug])
+
+
+async def render_exercise(course: CourseOf, once: SingleFlightOf, module: str, slug: str) -> None:
+    """Render the statement and the hints of the address's exercise, if there is one."""
+    exercise = course.exercises.get(f"{module}/{slug}")
+    if exercise is not None:
+        await render_texts(once, (exercise.statement, *exercise.hint_texts))
+
+
+async def render_glossary(course: CourseOf, once: SingleFlightOf, module: str) -> None:
+    """Render the definitions of the address's module, if there is one."""
+    if module in course.modules:
+        await render_texts(once, [term.definition for term in course.modules[module].glossary.values()])
