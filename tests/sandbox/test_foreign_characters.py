@@ -53,7 +53,7 @@ def borders(program: str) -> list[int]:
 
 BORDERS = borders(PROGRAM)
 #: Each character is put at one border in so many, and each border is met by characters of every kind.
-STRIDE = 4
+STRIDE = 12
 
 
 @pytest.mark.parametrize("character", SPACES + UNSEEN + OTHERS, ids=lambda it: f"U+{ord(it):04X}")
