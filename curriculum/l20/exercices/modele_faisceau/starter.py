@@ -11,8 +11,8 @@ def log_vraisemblance(z, z_attendu, sigma, z_max, alpha, lam):
 
 
 def champ_distance(libres):
-    """La distance (H, W) de chaque case au mur le plus proche,
-    en cases, de centre à centre ; 0 sur les murs.
+    """Un tableau (H, W) : pour chaque case, l'écart au mur le plus
+    proche, compté en cases d'un centre à l'autre (0 sur un mur).
     """
     hauteur, largeur = libres.shape
     champ = np.zeros((hauteur, largeur))

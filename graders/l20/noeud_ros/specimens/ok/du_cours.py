@@ -1,12 +1,12 @@
 import rclpy
-from sensor_msgs.msg import LaserScan
-from geometry_msgs.msg import Twist
 from rclpy.node import Node
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import LaserScan
 
 
 class ArretUrgence(Node):
     def __init__(self):
-        super().__init__("arret_urgence")
+        super().__init__("surveillant")
         self.declare_parameter("distance_min", 0.3)
         self.create_subscription(LaserScan, "/scan", self.regarder, 10)
         self.freins = self.create_publisher(Twist, "/cmd_vel", 10)

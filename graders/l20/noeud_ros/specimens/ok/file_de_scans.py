@@ -1,10 +1,9 @@
 import rclpy
+from collections import deque
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
-from sensor_msgs.msg import LaserScan
-
-from collections import deque
 from std_msgs.msg import Bool, Float32
+from sensor_msgs.msg import LaserScan
 
 
 class ArretUrgence(Node):

@@ -12,9 +12,10 @@ class ArretUrgence(Node):
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
-        n = len(scan.ranges)
-        devant = [d for d in scan.ranges[n // 2 - 10 : n // 2 + 10] if scan.range_min < d < scan.range_max]
-        if devant and min(devant) < self.get_parameter("distance_min").value:
+        limite = self.get_parameter("distance_min").value
+        milieu = len(scan.ranges) // 2
+        lectures = scan.ranges[milieu - 10 : milieu + 10]
+        if any(scan.range_min < d < min(limite, scan.range_max) for d in lectures):
             arret = Twist()
             arret.linear.x = 0
             self.vitesses.publish(arret)

@@ -12,7 +12,9 @@ class ArretUrgence(Node):
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
-        n = len(scan.ranges)
-        devant = [d for d in scan.ranges[n // 2 - 10 : n // 2 + 10] if scan.range_min < d < scan.range_max]
-        if min(devant) < self.get_parameter("distance_min").value:
+        milieu = len(scan.ranges) // 2
+        lectures = scan.ranges[milieu - 10 : milieu + 10]
+        plus_proche = min(d for d in lectures if scan.range_min < d < scan.range_max)
+        limite = self.get_parameter("distance_min").value
+        if plus_proche < limite:
             self.vitesses.publish(Twist())
