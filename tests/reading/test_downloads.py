@@ -99,6 +99,7 @@ def test_the_real_scans_come_with_what_says_them() -> None:
         files = {name.removeprefix("intel/"): archive.read(name) for name in archive.namelist()}
     told = files["LISEZ-MOI.txt"].decode()
     assert all(name in told for name in files.keys() - {"LISEZ-MOI.txt"})
-    tables = [table(files[name]) for name in ("scans.csv", "odometrie.csv", "boucles.csv")]
-    assert [one.shape for one in tables] == [(120, 180), (120, 3), (18, 5)]
+    tables = [table(files[name]) for name in ("scans.csv", "odometrie.csv", "boucles.csv", "tout/scans.csv")]
+    assert [rows.shape for rows in tables] == [(120, 180), (120, 3), (23, 5), (910, 180)]
     assert len(read_tum(files["reference.tum"].decode())) == 120
+    assert len(read_tum(files["tout/reference.tum"].decode())) == len(table(files["tout/odometrie.csv"])) == 910

@@ -29,8 +29,6 @@ from reference.se2 import transform
 YOURS, TRUE = 0, 1
 #: One point in so many is drawn.
 THIN = 4
-#: As the chart numbers them.
-STAGES = (1.0, 2.0, 3.0, 4.0)
 ALT = (
     "Deux plans côte à côte : à gauche, votre trajectoire et les points vus d'elle, étape par étape ; à droite, la "
     "vraie trajectoire et les mêmes points. D'abord tordus par l'odométrie, vos murs se redressent avec les recalages, "
@@ -42,32 +40,36 @@ def chaine(data: dict[str, Any]) -> Replay:
     """From odometry to the graph, on one of the two journeys."""
     truth, clouds = _seen(data)
     odometry, matched, solved = (np.array(data[name], dtype=np.float64) for name in ("odometry", "matched", "solved"))
-    paths = [("Odométrie", odometry), ("Recalages", matched), ("Boucles", matched), ("Graphe", solved)]
+    calibrated = [("Étalonnage", matched)] if "before" in data else []
+    first = np.array(data.get("before", matched), dtype=np.float64)
+    paths = [("Odométrie", odometry), ("Recalages", first), *calibrated, ("Boucles", matched), ("Graphe", solved)]
+    last = len(paths) - 1
     errors = [ate(path, truth) for _, path in paths]
-    worse = next((k for k in (1, 3) if errors[k] > errors[k - 1]), None)
+    worse = next((k for k in range(1, last + 1) if errors[k] > errors[k - 1]), None)
+    stages = [float(k + 1) for k in range(last + 1)]
     frames = []
     for k, (name, path) in enumerate(paths):
         layers: list[Layer] = [
             *_drawn(path, clouds, "estimate", YOURS, k > 0),
             *_drawn(truth, clouds, "truth", TRUE, False),
         ]
-        if k >= 2 and data["loops"]:
+        if k >= last - 1 and data["loops"]:
             a, b = np.array(data["loops"], dtype=np.int64).T
             layers.append(Segments(path[a, :2], path[b, :2], "measure", width=1.5, opacity=0.6, panel=YOURS))
         frames.append(Frame(layers, _caption(name, errors[k], len(data["loops"]), k == worse)))
     return Replay(
         _view(paths, truth, clouds),
         frames,
-        _summary(errors, len(data["loops"]), worse),
+        _summary(errors[0], errors[last - 1], errors[last], len(data["loops"]), worse),
         charts=[
             Chart(
                 "Erreur de la trajectoire (ATE, en m)",
-                [Series("ATE", "estimate", errors, STAGES, style="bars")],
-                "1 odométrie, 2 recalages, 3 boucles, 4 graphe",
+                [Series("ATE", "estimate", errors, stages, style="bars")],
+                ", ".join(f"{k} {name.lower()}" for k, (name, _) in enumerate(paths, 1)),
                 (0.0, None),
                 marks=[Mark(worse + 1.0, "ici, c'est pire qu'avant")] if worse is not None else [],
                 levels=[Level(errors[0], "odométrie")],
-                cursor=STAGES,
+                cursor=stages,
             )
         ],
         legend=[
@@ -104,6 +106,7 @@ def _caption(name: str, error: float, loops: int, worse: bool) -> str:
     what = {
         "Odométrie": "ce que les roues ont compté",
         "Recalages": "chaque scan posé sur le précédent",
+        "Étalonnage": "trois constantes corrigent l'odométrie, et les recalages repartent d'elle",
         "Boucles": f"{loops} lieux reconnus, pas encore refermés",
         "Graphe": "tout mis d'accord",
     }[name]
@@ -111,10 +114,10 @@ def _caption(name: str, error: float, loops: int, worse: bool) -> str:
     return f"{name} : {what}. ATE de {decimal(error, 2)} m.{wrong}"
 
 
-def _summary(errors: list[float], loops: int, worse: int | None) -> list[str]:
+def _summary(odometry: float, matched: float, solved: float, loops: int, worse: int | None) -> list[str]:
     told = (
-        f"L'erreur est passée de {decimal(errors[0], 2)} m avec l'odométrie à {decimal(errors[1], 2)} m avec vos "
-        f"recalages, puis à {decimal(errors[3], 2)} m avec {loops} boucles dans le graphe."
+        f"L'erreur est passée de {decimal(odometry, 2)} m avec l'odométrie à {decimal(matched, 2)} m avec vos "
+        f"recalages, puis à {decimal(solved, 2)} m avec {loops} boucles dans le graphe."
     )
     return [told] if worse is None else [told, "Une étape a fait pire que celle d'avant : regardez-la d'abord."]
 

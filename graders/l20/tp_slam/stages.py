@@ -246,10 +246,15 @@ def film(
     loops: list[Loop],
     solved: Floats,
     keys: Sequence[int] = (),
+    before: Floats | None = None,
 ) -> None:
-    """Leave what the stages have come to: poses of the key scans, and the loops by their ends."""
+    """Leave what the stages have come to: poses of the key scans, and the loops by their ends.
+
+    `before`: what matches came to from odometry that was not yet calibrated.
+    """
     bench.film(
-        {
+        ({} if before is None else {"before": np.round(before, 3)})
+        | {
             "kind": "chaine",
             "place": place,
             "keys": list(keys),

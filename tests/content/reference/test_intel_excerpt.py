@@ -8,6 +8,7 @@ import numpy as np
 
 from graders.l20.tp_slam import journeys
 from reference.formats.carmen import parse_flaser
+from reference.se2 import relative
 
 
 def test_the_excerpt_is_that_of_the_log(dataset: Callable[[str], bytes]) -> None:
@@ -15,4 +16,22 @@ def test_the_excerpt_is_that_of_the_log(dataset: Callable[[str], bytes]) -> None
     with np.load(journeys.LOG) as kept:
         ranges, poses = kept["centimetres"] / 100.0, kept["poses"]
     np.testing.assert_allclose(poses, log.T_world_laser[: len(poses)], atol=1e-12)
+    assert len(poses) == len(log) == 910
     np.testing.assert_allclose(ranges, [scan.ranges for scan in log.scans[: len(ranges)]], atol=0.0051)
+
+
+def test_the_odometry_is_what_the_log_counts_from_scan_to_scan(dataset: Callable[[str], bytes]) -> None:
+    """The first ODOM line behind a FLASER line restates its pose; those that follow carry on by the wheels."""
+    steps, counted = [], []
+    for line in dataset("laser/intel.gfs.log").decode().splitlines():
+        words = line.split()
+        if words[0] == "ODOM":
+            counted.append([float(word) for word in words[1:4]])
+        elif words[0] == "FLASER":
+            if steps or counted[0] != [0.0, 0.0, 0.0]:
+                steps.append(relative(counted[0], counted[-1]))
+            counted = []
+    with np.load(journeys.LOG) as kept:
+        found = relative(kept["odometry"][:-1], kept["odometry"][1:])
+    assert len(found) == 909
+    np.testing.assert_allclose(found, steps, atol=3e-5)

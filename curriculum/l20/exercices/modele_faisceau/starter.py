@@ -11,8 +11,9 @@ def log_vraisemblance(z, z_attendu, sigma, z_max, alpha, lam):
 
 
 def champ_distance(libres):
-    """Un tableau (H, W) : pour chaque case, l'écart au mur le plus
-    proche, compté en cases d'un centre à l'autre (0 sur un mur).
+    """Un tableau (H, W) : pour chaque case, l'écart au mur
+    le plus proche, compté en cases d'un centre à l'autre
+    (0 sur un mur).
     """
     hauteur, largeur = libres.shape
     champ = np.zeros((hauteur, largeur))

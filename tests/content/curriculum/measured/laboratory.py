@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 SOLUTIONS = Path(graders.__file__).parent / "l20"
 #: Where the tests of `reference/` find the published sets.
 DATA = Path(os.environ.get("BALISE_DATA") or Path(graders.__file__).parents[2] / "shared" / "data")
-REACH, CONFIRMED = 20.0, 0.6
+REACH, CONFIRMED, ASTRAY = 20.0, 0.6, 0.6
 
 
 @cache
@@ -47,15 +47,25 @@ def functions(exercise: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Found:
-    """Errors in metres, of what each step comes to; how many loops were tried and kept."""
+    """Errors in metres, of what each step comes to; how many loops were tried, confirmed by their share, and kept.
+
+    `missed`: mean and standard deviation (rad) of the turns of odometry less the true ones, and once it is calibrated.
+    """
 
     odometry: float
+    first_chain: float
+    constants: tuple[float, float, float]
+    missed: tuple[float, float, float, float]
+    calibrated: float
     chain: float
     least_share: float
     tried: int
+    confirmed: int
     kept: int
     graph: float
+    with_false: float
     without: float
+    chained: Floats
     poses: Floats
 
 
@@ -107,21 +117,69 @@ def published() -> tuple[int, int, float, float]:
 def run() -> Found:
     odometry, loops, points = read("odometrie.csv"), read("boucles.csv"), clouds()
     own = functions("tp_slam")
-    moves = [own["relatif"](a, b) for a, b in pairwise(odometry)]
-    matched = [own["recaler"](points[k], points[k + 1], moves[k]) for k in range(len(moves))]
-    matches = [pose for pose, _ in matched]
-    chain = [np.zeros(3)]
-    for step in matches:
-        chain.append(np.asarray(own["composer"](chain[-1], step)))
-    tried = [(int(a), int(b), *own["recaler"](points[int(a)], points[int(b)], z)) for a, b, *z in loops]
-    kept = [(a, b, pose) for a, b, pose, share in tried if share > CONFIRMED]
-    graph = own["optimiser"](np.array(chain), matches, moves, kept)
-    without = own["optimiser"](np.array(chain), matches, moves, [])
+
+    def steps(poses: Floats) -> Floats:
+        return np.array([own["relatif"](a, b) for a, b in pairwise(poses)])
+
+    def matched(moves: Floats) -> list[tuple[Floats, float]]:
+        return [own["recaler"](points[k], points[k + 1], moves[k]) for k in range(len(moves))]
+
+    def added_up(moves: Floats) -> Floats:
+        poses = [np.zeros(3)]
+        for step in moves:
+            poses.append(np.asarray(own["composer"](poses[-1], step)))
+        return np.array(poses)
 
     def ate(poses: Floats) -> float:
         return absolute_trajectory_error(truth(), np.asarray(poses)).rmse
 
+    def solved(kept: list[tuple[int, int, Floats]]) -> Floats:
+        return np.asarray(own["optimiser"](chain, matches, moves, kept))
+
+    raw = steps(odometry)
+    first = np.array([pose for pose, _ in matched(raw)])
+    moves, constants = calibrated(raw, first)
+    again = matched(moves)
+    matches = np.array([pose for pose, _ in again])
+    chain = added_up(matches)
+    tried = [(int(a), int(b), *own["recaler"](points[int(a)], points[int(b)], z)) for a, b, *z in loops]
+    confirmed = [(a, b, pose) for a, b, pose, share in tried if share > CONFIRMED]
+    wanted = np.array([own["composer"](chain[a], pose)[:2] - chain[b, :2] for a, b, pose in confirmed])
+    away = np.hypot(*(wanted - np.median(wanted, axis=0)).T)
+    kept = [loop for loop, apart in zip(confirmed, away, strict=True) if apart < ASTRAY]
+    turns = steps(truth())[:, 2]
+    missed = [found[:, 2] - turns for found in (raw, moves)]
+    graph = solved(kept)
     return Found(
-        ate(odometry), ate(np.array(chain)), min(share for _, share in matched), len(tried), len(kept), ate(graph),
-        ate(without), np.asarray(graph),
-    )  # fmt: skip
+        odometry=ate(odometry),
+        first_chain=ate(added_up(first)),
+        constants=constants,
+        missed=(missed[0].mean(), missed[0].std(), missed[1].mean(), missed[1].std()),
+        calibrated=ate(added_up(moves)),
+        chain=ate(chain),
+        least_share=min(share for _, share in again),
+        tried=len(tried),
+        confirmed=len(confirmed),
+        kept=len(kept),
+        graph=ate(graph),
+        with_false=ate(solved(confirmed)),
+        without=ate(solved([])),
+        chained=chain,
+        poses=graph,
+    )
+
+
+def calibrated(steps: Floats, matches: Floats) -> tuple[Floats, tuple[float, float, float]]:
+    """The corrected steps, and the constants (alpha, beta, gamma), as the page has them computed."""
+
+    def ahead(moves: Floats) -> Floats:
+        half = moves[:, 2] / 2
+        return np.asarray(moves[:, 0] * np.cos(half) + moves[:, 1] * np.sin(half))
+
+    A = np.column_stack([ahead(steps), steps[:, 2]])
+    alpha, beta = np.linalg.lstsq(A, matches[:, 2], rcond=None)[0]
+    gamma = ahead(steps) @ ahead(matches) / (ahead(steps) @ ahead(steps))
+    turn = A @ [alpha, beta]
+    half = (turn - steps[:, 2]) / 2
+    c, s, x, y = np.cos(half), np.sin(half), gamma * steps[:, 0], gamma * steps[:, 1]
+    return np.column_stack([c * x - s * y, s * x + c * y, turn]), (float(alpha), float(beta), float(gamma))
