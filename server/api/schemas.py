@@ -91,6 +91,14 @@ class DiagnosisOut(Strict):
         Literal["teacher"] | None,
         Field(description="`teacher` for what a teacher says of programs that answer alike; left out otherwise."),
     ] = None
+    explains: Annotated[
+        list[list[str]],
+        Field(description="For each title, the failed checks that it explains; left out where that is not known."),
+    ] = []
+    certain: Annotated[
+        bool,
+        Field(description="The program answers as one with these mistakes and no other does; left out otherwise."),
+    ] = False
 
 
 class VerdictOut(Strict):

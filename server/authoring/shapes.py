@@ -33,6 +33,7 @@ class MisconceptionEntry(Strict):
     question: Text
     edits: list[Edit] = Field(default_factory=list)
     ruled: bool = False
+    right: list[Text] = Field(default_factory=list)
     after: bool = False
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from graders.core.code.folder import Misconception
@@ -16,7 +16,7 @@ from graders.core.code.reenacting import Reenactment
 from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
-from graders.core.contract.verdict import AND_ALSO, Diagnosis
+from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis
 
 MIN_AGREEMENT = 0.9
 
@@ -87,15 +87,37 @@ def agree(observation: Observation, other: Observation) -> bool:
     return observation.ok == other.ok and same_value(observation.value, other.value)
 
 
-def combine_diagnoses(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
-    """Return one diagnosis of several mistakes or slips: the id of the first, the texts of all."""
+def combine_diagnoses(
+    ids: Sequence[str], misconceptions: Sequence[Misconception], facts: Sequence[Slip] = ()
+) -> Diagnosis:
+    """Return one diagnosis of several mistakes, slips and facts: the id of the first, the texts of all."""
     named: dict[str, Misconception | Slip] = {**SLIPS, **{mistake.id: mistake for mistake in misconceptions}}
-    first, *others = [named[mistake] for mistake in ids]
+    together: list[Misconception | Slip] = [*(named[mistake] for mistake in ids), *facts]
+    first, *others = together
     title = AND_ALSO.join(mistake.title for mistake in (first, *others))
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"Autre erreur : {lowercase_title(other.title)}. {other.explanation}", other.question]
     return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
+
+
+def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult]) -> Diagnosis:
+    """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any."""
+    explained = {check for ids in diagnosis.explains for check in ids}
+    lost = [check for check in checks if not check.passed]
+    left = [check for check in lost if check.id not in explained]
+    if not left:
+        return diagnosis
+    lost_points = sum(check.max_points for check in lost)
+    explained_points = lost_points - sum(check.max_points for check in left)
+    named = " ; ".join(f"« {check.title} »" for check in left)
+    remains = "Restent sans explication" if len(left) > 1 else "Reste sans explication"
+    told = f"Cela explique {_number(explained_points)} des {_number(lost_points)} points perdus. {remains} : {named}."
+    return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
+
+
+def _number(points: float) -> str:
+    return f"{points:g}".replace(".", ",")
 
 
 def lowercase_title(title: str) -> str:

@@ -25,7 +25,8 @@ class Misconception:
 
     Several may share an id: the same mistake gives other outputs in code that, say, also forgets to wrap angles.
     `line` is its line in the catalogue; `whole` means that its source is no edit of the model, `edited` that the
-    catalogue has edits for it too, `ruled` that only a rule of the probes recognises it.
+    catalogue has edits for it too, `ruled` that only a rule of the probes recognises it. `right` are checks that pass
+    where its words are true ("elsewhere all is right").
     """
 
     id: str
@@ -38,6 +39,7 @@ class Misconception:
     whole: bool = True
     edited: bool = False
     ruled: bool = False
+    right: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,6 +107,7 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
             whole=whole,
             edited=bool(entry.get("edits")),
             ruled=bool(entry.get("ruled")),
+            right=tuple(entry.get("right", ())),
         )
 
 

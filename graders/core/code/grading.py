@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -13,8 +13,9 @@ from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.code.checks import Check
 from graders.core.code.confined import Unfinished
 from graders.core.code.decimal_commas import decimal_comma_diagnosis
-from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis
+from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis, tell_remainder
 from graders.core.code.explaining import KitMaker, MistakeExplainer
+from graders.core.code.facts import IMPRECISIONS, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.reenacting import Reenactor
@@ -35,8 +36,6 @@ from graders.core.contract.verdict import Diagnosis
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 #: Outcomes that a misconception may explain: the program runs, though it may raise on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
-#: The slip that is reported besides any other mistake.
-MODIFIED_ARGUMENT = "argument_modifie"
 FRESH_REENACTOR = Reenactor()
 #: Budget of a counterexample that is not shown.
 NO_SHRINKING = Budget(calls=0)
@@ -141,17 +140,40 @@ class CodeGrader:
             return comma
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
-        ids, last, follow = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
-        left = (alone if ids else blamed) - set(follow)
-        ids = (*ids, *self._reenacted(ids, left, runner, seed)) or last
-        if ids:
-            touched = {MODIFIED_ARGUMENT} & {finding.slip for _, finding in pairs} - set(ids)
-            return combine_diagnoses((*ids, *touched), self.misconceptions)
-        if all(finding.cause in JUDGED for _, finding in pairs) and (rounded := rounded_constant_diagnosis(source)):
-            return rounded
+        found = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
+        left = (alone if found.mistakes else blamed) - set(found.consequences)
+        reenacted = self._reenacted(found.mistakes, left, runner, seed)
+        ids = self._borne_out((*found.mistakes, *reenacted) or found.fallback, failed)
+        facts = find_facts(pairs, source, self.solution, [self._title(mistake) for mistake in ids])
+        if not ids and all(fact.slip.id in IMPRECISIONS for fact in facts):
+            rounded = rounded_constant_diagnosis(source) if all(f.cause in JUDGED for _, f in pairs) else None
+            if rounded is not None:
+                return rounded
+        if ids or facts:
+            explains = [*(self._explained(mistake, failed) for mistake in ids), *(fact.checks for fact in facts)]
+            diagnosis = combine_diagnoses(ids, self.misconceptions, [fact.slip for fact in facts])
+            certain = found.certain and not reenacted and ids == found.mistakes
+            diagnosis = replace(diagnosis, explains=tuple(explains), certain=certain)
+            return tell_remainder(diagnosis, [finding.result for finding in findings])
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
+
+    def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
+        """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""
+        failed_ids = {check.id for check in failed}
+        right = {mistake.id: mistake.right for mistake in self.misconceptions}
+        return tuple(mistake for mistake in ids if failed_ids.isdisjoint(right.get(mistake, ())))
+
+    def _explained(self, mistake: str, failed: Sequence[Check]) -> tuple[str, ...]:
+        """Return the ids of the failed checks of a mistake's functions; of all of them for a slip."""
+        functions = {function for each in self.misconceptions if each.id == mistake for function in each.functions}
+        return tuple(check.id for check in failed if not functions or functions.intersection(check.functions))
+
+    def _title(self, mistake: str) -> str:
+        """Return the title of a mistake of the catalogue, or of a slip."""
+        titles = {each.id: each.title for each in self.misconceptions}
+        return titles.get(mistake) or SLIPS[mistake].title
 
     def _asked_of(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
         """Return the functions to probe, and those that failed a check of their own."""

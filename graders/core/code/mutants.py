@@ -101,6 +101,11 @@ class MutantAnswerCache:
             self._first_answers[key] = AnswerColumn([self._answer_at(index, row, 0) for row in rows])
         return [rows[position] for position in self._first_answers[key].indices_of(answer)]
 
+    def right_answers(self, index: int) -> list[list[ProbeAnswer]]:
+        """Return the answers of the model to all probes, in each style."""
+        calls = range(len(self.probes[index].calls))
+        return [[self._answer_at(index, row, k) for k in calls] for row in self.mutants_with(index, 0)]
+
     def matches(self, index: int, row: MutantRow, sequence: AnswerSequence) -> bool:
         """Whether the mutant answers every compared probe alike."""
         probes, answers = self.probes[index], sequence.answers[: self.probes[index].compared]

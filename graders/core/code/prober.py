@@ -38,11 +38,13 @@ MAX_PROBING_SECONDS = HANG_SECONDS
 
 class RecognisedMistakes(NamedTuple):
     """Ids of the mistakes found, in order; `fallback` ids, from the last rules, for when nothing else finds a name; and
-    the functions whose wrong answers are `consequences` of mistakes in others."""
+    the functions whose wrong answers are `consequences` of mistakes in others. The mistakes are `certain` where every
+    function answers as a mutant with these and no other does."""
 
     mistakes: tuple[str, ...] = ()
     fallback: tuple[str, ...] = ()
     consequences: tuple[str, ...] = ()
+    certain: bool = False
 
 
 class Prober:
@@ -85,9 +87,11 @@ class Prober:
         mistakes: list[str] = []
         fallback: list[str] = []
         consequences: list[str] = []
+        certain = True
         for index, answers, slip in self._probe(runner, functions, alone):
             if slip is not None:
                 mistakes += [mistake for mistake in (slip,) if mistake not in mistakes]
+                certain = False
                 continue
             with self._lock:
                 sequence = AnswerSequence(answers)
@@ -95,11 +99,12 @@ class Prober:
                     consequences.append(self.probes[index].function)
                     fallback += self._fallback_names(index, sequence)
                     continue
-                names = self._name_mistakes(index, sequence, functions)
+                names, is_certain = self._name_mistakes(index, sequence, functions)
+                certain = certain and is_certain
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 if not names:
                     fallback += self._fallback_names(index, sequence)
-        return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences))
+        return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
 
     def unfinished_mutants(self) -> Iterator[tuple[Mutant, Unfinished]]:
         """Yield the mutants with one mistake that take too much to answer the probes, each with the call that does."""
@@ -118,6 +123,11 @@ class Prober:
         with self._lock:
             right = self._right_answers(index, AnswerSequence(answers))
         return answers if right is None else right
+
+    def right_answers_by_style(self, index: int) -> list[list[ProbeAnswer]]:
+        """Return the right answers to the probes `index`, in each style of the model."""
+        with self._lock:
+            return self._mutants.right_answers(index)
 
     def _fallback_names(self, index: int, sequence: AnswerSequence) -> Sequence[str]:
         probes = self.probes[index]
@@ -167,11 +177,14 @@ class Prober:
             if probes.function in functions and not probes.unless.intersection(alone)
         ]
 
-    def _name_mistakes(self, index: int, sequence: AnswerSequence, blamed: Collection[str]) -> Sequence[str]:
+    def _name_mistakes(
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str]
+    ) -> tuple[Sequence[str], bool]:
+        """Return the mistakes of a function, and whether it answers as a mutant with these alone does."""
         probes, answers = self.probes[index], sequence.answers
         right = self._right_answers(index, sequence)
         if right is None:
-            return ()
+            return (), True
         shown = ProbeResults(probes.calls, answers, right, probes.same)
         wrong = [k for k in shown.wrong_indices() if probes.compared is None or k < probes.compared]
         fails = all(isinstance(answer, ProbeFault | str | None) for answer in answers)
@@ -179,9 +192,11 @@ class Prober:
             if fails and mistakes > 1:
                 break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
             fits = self._mutants.matching(index, (row for row in rows if row.mutant.applies_to(blamed)), sequence)
+            if fits and (common := _common_mistakes(fits)):
+                return common, any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
-                return _common_mistakes(fits) or _apply_rules(probes.rules, shown)
-        return _apply_rules(probes.rules, shown)
+                break
+        return _apply_rules(probes.rules, shown), False
 
     def _candidates(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
         """Yield the mutants that may explain the answers, by increasing number of mistakes and cost."""

@@ -78,7 +78,7 @@ def find_repairs(
     nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     nodes.sort(key=lambda node: node.name not in functions)
     within = [part for node in nodes for part in ast.walk(node) if _is_read(part) and _is_small(part)]
-    words = {part: _variable_names(node) for node in nodes for part in ast.walk(node)}
+    words = {part: names for node in nodes for names in [_variable_names(node)] for part in ast.walk(node)}
 
     def hurried(way: Iterator[_T]) -> Iterator[_T]:
         return itertools.takewhile(lambda _: not spent(), way)

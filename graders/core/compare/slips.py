@@ -112,6 +112,21 @@ SLIPS = {
             "Pourquoi arrondir avant d'avoir fini le calcul ?",
         ),
         Slip(
+            "simple_precision",
+            "Un calcul en simple précision",
+            "Vos valeurs sont les bonnes à sept chiffres près, ou moins : c'est ce que garde un nombre sur 32 bits "
+            "(float32). Sans rien demander, numpy calcule sur 64 bits et en garde seize.",
+            "Quel type demandez-vous à vos tableaux, et pourquoi ?",
+        ),
+        Slip(
+            "precision_perdue",
+            "Des résultats justes à quelques chiffres près seulement",
+            "Vos valeurs approchent les bonnes sans les atteindre. C'est l'effet d'un arrondi, d'une constante écrite "
+            "avec trop peu de chiffres, d'un terme ajouté « pour ne pas diviser par zéro », ou d'un calcul approché "
+            "dont le pas est trop grand.",
+            "Quelle ligne de votre code ne calcule qu'à peu près ?",
+        ),
+        Slip(
             "constante_arrondie",
             "Une constante écrite avec trop peu de chiffres",
             "π a une infinité de chiffres ; en écrire quelques-uns fausse tous les calculs à partir du suivant, et "

@@ -1,27 +1,27 @@
 """Progress between two attempts: mistakes and checks that were mended, and those that remain.
 
-A named mistake counts as mended when it is no longer named and either another one is, or fewer checks fail: the
-absence of a name alone proves nothing.
+A mistake that is no longer named counts as mended where that is shown: the checks that it explained pass, or those that
+still fail are explained by other mistakes for certain. That it is not recognised any more proves nothing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import Verdict
+from graders.core.contract.verdict import Diagnosis, Verdict
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Titles in French: `mistakes` are no longer named, `checks` pass now, `lost` passed before; `left` are the
-    remaining mistakes or, where none is named, the remaining checks (`left_checks`)."""
+    """Titles in French: `mistakes` are mended, `checks` pass now, `lost` passed before; `left` are the named mistakes,
+    then the failed checks that none of them explains."""
 
     mistakes: tuple[str, ...]
     checks: tuple[str, ...]
     lost: tuple[str, ...]
     left: tuple[str, ...]
-    left_checks: bool
 
 
 def progress(before: Verdict, now: Verdict) -> Progress | None:
@@ -32,10 +32,32 @@ def progress(before: Verdict, now: Verdict) -> Progress | None:
     check_ids = {check.id for check in before.checks}
     checks = tuple(c.title for c in now.checks if c.passed and c.id in check_ids - passed)
     lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed)
+    failed = {check.id for check in now.checks if not check.passed}
     named = now.diagnosis.titles if now.diagnosis else ()
-    earlier = before.diagnosis.titles if before.diagnosis else ()
-    gone = tuple(title for title in earlier if title not in named) if named or (checks and not lost) else ()
+    failed_before = check_ids - passed
+    gone = tuple(
+        title
+        for title, explained in _explained(before.diagnosis, failed_before)
+        if title not in named and _is_mended(explained, failed, now.diagnosis)
+    )
     if not gone and not checks and not lost:
         return None
-    left = named or tuple(check.title for check in now.checks if not check.passed)
-    return Progress(gone, checks, lost, left, left_checks=not named)
+    unexplained = failed.difference(*(explained for _, explained in _explained(now.diagnosis, failed)))
+    left = (*named, *(check.title for check in now.checks if check.id in unexplained))
+    return Progress(gone, checks, lost, left)
+
+
+def _explained(diagnosis: Diagnosis | None, failed: AbstractSet[str]) -> list[tuple[str, AbstractSet[str]]]:
+    """Return each title with the checks that it explains: all that failed, where that is not known."""
+    if diagnosis is None:
+        return []
+    known = diagnosis.explains or ((),) * len(diagnosis.titles)
+    return [(title, set(checks) or failed) for title, checks in zip(diagnosis.titles, known, strict=False)]
+
+
+def _is_mended(explained: AbstractSet[str], failed: AbstractSet[str], now: Diagnosis | None) -> bool:
+    """Whether a mistake that is no longer named is shown to be gone."""
+    left = explained & failed
+    if not left:
+        return True
+    return now is not None and now.certain and left <= {check for checks in now.explains for check in checks}

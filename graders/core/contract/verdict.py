@@ -106,12 +106,16 @@ class Diagnosis:
     """The misconception whose wrong answers the submission reproduces; of several together, the first one's id.
 
     `source` is `TEACHER` for what a teacher says of all programs that answer alike, None for what the grader found.
+    `explains` holds, for each title, the ids of the failed checks that it explains; empty where that is not known.
+    `certain`: the program answers every probe as one with these mistakes and no other does.
     """
 
     id: str
     title: str
     explanation: str
     source: str | None = None
+    explains: tuple[tuple[str, ...], ...] = ()
+    certain: bool = False
 
     @property
     def titles(self) -> tuple[str, ...]:
@@ -119,14 +123,29 @@ class Diagnosis:
         return tuple(self.title.split(AND_ALSO))
 
     def to_json(self) -> dict[str, Any]:
-        members = {"id": self.id, "title": self.title, "explanation": self.explanation}
-        return members if self.source is None else {**members, "source": self.source}
+        return {
+            "id": self.id,
+            "title": self.title,
+            "explanation": self.explanation,
+            **({} if self.source is None else {"source": self.source}),
+            **({"explains": [list(checks) for checks in self.explains]} if self.explains else {}),
+            **({"certain": True} if self.certain else {}),
+        }
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:
         with ObjectReader(value, place) as members:
             source = members.text("source") if members.has("source") else None
-            return cls(members.text("id"), members.text("title"), members.text("explanation"), source)
+            explains = members.items("explains", _check_ids) if members.has("explains") else ()
+            certain = members.has("certain") and members.flag("certain")
+            texts = (members.text("id"), members.text("title"), members.text("explanation"))
+            return cls(*texts, source, tuple(explains), certain)
+
+
+def _check_ids(value: Any, place: str = "") -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+        raise MalformedVerdictError(place, "a list of texts is expected")
+    return tuple(value)
 
 
 @dataclass(frozen=True)

@@ -9,23 +9,46 @@ from graders.core.contract.progress import Progress, progress
 from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis, Verdict
 
 
-def verdict(passed: str, *mistakes: str, outcome: Outcome = Outcome.WRONG_ANSWER) -> Verdict:
-    """A verdict with the checks a, b and c, of which some passed, and these mistakes."""
+def verdict(
+    passed: str,
+    *mistakes: str,
+    outcome: Outcome = Outcome.WRONG_ANSWER,
+    explains: tuple[str, ...] = (),
+    certain: bool = False,
+) -> Verdict:
+    """A verdict with the checks a, b and c, of which some passed, and these mistakes, each of which explains checks."""
     checks = [CheckResult(name, name, name in passed, 5.0 * (name in passed), 5.0) for name in "abc"]
-    diagnosis = Diagnosis("id", AND_ALSO.join(mistakes), "") if mistakes else None
-    return Verdict("l20/x", "v", outcome, 1, checks, diagnosis)
+    diagnosis = Diagnosis("id", AND_ALSO.join(mistakes), "", None, tuple(map(tuple, explains)), certain)
+    return Verdict("l20/x", "v", outcome, 1, checks, diagnosis if mistakes else None)
 
 
 @pytest.mark.parametrize(
     ("before", "now", "told"),
     [
-        (verdict("a", "M", "N"), verdict("a", "N"), Progress(("M",), (), (), ("N",), left_checks=False)),
-        (verdict("a", "M"), verdict("a", "N"), Progress(("M",), (), (), ("N",), left_checks=False)),
-        (verdict("a", "M"), verdict("ab"), Progress(("M",), ("b",), (), ("c",), left_checks=True)),
-        (verdict("a"), verdict("ab", "M"), Progress((), ("b",), (), ("M",), left_checks=False)),
-        (verdict("ab"), verdict("a"), Progress((), (), ("b",), ("b", "c"), left_checks=True)),
+        # The checks of M pass.
+        (
+            verdict("a", "M", "N", explains=("b", "c")),
+            verdict("ab", "N", explains=("c",)),
+            Progress(("M",), ("b",), (), ("N",)),
+        ),
+        # They fail, for certain because of N alone.
+        (
+            verdict("a", "M", "N", explains=("bc", "bc")),
+            verdict("a", "N", explains=("bc",), certain=True),
+            Progress(("M",), (), (), ("N",)),
+        ),
+        # Another name is no proof, nor is one that is certain of other checks.
+        (verdict("a", "M", explains=("bc",)), verdict("a", "N", explains=("bc",)), None),
+        (verdict("a", "M", explains=("bc",)), verdict("a", "N", explains=("c",), certain=True), None),
+        # A verdict of an earlier version does not say what its name explains: perhaps all that failed.
+        (verdict("a", "M"), verdict("ab"), Progress((), ("b",), (), ("c",))),
+        (verdict("a"), verdict("ab", "M", explains=("c",)), Progress((), ("b",), (), ("M",))),
+        (verdict("", "M", explains=("ab",)), verdict("ab"), Progress(("M",), ("a", "b"), (), ("c",))),
+        (verdict("ab"), verdict("a"), Progress((), (), ("b",), ("b", "c"))),
+        # What a name leaves unexplained is left too.
+        (verdict(""), verdict("a", "M", explains=("b",)), Progress((), ("a",), (), ("M", "c"))),
         # Nothing is recognised any more: it may as well have become something worse.
-        (verdict("a", "M"), verdict("a"), None),
+        (verdict("a", "M", explains=("bc",)), verdict("a"), None),
         (verdict("a", "M"), verdict("a", "M"), None),
         (verdict("a"), verdict("a"), None),
     ],

@@ -1,0 +1,183 @@
+"""Facts that a failed submission establishes by itself, told with or without a name for its mistake.
+
+A fact is read in the verdict's own failed checks (a returned None, a modified argument, values right to some digits
+only), or in the file where these bear it out (a default value). Its words claim no more.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from graders.core.code.checks import Check
+from graders.core.compare.slips import SLIPS, Slip
+from graders.core.contract.findings import Finding
+from graders.core.contract.outcomes import Outcome
+
+MODIFIED_ARGUMENT, NOTHING, SHORT, IMPRECISE = "argument_modifie", "sans_retour", "simple_precision", "precision_perdue"
+NO_DEFAULT, OTHER_DEFAULT = "defaut_manquant", "defaut_different"
+IMPRECISIONS = (SHORT, IMPRECISE)
+#: Relative error up to which values count as right to some digits only.
+NEARLY_RIGHT = 1e-4
+#: What a title says already, by fact: it is then not told a second time.
+_ALREADY_TOLD = {
+    MODIFIED_ARGUMENT: "modifi|écras|sur place",
+    NOTHING: "renvoie rien|return|None|ne renvoie pas",
+    SHORT: "précision|arrondi",
+    IMPRECISE: "précision|arrondi|chiffres",
+    NO_DEFAULT: "défaut",
+    OTHER_DEFAULT: "défaut",
+}
+_SHORT_TYPES = re.compile(r"\b(float32|float16|single|half)\b|['\"][<>=]?f[24]['\"]")
+
+Failed = Sequence[tuple[Check, Finding]]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A fact in words, and the ids of the failed checks that it explains."""
+
+    slip: Slip
+    checks: tuple[str, ...]
+
+
+def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[str]) -> list[Fact]:
+    """Return the facts that these failed checks establish, but those that one of the titles tells already."""
+    text = source.decode("utf-8-sig", "replace")
+    mine, asked = _functions(text), _functions(solution)
+    facts = [*_modified(failed), *_nothing_returned(failed, mine), *_defaults(failed, mine, asked)]
+    if not facts:
+        facts += _lost_digits(failed, text)
+    return [f for f in facts if not any(re.search(_ALREADY_TOLD[f.slip.id], title, re.IGNORECASE) for title in titles)]
+
+
+def _functions(text: str) -> Mapping[str, ast.FunctionDef]:
+    try:
+        return {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return {}
+
+
+def _modified(failed: Failed) -> Iterator[Fact]:
+    checks = tuple(check.id for check, finding in failed if finding.slip == MODIFIED_ARGUMENT)
+    if checks:
+        yield Fact(SLIPS[MODIFIED_ARGUMENT], checks)
+
+
+def _nothing_returned(failed: Failed, functions: Mapping[str, ast.FunctionDef]) -> Iterator[Fact]:
+    """A function that returned None: it has no `return` at all, or reached none."""
+    seen: dict[str, list[str]] = {}
+    for check, finding in failed:
+        if len(check.functions) == 1 and finding.cause is Outcome.INVALID_OUTPUT and _is_nothing(finding):
+            seen.setdefault(check.functions[0], []).append(check.id)
+    for name in sorted(seen.keys() & functions.keys()):
+        returns = [node for node in ast.walk(functions[name]) if isinstance(node, ast.Return) and node.value]
+        title = f"{name} ne renvoie rien" + (" dans certains cas" if returns else "")
+        explanation = (
+            f"{name} arrive à sa dernière ligne sans avoir rencontré de « return », et renvoie alors None."
+            if returns
+            else f"Il n'y a pas de « return » suivi d'une valeur dans {name} : elle renvoie None. Afficher un résultat "
+            "avec print, ou le garder dans une variable, n'est pas le renvoyer."
+        )
+        yield Fact(replace(SLIPS[NOTHING], title=title, explanation=explanation), tuple(seen[name]))
+
+
+def _is_nothing(finding: Finding) -> bool:
+    example = finding.result.counterexample
+    return example is not None and example.got is None and "None" in finding.result.message
+
+
+def _defaults(
+    failed: Failed, mine: Mapping[str, ast.FunctionDef], asked: Mapping[str, ast.FunctionDef]
+) -> Iterator[Fact]:
+    for name in sorted(mine.keys() & asked.keys()):
+        given, parameters = _default_values(mine[name]), {argument.arg for argument in mine[name].args.args}
+        messages = {
+            check.id: finding.result.message
+            for check, finding in failed
+            if name in check.functions and finding.cause is Outcome.RUNTIME_ERROR
+        }
+        for parameter, wanted in _default_values(asked[name]).items():
+            if parameter in parameters and parameter not in given:
+                missed = tuple(
+                    check for check, said in messages.items() if "missing" in said and f"'{parameter}'" in said
+                )
+                if missed:
+                    yield Fact(_no_default(name, parameter, wanted), missed)
+            elif parameter in given and _number(given[parameter]) not in (None, _number(wanted)):
+                blamed = tuple(check.id for check, _ in failed if check.functions == (name,))
+                if blamed:
+                    yield Fact(_other_default(name, parameter, given[parameter]), blamed)
+
+
+def _no_default(name: str, parameter: str, wanted: str) -> Slip:
+    return Slip(
+        NO_DEFAULT,
+        f"La valeur par défaut de {parameter} manque",
+        f"{name} est appelée aussi sans {parameter}, qui vaut alors {wanted}. Cela s'écrit dans la ligne « def », à "
+        "côté du nom du paramètre.",
+        f"Comment dit-on, dans « def {name}(...) », ce que vaut un paramètre qu'on ne donne pas ?",
+    )
+
+
+def _other_default(name: str, parameter: str, given: str) -> Slip:
+    return Slip(
+        OTHER_DEFAULT,
+        f"La valeur par défaut de {parameter} n'est pas celle de l'énoncé",
+        f"Quand {parameter} n'est pas donné, il vaut {given} chez vous : relisez l'énoncé.",
+        f"Que dit l'énoncé de {parameter}, quand on appelle {name} sans le donner ?",
+    )
+
+
+def _default_values(function: ast.FunctionDef) -> dict[str, str]:
+    arguments = function.args.args
+    defaults = function.args.defaults
+    pairs = zip(arguments[len(arguments) - len(defaults) :], defaults, strict=True)
+    return {argument.arg: ast.unparse(value) for argument, value in pairs}
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(ast.literal_eval(text))
+    except (ValueError, TypeError, SyntaxError):
+        return None
+
+
+def _lost_digits(failed: Failed, text: str) -> Iterator[Fact]:
+    """Values that are right to some digits only, in each failed check that compares numbers."""
+    errors = [_relative_error(finding) for _, finding in failed if finding.cause is Outcome.WRONG_ANSWER]
+    if not errors or len(errors) < len(failed) or any(error is None or error > NEARLY_RIGHT for error in errors):
+        return
+    yield Fact(SLIPS[SHORT] if _SHORT_TYPES.search(text) else SLIPS[IMPRECISE], tuple(check.id for check, _ in failed))
+
+
+def _relative_error(finding: Finding) -> float | None:
+    """Return the largest relative error of a counterexample; None where it does not compare numbers."""
+    example = finding.result.counterexample
+    expected, got = (_numbers(value) for value in ((example.expected, example.got) if example else (None, None)))
+    if not expected or len(expected) != len(got or ()):
+        return None
+    wanted, obtained = np.array(expected), np.array(got)
+    if not np.all(np.isfinite(wanted)) or not np.all(np.isfinite(obtained)) or np.array_equal(wanted, obtained):
+        return None
+    return float(np.max(np.abs(obtained - wanted)) / max(1e-9, float(np.max(np.abs(wanted)))))
+
+
+def _numbers(value: Any) -> list[float] | None:
+    """Return the numbers of a JSON value, in order; None where it holds anything else."""
+    if isinstance(value, bool) or value is None or isinstance(value, str | dict):
+        return None
+    if isinstance(value, int | float):
+        return [float(value)]
+    numbers: list[float] = []
+    for item in value:
+        inner = _numbers(item)
+        if inner is None:
+            return None
+        numbers += inner
+    return numbers
