@@ -51,6 +51,20 @@ class Indoor:
     loops: Sequence[tuple[int, int, Floats]]
 
 
+@dataclass(frozen=True, eq=False)
+class Matched:
+    """What the course's own functions make of the real scans, to be shown without their seconds of work.
+
+    `first` and `matches`, (k - 1, 3): each scan on the one before, from the robot's odometry, and once it is
+    calibrated. `closures` (l, 3): the loops' poses of b in the frame of a, and `shares` (l,) of the points that agree.
+    """
+
+    first: Floats
+    matches: Floats
+    closures: Floats
+    shares: Floats
+
+
 @cache
 def simulated() -> Simulated:
     run = parcours.journey()
@@ -65,6 +79,14 @@ def indoor() -> Indoor:
         loops = [(int(a), int(b), np.array(guess)) for a, b, *guess in log["loops"].tolist()]
     clouds = [Scan.from_sensor(scan, beam_angles(len(scan)), REACH).points() for scan in ranges]
     return Indoor(clouds, relative(poses[0], poses), odometry, loops)
+
+
+@cache
+def matched_indoor() -> Matched:
+    with np.load(LOG) as log:
+        closures = np.asarray(log["closures"], dtype=np.float64)
+        first, matches = (np.asarray(log[name], dtype=np.float64) for name in ("first", "matches"))
+    return Matched(first, matches, closures[:, :3], closures[:, 3])
 
 
 def cloud(scan: Floats) -> Floats:

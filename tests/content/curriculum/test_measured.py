@@ -180,6 +180,22 @@ def test_the_real_scans_pass_their_checkpoints() -> None:
 
 
 @pytest.mark.slow
+def test_the_local_minimum_of_the_lesson_is_there() -> None:
+    """Killian Court, from odometry and from the chordal start."""
+    assert says(
+        "seances/slam", "a 808 poses", r"s'arrête après une quarantaine de tours à $\chi^2 = 770$", "est à $39,6$"
+    )
+    assert says("seances/slam", r"arrive à $\chi^2 = 69$, et Gauss-Newton finit à $39,6$ en quatre tours")
+    poses, stuck, rounds, apart, start, found = laboratory.killian_court()
+    assert poses == 808
+    assert (stuck, start) == (pytest.approx(769.7, abs=0.1), pytest.approx(69.3, abs=0.1))
+    assert rounds == pytest.approx(40, abs=4)
+    assert apart == pytest.approx(19.0, abs=0.1)
+    assert found[4] == pytest.approx(39.60, abs=0.01)
+    assert found[1] > 45
+
+
+@pytest.mark.slow
 def test_the_loops_of_the_laboratory_are_what_the_recogniser_proposes() -> None:
     """Their poses stand on a grid of 10 cm: rounding may choose its neighbour, and no more."""
     kept = laboratory.read("boucles.csv")

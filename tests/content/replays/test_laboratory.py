@@ -1,0 +1,49 @@
+"""The replay of the real place: what was measured there, loops that are accepted, refused and false."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.support.replays import scene, unpacked
+
+
+def error(**settings: object) -> float:
+    """The last one told, in metres."""
+    found = re.search(r"(\d+,\d+) m", str(scene("laboratoire", **settings)["summary"][-1]))
+    assert found
+    return float(found[1].replace(",", "."))
+
+
+def test_each_step_of_the_practical_work_comes_to_what_its_page_says() -> None:
+    told = {"odometrie": 10.82, "etalonnee": 0.81, "recalages": 0.21, "graphe": 0.10}
+    assert {mode: error(poses=mode) for mode in told} == pytest.approx(told, abs=0.015)
+
+
+def test_false_loops_are_worse_than_none() -> None:
+    """What the prediction says, and its explanation."""
+    none, some, every = (error(poses="graphe", ecart=allowed) for allowed in ("0", "0.6", "2.2"))
+    assert (none, some, every) == pytest.approx((0.21, 0.10, 0.54), abs=0.015)
+    assert scene("laboratoire", ecart="2.2")["summary"][0] == "23 boucles acceptées sur 23, dont 7 fausses."
+    assert scene("laboratoire")["summary"][0] == "16 boucles acceptées sur 23, dont aucune fausse."
+
+
+def test_loops_are_drawn_as_they_are_met() -> None:
+    frames = scene("laboratoire", ecart="1.0")["frames"]
+    assert sum(layer["kind"] == "segments" for layer in frames[40]["layers"]) == 3
+    captions = [frame["caption"] for frame in frames]
+    assert "boucle" not in captions[40]
+    assert captions[-1].endswith("18 boucles acceptées sur 23.")
+    assert "boucle" not in scene("laboratoire", poses="recalages")["frames"][-1]["caption"]
+
+
+def test_the_map_of_the_log_grows_beside_ours() -> None:
+    body = scene("laboratoire")
+    assert body["panels"] == ["Les fonctions du TP", "Le SLAM du journal"]
+    theirs = next(layer for layer in body["layers"] if layer["kind"] == "points")
+    assert np.all(np.diff(theirs["until"]) > 0)
+    assert theirs["until"][-1] == len(unpacked(theirs["at"]))
+    ours = [next(layer for layer in frame["layers"] if layer["kind"] == "points") for frame in body["frames"]]
+    assert [len(unpacked(layer["at"])) for layer in ours] == theirs["until"]
