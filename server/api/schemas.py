@@ -81,6 +81,15 @@ class CheckOut(Strict):
     counterexample: CounterexampleOut | None
     hint: str | None
     figure: Annotated[str | None, Field(description="Name of a figure of this submission.")]
+    cause: Annotated[
+        Outcome | None, Field(description="How a failed check ended; left out where that is a wrong answer.")
+    ] = None
+    repeats: Annotated[
+        str | None, Field(description="The earlier check that failed for the same reason; left out otherwise.")
+    ] = None
+    neutral: Annotated[
+        bool, Field(description="A check without a fault, whose points wait for another one; left out otherwise.")
+    ] = False
 
 
 class DiagnosisOut(Strict):

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 from uuid import UUID
 
-from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from graders.core.contract.outcomes import OPENS_HINTS, Blame, Outcome, blamed_on
 from server.gradebook.histories import Attempts
 
 FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
@@ -72,7 +72,7 @@ def improvements_after_hints(
     """
     failed: set[str] = set()
     for attempt, following in pairwise(attempts):
-        if attempt.outcome in FAILURES and attempt.digest != starter and attempt.digest not in failed:
+        if attempt.outcome in OPENS_HINTS and attempt.digest != starter and attempt.digest not in failed:
             failed.add(attempt.digest)
             if len(failed) in opens_after:
                 yield len(failed), following.score > attempt.score

@@ -6,6 +6,7 @@ from typing import Any
 
 from graders.core.compare import words
 from graders.core.compare.told_apart import text_pair
+from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 
@@ -29,31 +30,29 @@ def _lines(verdict: Verdict) -> Iterator[str]:
     if verdict.outcome.counts:
         mark = f"{number(verdict.points)}/{number(verdict.max_points)}"
         yield f"{verdict.exercise} : {mark} — {verdict.outcome.brief}"
+        if (told := headline(verdict)) != verdict.outcome.wording():
+            yield from paragraph(f"{told.title}. {told.sentence}", indent=2)
     else:
         yield f"{verdict.exercise} : la correction a échoué de notre côté ; rien n’est compté."
         yield "Vous pouvez renvoyer le fichier tel quel."
     for remark in verdict.remarks:
         yield from paragraph(f"Remarque : {remark}", indent=2)
     yield ""
-    repeated: set[str] = set()
     for check in verdict.checks:
-        yield from _check(check, repeated)
+        yield from _check(check)
     if verdict.diagnosis:
         yield from _diagnosis(verdict.diagnosis)
     yield from _stdout(verdict.stdout)
     yield f"Graine : {verdict.seed} (pour refaire cette correction : --seed {verdict.seed})"
 
 
-def _check(check: CheckResult, repeated: set[str]) -> Iterator[str]:
-    mark = "✓" if check.passed else "✗"
+def _check(check: CheckResult) -> Iterator[str]:
+    mark = "✓" if check.passed else "–" if check.neutral else "✗"
     yield f"  {mark} {check.title}  ({number(check.points)}/{number(check.max_points)})"
     if check.passed:
         return
-    if check.message in repeated:  # a file that does not load fails every check for one reason
-        return
-    repeated.add(check.message)
     yield from paragraph(check.message)
-    if check.counterexample:
+    if check.counterexample and not (check.neutral or check.repeats):
         yield from _counterexample(check.counterexample)
     if check.hint:
         yield from paragraph(f"→ {check.hint}")

@@ -23,7 +23,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import Session, defer, undefer
 
 from graders.core.contract.bounds import limit_size
-from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from graders.core.contract.outcomes import OPENS_HINTS, Outcome
 from server.base.version import VERSION
 from server.classes.models import Membership, Status
 from server.database import select_core, table_of, write_core
@@ -46,7 +46,7 @@ ADD_GRADING = insert(table_of(Grading))
 SET_COUNTING = (
     update(_submissions).where(_submissions.c.id == bindparam("submission")).values(grading_id=bindparam("grading"))
 )
-FAILURES = blamed_on(Blame.STUDENT)
+OPENING_HINTS = tuple(sorted(OPENS_HINTS))
 #: Outcomes that the same file gets at every grading; whether a limit is met depends on the load of the machine.
 REPEATABLE = tuple(
     outcome for outcome in Outcome if outcome.counts and outcome not in {Outcome.TIMEOUT, Outcome.MEMORY_LIMIT}
@@ -148,7 +148,9 @@ def count_distinct_failures(
     query = (
         select(func.count(Submission.digest.distinct()))
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(_attempts_of(account_id, exercise), Grading.outcome.in_(FAILURES), Submission.digest != excluded_digest)
+        .where(
+            _attempts_of(account_id, exercise), Grading.outcome.in_(OPENING_HINTS), Submission.digest != excluded_digest
+        )
     )
     return db.execute(query if until is None else query.where(Submission.created_at < until)).scalar_one()
 

@@ -35,8 +35,8 @@ def _failed(reader: Reader, exercise: Exercise) -> int:
 
 def _opens(needed: int, left: int) -> str:
     if needed == left:
-        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}."
-    return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
+        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}, hors syntaxe."
+    return f"s’ouvre après {needed} essais différents non réussis, hors syntaxe (encore {left})."
 
 
 def solution(

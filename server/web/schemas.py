@@ -103,7 +103,10 @@ class FigureView:
 
 @dataclass(frozen=True)
 class CheckView:
-    """A check of a verdict; `replay` is where its counterexample is replayed line by line, or empty."""
+    """A check of a verdict; `replay` is where its counterexample is replayed line by line, or empty.
+
+    `repeats`: an earlier check tells why it failed; `neutral`: there is nothing to hold against the program.
+    """
 
     id: str
     title: str
@@ -116,6 +119,20 @@ class CheckView:
     figure: FigureView | None
     filmed: bool = False
     replay: str = ""
+    repeats: bool = False
+    neutral: bool = False
+
+    @property
+    def sign(self) -> str:
+        return "✓" if self.passed else "–" if self.neutral else "✗"
+
+    @property
+    def word(self) -> str:
+        return "Réussi" if self.passed else "Rien à reprocher" if self.neutral else "Échoué"
+
+    @property
+    def kind(self) -> str:
+        return "passed" if self.passed else "neutral" if self.neutral else "failed"
 
 
 @dataclass(frozen=True)

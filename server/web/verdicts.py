@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from uuid import UUID
 
+from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 from server.course import FunctionSpec
@@ -58,7 +59,7 @@ def verdict_view(
     are those that it asks for: they name the parts of what they return.
     """
     marked = texts is not None
-    wording = verdict.outcome.wording("answers" if marked else "code")
+    wording = verdict.outcome.wording("answers") if marked else headline(verdict)
     return VerdictView(
         title=wording.title,
         sentence=wording.sentence,
@@ -91,9 +92,11 @@ def _tone(verdict: Verdict) -> Tone:
 
 
 def common_message(checks: Sequence[CheckResult]) -> str:
-    """Return the message that all checks share when the file did not load; shown once."""
-    messages = {check.message for check in checks}
-    return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
+    """Return the message that all checks share, as when the file did not load; shown once."""
+    if len(checks) < 2 or any(check.repeats != checks[0].id for check in checks[1:]):
+        messages = {check.message for check in checks}
+        return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
+    return checks[0].message
 
 
 def _films(checks: Sequence[CheckResult], films: Films, grading: UUID | None) -> tuple[FilmView, ...]:
@@ -127,6 +130,8 @@ def _check(
         figure=_figure(check, figures) if check.figure else None,
         filmed=check.id in filmed,
         replay=address if check.id in which else "",
+        repeats=bool(check.repeats),
+        neutral=check.neutral,
     )
 
 

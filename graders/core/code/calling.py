@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from functools import cache
 
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
 
-_WRONG_CALL = re.compile(r"« (\w+) » prend .*? arguments?, et en reçoit|Il manque à l’appel de (\w+) :")
+_WRONG_CALL = re.compile(
+    r"« (\w+) » prend .*? arguments?, et en reçoit|Il manque à l’appel de (\w+) :|"
+    r"\b(\w+)\(\) (?:takes |missing \d+ required positional)"  # of a trusted program
+)
 _BEGINS_WITH_LINE = re.compile(r"Ligne \d")
 
 
@@ -25,22 +28,34 @@ def tell_signatures(findings: Sequence[Finding], solution: str) -> list[Finding]
 
 
 def tell_once(findings: Sequence[Finding]) -> list[Finding]:
-    """Return the findings, where an exception that an earlier check told in the same words is told in short."""
-    told: dict[str, str] = {}
+    """Return the findings, where a reason that an earlier check told is told in short, and refers to that check.
+
+    The reason is the sign of a finding (an exception at a line, a function that is missing), else its message.
+    """
+    first_of: dict[Hashable, Finding] = {}
     shortened = []
     for finding in findings:
-        message = finding.result.message or ""
-        first = told.get(message) if finding.cause is Outcome.RUNTIME_ERROR else None
-        if first is None:
-            told.setdefault(message, finding.result.title)
-        shortened.append(finding if first is None else _told_before(finding, first))
+        if finding.passed or finding.result.neutral or (finding.cause is Outcome.WRONG_ANSWER and not finding.sign):
+            shortened.append(finding)
+            continue
+        functions = None if finding.sign else finding.result.message
+        first = first_of.setdefault((finding.cause, finding.sign, functions), finding)
+        shortened.append(finding if first is finding else _told_before(finding, first))
     return shortened
 
 
-def _told_before(finding: Finding, first: str) -> Finding:
-    line = re.match(r"Ligne \d+", finding.result.message or "")
+_REASONS = {
+    Outcome.MISSING_FUNCTION: "Cette fonction manque, comme pour « {title} ».",
+    Outcome.INVALID_OUTPUT: "Le même résultat illisible que pour « {title} ».",
+}
+
+
+def _told_before(finding: Finding, first: Finding) -> Finding:
+    line = re.match(r"Ligne \d+", finding.result.message or "", re.IGNORECASE)
     where = f" ({line[0].lower()})" if line else ""
-    return replace(finding, result=replace(finding.result, message=f"La même erreur que pour « {first} »{where}."))
+    reason = _REASONS.get(finding.cause, "La même erreur que pour « {title} »{where}.")
+    message = reason.format(title=first.result.title, where=where)
+    return replace(finding, result=replace(finding.result, message=message, hint=None, repeats=first.result.id))
 
 
 def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:
@@ -48,7 +63,7 @@ def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:
     called = _WRONG_CALL.search(message.replace("\u00a0", " "))
     if finding.cause is not Outcome.RUNTIME_ERROR or called is None or _BEGINS_WITH_LINE.match(message):
         return finding
-    name = called[1] or called[2]
+    name = next(group for group in called.groups() if group)
     if name not in signatures:
         return finding
     told = f"L’énoncé demande {signatures[name]}. {message}"

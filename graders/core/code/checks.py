@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar, NoReturn
@@ -39,7 +39,8 @@ class Rejection(Exception):
     """A check's finding against the submission, with inputs, expected and obtained values.
 
     `message` is French. `inputs` maps argument names to values; `expected` and `got` may be values or French text.
-    `call`, where known, is the single call that shows the failure: a function and its arguments.
+    `call`, where known, is the single call that shows the failure: a function and its arguments. Rejections of equal
+    `sign` have the same reason; `neutral` is one without a fault.
     """
 
     def __init__(
@@ -53,6 +54,8 @@ class Rejection(Exception):
         cause: Outcome = Outcome.WRONG_ANSWER,
         figure: FigureData | None = None,
         call: tuple[str, Arguments] | None = None,
+        sign: Hashable = None,
+        neutral: bool = False,
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -63,6 +66,8 @@ class Rejection(Exception):
         self.cause = cause
         self.figure = figure
         self.call = call
+        self.sign = sign
+        self.neutral = neutral
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -297,6 +302,10 @@ class Cases(Check):
             cause=failure.mismatch.cause,
             figure=self.figure_data(failure.args, failure.expected, failure.got),
             call=call,
+            # What a function returns cannot be read, for a reason that has nothing to do with these arguments.
+            sign=(self.function, failure.mismatch.message)
+            if failure.mismatch.cause is Outcome.INVALID_OUTPUT
+            else None,
         )
 
     def figure_data(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
@@ -314,4 +323,7 @@ def fault_rejection(
     """Return the rejection that reports a fault of the student's program."""
     where = "".join(f"\n  {frame}" for frame in fault.frames)
     got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
-    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome, call=call)
+    sign = (fault.outcome, fault.exception, fault.line) if fault.line else (fault.outcome, fault.message)
+    return Rejection(
+        fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome, call=call, sign=sign
+    )

@@ -8,9 +8,11 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.runner import Runner
 from graders.core.code.simplifying import PendingShrink, run_and_shrink, shrink_all
+from graders.core.compare.slips import SLIPS
 from graders.core.compare.told_apart import tidy_pair
 from graders.core.compare.words import to_jsonable, whole_jsonable
 from graders.core.contract.findings import Finding
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import CheckResult, Counterexample
@@ -87,8 +89,9 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
     if not check.requires_other_check or not finding.passed or any(f.passed for f in others):
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
+    got = "aucune pour l'instant"
     return _finding(
-        check, Rejection(message, inputs={}, expected="une autre vérification réussie", got="aucune pour l'instant")
+        check, Rejection(message, inputs={}, expected="une autre vérification réussie", got=got, neutral=True)
     )
 
 
@@ -143,7 +146,23 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
         max_points=check.points,
         message=rejection.message,
         counterexample=counterexample,
-        hint=check.hint,
+        hint=_hint(check, rejection),
         figure=None if figure is None else check.id,
+        cause=None if rejection.cause is Outcome.WRONG_ANSWER else rejection.cause,
+        neutral=rejection.neutral,
     )
-    return Finding(result, rejection.cause, rejection.slip, figure)
+    return Finding(result, rejection.cause, rejection.slip, figure, rejection.sign)
+
+
+_OF_UNREADABLE = "Que renvoie exactement votre fonction, et de quelle forme l'énoncé le demande-t-il ?"
+#: Slips that say more of a failure than the hint of its check, which is about right numbers.
+TELLING_SLIPS = ("nan", "forme", "scalaire", "transposee", "entiers", "hasard", "memoire")
+
+
+def _hint(check: Check, rejection: Rejection) -> str | None:
+    """Return the question that this kind of failure calls for; None for a program that stops, or without a fault."""
+    if rejection.neutral or rejection.cause not in (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT):
+        return None
+    if rejection.cause is Outcome.INVALID_OUTPUT:
+        return _OF_UNREADABLE
+    return SLIPS[rejection.slip].question if rejection.slip in TELLING_SLIPS else check.hint

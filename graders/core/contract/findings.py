@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ FigureData = dict[str, Any]
 @dataclass(frozen=True)
 class Finding:
     """The result of one check: its line of the verdict, its outcome (OK where it passed), the slip that it recognised,
-    the data of its figure.
+    the data of its figure. Findings of equal `sign` failed for the same reason; None where nothing tells it.
 
     Raises ValueError where line and outcome disagree.
     """
@@ -25,6 +25,7 @@ class Finding:
     cause: Outcome = Outcome.OK
     slip: str | None = None
     figure: FigureData | None = None
+    sign: Hashable = None
 
     def __post_init__(self) -> None:
         if self.result.passed != (self.cause is Outcome.OK):

@@ -206,3 +206,7 @@ def most_telling(causes: Iterable[Outcome]) -> Outcome:
 def blamed_on(blame: Blame) -> tuple[Outcome, ...]:
     """The outcomes that somebody is answerable for."""
     return tuple(outcome for outcome in Outcome if outcome.blame is blame)
+
+
+#: Failures that open hints: a file that Python cannot read says nothing of what its author has understood.
+OPENS_HINTS = frozenset(blamed_on(Blame.STUDENT)) - {Outcome.SYNTAX_ERROR}

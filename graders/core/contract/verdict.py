@@ -44,6 +44,10 @@ class Counterexample:
 class CheckResult:
     """One check's line of the verdict. `figure` names a drawing that can be asked for.
 
+    `cause` is the outcome of a failed check, where it is no wrong answer; `repeats`, the id of an earlier check that
+    failed for the same reason, which is told there; `neutral` is a check without a fault, whose points wait for
+    another one. JSON has these three only where there is something to say.
+
     Raises ValueError unless it has all of its points when it passed, and less when it did not.
     """
 
@@ -56,6 +60,9 @@ class CheckResult:
     counterexample: Counterexample | None = None
     hint: str | None = None
     figure: str | None = None
+    cause: Outcome | None = None
+    repeats: str | None = None
+    neutral: bool = False
 
     def __post_init__(self) -> None:
         if self.passed != (self.points == self.max_points) or not 0 <= self.points <= self.max_points:
@@ -73,6 +80,9 @@ class CheckResult:
             "counterexample": self.counterexample.to_json() if self.counterexample else None,
             "hint": self.hint,
             "figure": self.figure,
+            **({"cause": self.cause.value} if self.cause else {}),
+            **({"repeats": self.repeats} if self.repeats else {}),
+            **({"neutral": True} if self.neutral else {}),
         }
 
     @classmethod
@@ -88,6 +98,9 @@ class CheckResult:
                 "counterexample": members.maybe("counterexample", Counterexample.from_json),
                 "hint": members.maybe_text("hint"),
                 "figure": members.maybe_text("figure"),
+                "cause": _outcome(members, "cause") if members.has("cause") else None,
+                "repeats": members.text("repeats") if members.has("repeats") else None,
+                "neutral": members.flag("neutral") if members.has("neutral") else False,
             }
         try:
             return cls(**read)
@@ -245,12 +258,12 @@ class Verdict:
         return verdict
 
 
-def _outcome(members: ObjectReader) -> Outcome:
-    name = members.text("outcome")
+def _outcome(members: ObjectReader, member: str = "outcome") -> Outcome:
+    name = members.text(member)
     try:
         return Outcome(name)
     except ValueError as error:
-        raise MalformedVerdictError(members.place("outcome"), f"is no outcome: {name}") from error
+        raise MalformedVerdictError(members.place(member), f"is no outcome: {name}") from error
 
 
 def internal_error_verdict(exercise: str, version: str, seed: int) -> Verdict:

@@ -1,5 +1,7 @@
 """A function with other parameters than the statement's is told which; one exception is told once."""
 
+from dataclasses import replace
+
 from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
@@ -38,3 +40,19 @@ def test_the_same_exception_is_told_once_with_its_line() -> None:
     ]
     wrong = [failed("un", text, Outcome.WRONG_ANSWER), failed("deux", text, Outcome.WRONG_ANSWER)]
     assert messages(tell_once(wrong)) == [text, text]
+
+
+def test_one_cause_is_told_once_whatever_the_values_on_its_line() -> None:
+    """An exception at a line, a file that does not load, a function that is missing: the rest refers to the first."""
+    sign = (Outcome.RUNTIME_ERROR, "ValueError", 4)
+    findings = [
+        replace(failed("un", "Ligne 4 : formes (3,) et (2,)"), sign=sign),
+        replace(failed("deux", "Ligne 4 : formes (5,) et (4,)"), sign=sign),
+        failed("trois", "La fonction « f » est attendue", Outcome.MISSING_FUNCTION),
+        failed("quatre", "La fonction « f » est attendue", Outcome.MISSING_FUNCTION),
+    ]
+    told = [finding.result for finding in tell_once(findings)]
+    assert [check.repeats for check in told] == [None, "un", None, "trois"]
+    assert told[1].message == "La même erreur que pour « Un » (ligne 4)."
+    assert told[3].message == "Cette fonction manque, comme pour « Trois »."
+    assert all(check.hint is None for check in told if check.repeats)

@@ -200,7 +200,10 @@ def test_a_verdict_that_its_checks_do_not_bear_out_cannot_be_made() -> None:
             VerdictOut,
             dataclasses.replace(Verdict.from_json(STORED["wrong_answer"]), remarks=["r"], load_error="e").to_json(),
         ),
-        (CheckOut, STORED["wrong_answer"]["checks"][0]),
+        (
+            CheckOut,
+            CheckResult("a", "A", False, 0, 8, cause=Outcome.TIMEOUT, repeats="b", neutral=True).to_json(),
+        ),
         (CounterexampleOut, STORED["wrong_answer"]["checks"][0]["counterexample"]),
         (DiagnosisOut, Diagnosis("a", "A", "Ainsi.", TEACHER).to_json()),
     ],
