@@ -7,6 +7,7 @@ from server.desk.assignments.exemption_routes import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
+from server.desk.lesson.routes import router as lesson_router
 from server.desk.likeness.routes import router as likeness_router
 from server.desk.marks.column_routes import router as columns_router
 from server.desk.marks.journal import router as journal_router
@@ -46,6 +47,7 @@ ROUTERS = (
     person_router,
     comments_router,
     board_router,
+    lesson_router,
     classes_router,
     erasing_router,
     keeping_router,

@@ -9,6 +9,7 @@ from server.database.base import Base
 from server.gradebook import models as gradebook
 from server.health import models as health
 from server.identity import models as identity
+from server.lesson import models as lesson
 from server.limits import models as limits
 from server.marks import models as marks
 from server.personal import models as personal
@@ -56,6 +57,8 @@ TABLES = (
     behaviour.BehaviourGroup,
     behaviour.Fingerprint,
     behaviour.BehaviourName,
+    lesson.LiveLesson,
+    lesson.LessonVisit,
     health.EventCount,
 )
 metadata = Base.metadata

@@ -47,6 +47,9 @@ class AuditAction(StrEnum):
     regrade_undone = "regrade_undone"
     name_given = "name_given"
     name_withdrawn = "name_withdrawn"
+    lesson_started = "lesson_started"
+    lesson_changed = "lesson_changed"
+    lesson_ended = "lesson_ended"
 
 
 ACTION_LABELS: Mapping[AuditAction, str] = {
@@ -80,6 +83,9 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.regrade_undone: "recorrection annulée",
     AuditAction.name_given: "erreur nommée",
     AuditAction.name_withdrawn: "nom d’erreur retiré",
+    AuditAction.lesson_started: "séance commencée",
+    AuditAction.lesson_changed: "séance modifiée",
+    AuditAction.lesson_ended: "séance terminée",
 }
 
 #: Actions on one student, or on all students with a label.

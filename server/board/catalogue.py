@@ -12,10 +12,14 @@ from server.course import Course, Exercise
 
 @dataclass(frozen=True)
 class CataloguedMisconception:
-    """A misconception; `functions` are those in which it occurs, empty where they are not known."""
+    """A misconception; `functions` are those in which it occurs, empty where they are not known.
+
+    `question` makes a student see it, and starts a discussion; empty for a misconception that has left the course.
+    """
 
     diagnosis: Diagnosis
     functions: tuple[str, ...] = ()
+    question: str = ""
 
 
 def find_misconception(course: Course, exercise_id: str, misconception: str) -> CataloguedMisconception:
@@ -28,12 +32,14 @@ def find_misconception(course: Course, exercise_id: str, misconception: str) -> 
 def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMisconception | None:
     if exercise.answers is not None:
         mistake = exercise.answers.catalogue.get(misconception)
-        return None if mistake is None else CataloguedMisconception(mistake.diagnosis)
+        return None if mistake is None else CataloguedMisconception(mistake.diagnosis, (), mistake.question)
     if not isinstance(exercise.grader, CodeGrader):
         return None
     catalogue = exercise.grader.misconceptions
-    functions = [function for entry in catalogue if entry.id == misconception for function in entry.functions]
+    entries = [entry for entry in catalogue if entry.id == misconception]
+    functions = tuple(dict.fromkeys(function for entry in entries for function in entry.functions))
+    question = next((entry.question for entry in entries), "")
     try:
-        return CataloguedMisconception(combine_diagnoses([misconception], catalogue), tuple(dict.fromkeys(functions)))
+        return CataloguedMisconception(combine_diagnoses([misconception], catalogue), functions, question)
     except KeyError:
         return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -31,14 +31,23 @@ def _lexer() -> Lexer:
 
 def extract_function(code: str, names: Collection[str]) -> str:
     """Return the text of the first of these functions or classes defined at top level; empty where none is."""
+    return find_function(code, names)[1]
+
+
+def find_function(code: str, names: Collection[str]) -> tuple[int, str]:
+    """Return the number (from 1) of its first line, and the text, of the first of these functions or classes.
+
+    Functions within others are not looked for; the text is empty where none is defined.
+    """
     lines = code.split("\n")
     heads = tuple(f"{keyword} {name}" for name in names for keyword in ("def", "class"))
     starts = [index for index, line in enumerate(lines) if line.startswith(heads) and _has_whole_name(line, heads)]
     if not starts:
-        return ""
+        return 0, ""
     body = lines[starts[0] + 1 :]
     ends = (index for index, line in enumerate(body) if line and not line[0].isspace() and line[0] not in ")]}#")
-    return "\n".join([lines[starts[0]], *body[: next(ends, len(body))]])[:MAX_CHARACTERS].rstrip()
+    text = "\n".join([lines[starts[0]], *body[: next(ends, len(body))]])[:MAX_CHARACTERS].rstrip()
+    return starts[0] + 1, text
 
 
 def _has_whole_name(line: str, heads: Collection[str]) -> bool:
@@ -53,11 +62,20 @@ def name_words(people: Iterable[str]) -> frozenset[str]:
 
 def anonymise_extract(code: str, people_words: Collection[str]) -> str:
     """Return the first lines of a program without comments, strings and words of people's names."""
+    return "\n".join(text for _, text in anonymise_lines(code, people_words))
+
+
+def anonymise_lines(code: str, people_words: Collection[str]) -> Sequence[tuple[int, str]]:
+    """Return the same lines with their numbers from 0 in the program; the last says where more were cut."""
     text = "".join(_anonymise_tokens(code, people_words))
-    lines = [line.rstrip() for line in text.split("\n")]
-    lines = [line for line in lines if line and line.strip() != STRING_PLACEHOLDER]
-    cut = [line if len(line) <= MAX_LINE_LENGTH else line[:MAX_LINE_LENGTH] + " …" for line in lines[:MAX_LINES]]
-    return "\n".join([*cut, *([CUT_MARK] if len(lines) > MAX_LINES else [])])
+    lines = [(index, line.rstrip()) for index, line in enumerate(text.split("\n"))]
+    lines = [(index, line) for index, line in lines if line and line.strip() != STRING_PLACEHOLDER]
+    shown = [(index, _cut(line)) for index, line in lines[:MAX_LINES]]
+    return [*shown, (lines[MAX_LINES][0], CUT_MARK)] if len(lines) > MAX_LINES else shown
+
+
+def _cut(line: str) -> str:
+    return line if len(line) <= MAX_LINE_LENGTH else line[:MAX_LINE_LENGTH] + " …"
 
 
 def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]:
@@ -65,7 +83,7 @@ def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]
     tokens: Iterable[tuple[Any, str]] = _lexer().get_tokens(code)
     for kind, text in tokens:
         if kind in String:
-            yield "" if in_string else STRING_PLACEHOLDER
+            yield ("" if in_string else STRING_PLACEHOLDER) + "\n" * text.count("\n")
         elif kind in Name:
             yield WORD.sub(lambda word: NAME_PLACEHOLDER if _fold(word[0]) in people_words else word[0], text)
         elif kind not in Comment:

@@ -14,7 +14,7 @@ from server.board.attempts import MisconceptionEpisode, Pair, is_unexplained, mi
 from server.board.catalogue import find_misconception
 from server.board.repository import Scope
 from server.board.schemas import BoardStudent, ExerciseStats, HintStats, ImprovementStats, MisconceptionStats
-from server.board.stuck import failing_repeatedly, fallen_silent, median_or_none
+from server.board.stuck import Expected, StuckStudent, find_stuck, median_or_none
 from server.course import Course
 from server.gradebook.histories import AttemptsByPair, GradedAttempt, Revisions
 from server.gradebook.standings import StandingTotals, compute_totals
@@ -43,8 +43,12 @@ class ClassProgress:
 
     @cached_property
     def stuck(self) -> frozenset[Pair]:
+        return frozenset((row.account, row.exercise) for row in self.find_stuck())
+
+    def find_stuck(self, expected: Expected | None = None) -> tuple[StuckStudent, ...]:
+        """Return the students who are stuck, the most urgent first; `expected`: in a lesson with these exercises."""
         seen_at = {student.id: student.seen_at for student in self.students}
-        return failing_repeatedly(self.attempts, self.now) | fallen_silent(self.attempts, seen_at, self.now)
+        return find_stuck(self.attempts, seen_at, self.now, expected)
 
     @cached_property
     def times(self) -> Sequence[datetime]:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, and_, select
+from sqlalchemy import ColumnElement, and_, select
 from sqlalchemy.orm import Session
 
+from graders.core.contract.outcomes import Outcome
 from server.classes.models import ClassRole, Membership, Status
 from server.gradebook.histories import REVISION_SUMS
 from server.gradebook.models import Grading
@@ -33,26 +34,44 @@ def load_pulse(db: Session, class_id: UUID) -> Sequence[object]:
     return [tuple(row) for row in db.execute(query)]
 
 
-def load_sources(
-    db: Session, scope: Scope, exercise: str, misconception: str, limit: int
-) -> Sequence[Row[UUID, bytes]]:
-    """Load student and source of the latest attempts at an exercise that show a misconception."""
+@dataclass(frozen=True)
+class SourceRow:
+    """The source of a submission, and its student."""
+
+    account: UUID
+    submission: UUID
+    source: bytes
+
+
+def load_sources(db: Session, scope: Scope, exercise: str, misconception: str, limit: int) -> Sequence[SourceRow]:
+    """Load the latest attempts at an exercise that show a misconception, newest first."""
+    return _load_sources(db, scope, exercise, Grading.diagnosis == misconception, limit)
+
+
+def load_right_sources(db: Session, scope: Scope, exercise: str, limit: int) -> Sequence[SourceRow]:
+    """Load the latest successful attempts at an exercise, newest first."""
+    return _load_sources(db, scope, exercise, Grading.outcome == Outcome.OK.value, limit)
+
+
+def _load_sources(
+    db: Session, scope: Scope, exercise: str, wanted: ColumnElement[bool], limit: int
+) -> Sequence[SourceRow]:
     query = (
-        select(Submission.account_id, Submission.source)
+        select(Submission.account_id, Submission.id, Submission.source)
         .join(Grading, Grading.id == Submission.grading_id)
         .join(Membership, Membership.account_id == Submission.account_id)
         .where(
             *_active_students(scope.class_id),
             Submission.exercise == exercise,
             Submission.exercise.in_(scope.exercises),
-            Grading.diagnosis == misconception,
+            wanted,
             Grading.score.is_not(None),
         )
         .order_by(Submission.created_at.desc(), Submission.id.desc())
     )
     if scope.until is not None:
         query = query.where(Submission.created_at <= scope.until)
-    return db.execute(query.limit(limit)).all()
+    return [SourceRow(*row) for row in db.execute(query.limit(limit))]
 
 
 def _active_students(class_id: UUID) -> tuple[ColumnElement[bool], ...]:

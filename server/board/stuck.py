@@ -1,62 +1,179 @@
-"""Which students are stuck: pure. `RULE` says these rules on the page."""
+"""Which students are stuck, and how urgently: pure. `RULE` says these rules on the page.
+
+A student is judged on the exercise of their latest attempt alone, and by their own pace: the median time between two
+of their attempts. `tests/board/test_stuck.py` measures the rules on simulated classes.
+"""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime, timedelta
+from enum import StrEnum
+from itertools import pairwise
 from statistics import median
 from uuid import UUID
 
-from server.board.attempts import FAILURES, Pair
+from graders.core.contract.outcomes import Outcome
+from server.board.attempts import FAILURES
 from server.board.schemas import ProgressState
 from server.gradebook.histories import Attempts, AttemptsByPair
 from server.gradebook.standings import StandingTotals
 
-RECENT = timedelta(minutes=10)
-MIN_DIFFERENT_FAILURES = 3
-MIN_SILENCE, MAX_SILENCE = timedelta(minutes=8), timedelta(minutes=40)
+#: Different failures without progress (a better score than all before), and their least duration.
+MIN_FAILURES, MIN_DURATION, PACES_WITHOUT_PROGRESS = 2, timedelta(minutes=8), 3.0
+#: Time without any attempt after a failure, of a student who is there.
+MIN_SILENCE, PACES_OF_SILENCE = timedelta(minutes=8), 2.5
+#: Time without any attempt at the next exercise of a lesson.
+MIN_BEGINNING, PACES_OF_BEGINNING = timedelta(minutes=10), 3.0
+MAX_SILENCE = timedelta(minutes=40)
 PRESENCE = timedelta(minutes=15)
+BREAK = timedelta(minutes=60)  # a longer gap between two attempts is no pace, and begins anew
+USUAL_PACE, MIN_GAPS = timedelta(minutes=3), 3  # of a student with fewer gaps
 RULE = (
-    "Un élève est bloqué s’il a envoyé, dans les dix dernières minutes, au moins trois essais différents et ratés d’un "
-    "même exercice sans faire mieux qu’avant ; ou si son dernier essai, raté, date de 8 à 40 minutes alors qu’il était "
-    "là il y a moins d’un quart d’heure."
+    "Un élève est bloqué après deux essais ratés différents, sans progrès depuis 8 minutes au moins et depuis trois "
+    "fois le temps qu’il met d’habitude entre deux essais. Il l’est aussi s’il est là et n’envoie plus rien après un "
+    "essai raté, depuis 8 minutes au moins et plus longtemps qu’à son habitude."
 )
 
 
-def failing_repeatedly(attempts: AttemptsByPair, now: datetime) -> frozenset[Pair]:
-    """Return the pairs with several different recent failures and no better score than before them."""
-    since = now - RECENT
-    return frozenset(pair for pair, own in attempts.items() if _recent_failures(own, since) >= MIN_DIFFERENT_FAILURES)
+class StuckSign(StrEnum):
+    """The sign by which a student is stuck."""
+
+    failures = "failures"
+    silence = "silence"
+    beginning = "beginning"
 
 
-def _recent_failures(attempts: Attempts, since: datetime) -> int:
-    """Count the different failures sent since then, after the last score that is better than all before."""
-    if attempts[-1].sent_at < since:
-        return 0
-    best: float | None = None
-    failed: set[str] = set()
-    for attempt in attempts:
-        if best is not None and attempt.score > best:
-            failed.clear()
-        elif attempt.sent_at >= since and attempt.outcome in FAILURES:
-            failed.add(attempt.digest)
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """The exercises of a lesson, in their order, and when it began."""
+
+    exercises: tuple[str, ...]
+    started_at: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class StuckStudent:
+    """A student who is stuck at an exercise since a time; `failures` counts different ones without progress.
+
+    `urgency` grows with failures and with time; it orders students and has no unit.
+    """
+
+    account: UUID
+    exercise: str
+    since: datetime
+    sign: StuckSign
+    failures: int
+    urgency: float
+
+
+def find_stuck(
+    attempts: AttemptsByPair,
+    seen_at: Mapping[UUID, datetime | None],
+    now: datetime,
+    expected: Expected | None = None,
+) -> tuple[StuckStudent, ...]:
+    """Return the students who are stuck now, the most urgent first. `seen_at`: when each last opened a page.
+
+    `expected`: the exercises of a lesson, where a student may also be stuck before the first attempt at the next one.
+    """
+    own: dict[UUID, list[Attempts]] = defaultdict(list)
+    for (account, _), series in attempts.items():
+        own[account].append(series)
+    judged = (_judge_student(account, own.get(account, []), seen, now, expected) for account, seen in seen_at.items())
+    return tuple(sorted((row for row in judged if row is not None), key=lambda row: (-row.urgency, str(row.account))))
+
+
+def _judge_student(
+    account: UUID,
+    all_series: Sequence[Attempts],
+    seen_at: datetime | None,
+    now: datetime,
+    expected: Expected | None,
+) -> StuckStudent | None:
+    if seen_at is None:
+        return None
+    latest = max(all_series, key=lambda series: series[-1].sent_at, default=())
+    is_working = bool(latest) and now - latest[-1].sent_at <= MAX_SILENCE
+    run = failures_without_progress(latest) if is_working else ()
+    if run:
+        return _judge_failures(run, seen_at, now, own_pace(all_series))
+    return None if expected is None else _judge_beginning(account, all_series, seen_at, now, expected)
+
+
+def _judge_failures(run: Attempts, seen_at: datetime, now: datetime, pace: timedelta) -> StuckStudent | None:
+    last = run[-1]
+    failures = len({attempt.digest for attempt in run})
+    silence, duration = now - last.sent_at, now - run[0].sent_at
+    least_silence = max(MIN_SILENCE, PACES_OF_SILENCE * pace)
+    is_present = _is_present(seen_at, last.sent_at, now)
+    repeats = failures >= MIN_FAILURES and duration >= max(MIN_DURATION, PACES_WITHOUT_PROGRESS * pace)
+    if not is_present or not (repeats or silence >= least_silence):
+        return None
+    return StuckStudent(
+        account=last.account_id,
+        exercise=last.exercise,
+        since=run[0].sent_at if repeats else last.sent_at,
+        sign=StuckSign.failures if repeats else StuckSign.silence,
+        failures=failures,
+        urgency=failures + duration / least_silence,
+    )
+
+
+def _judge_beginning(
+    account: UUID,
+    all_series: Sequence[Attempts],
+    seen_at: datetime,
+    now: datetime,
+    expected: Expected,
+) -> StuckStudent | None:
+    """Judge a student who has sent nothing to the next exercise of the lesson since they were free to."""
+    by_exercise = {series[0].exercise: series for series in all_series}
+    left = [name for name in expected.exercises if not _is_solved(by_exercise.get(name, ()))]
+    if not left:
+        return None
+    sent = [series[-1].sent_at for series in all_series if series[-1].sent_at >= expected.started_at]
+    free_at = max(sent, default=expected.started_at)
+    silence = now - free_at
+    if silence < MIN_BEGINNING or not _is_present(seen_at, expected.started_at, now):
+        return None
+    if silence < PACES_OF_BEGINNING * own_pace(all_series):
+        return None
+    return StuckStudent(account, left[0], free_at, StuckSign.beginning, 0, silence / MIN_BEGINNING)
+
+
+def _is_present(seen_at: datetime, sent_at: datetime, now: datetime) -> bool:
+    return seen_at >= sent_at - PRESENCE and now - max(seen_at, sent_at) <= PRESENCE
+
+
+def _is_solved(attempts: Attempts) -> bool:
+    return any(attempt.outcome == Outcome.OK for attempt in attempts)
+
+
+def failures_without_progress(attempts: Attempts) -> Attempts:
+    """Return the failures at the end of a series since its last progress; none where the last attempt is no failure."""
+    start, best = 0, None
+    for index, attempt in enumerate(attempts):
+        if index and attempt.sent_at - attempts[index - 1].sent_at > BREAK:
+            start = index
+        elif best is not None and attempt.score > best:
+            start = index + 1
         best = attempt.score if best is None else max(best, attempt.score)
-    return len(failed)
+    run = attempts[start:] or attempts[-1:]
+    return run if all(attempt.outcome in FAILURES for attempt in run) else ()
 
 
-def fallen_silent(attempts: AttemptsByPair, seen_at: Mapping[UUID, datetime | None], now: datetime) -> frozenset[Pair]:
-    """Return the pair of each present student's latest attempt, where that was some time ago."""
-    latest: dict[UUID, tuple[datetime, str]] = {}
-    for (account_id, exercise), own in attempts.items():
-        sent = own[-1].sent_at, exercise
-        latest[account_id] = max(latest.get(account_id, sent), sent)
-    silent = []
-    for account_id, (sent_at, exercise) in latest.items():
-        last_seen = seen_at.get(account_id)
-        present = last_seen is not None and now - last_seen <= PRESENCE
-        if present and MIN_SILENCE <= now - sent_at <= MAX_SILENCE:
-            silent.append((account_id, exercise))
-    return frozenset(silent)
+def own_pace(all_series: Sequence[Attempts]) -> timedelta:
+    """Return the median time between two attempts of a student, breaks left out; the usual one for few attempts."""
+    gaps = [
+        (later.sent_at - earlier.sent_at).total_seconds()
+        for series in all_series
+        for earlier, later in pairwise(series)
+        if later.sent_at - earlier.sent_at <= BREAK
+    ]
+    return timedelta(seconds=median(gaps)) if len(gaps) >= MIN_GAPS else USUAL_PACE
 
 
 def progress_state(totals: StandingTotals | None, *, stuck: bool) -> ProgressState:

@@ -83,6 +83,7 @@ def create_demo_class(
         teaching.record_sittings(db, room, db.get_one(Assignment, test.id), past)
         teaching.write_comments(db, room, past, settings)
         teaching.type_column(db, room, now)
+        teaching.hold_lessons(db, room, now)
     return DemoClass(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
 

@@ -28,6 +28,9 @@ from server.demo.people import GROUPS
 from server.demo.story import LESSON_DURATION, PlannedAttempt, exercises_by_lesson, lesson_starts
 from server.gradebook import service as gradebook
 from server.identity.models import Account
+from server.lesson import service as lessons
+from server.lesson.models import NextStep
+from server.lesson.service import LessonPlan
 from server.marks import columns
 from server.marks import service as marks
 from server.marks.columns import MarkEntry
@@ -61,8 +64,8 @@ class Classroom:
 
 def create_assignments(db: Session, room: Classroom, now: datetime) -> Assignment:
     """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
-    starts, lessons = lesson_starts(now), exercises_by_lesson(room.module)
-    for number, (start, exercises) in enumerate(zip(starts, lessons, strict=True)):
+    starts, by_lesson = lesson_starts(now), exercises_by_lesson(room.module)
+    for number, (start, exercises) in enumerate(zip(starts, by_lesson, strict=True)):
         late, per_day = (LatePolicy.accept, None) if number % 2 else (LatePolicy.penalty, 2.0)
         given = exercises[:-TEST_LENGTH] if number == TEST_LESSON and len(exercises) > TEST_LENGTH else exercises
         due = start + WEEK
@@ -72,16 +75,27 @@ def create_assignments(db: Session, room: Classroom, now: datetime) -> Assignmen
     grant = ExemptionInput(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
     _grant_exemption(db, room, last, ExemptionTarget(label=GROUPS[-1]), grant)
     opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
-    asked = (lessons[0][-1], lessons[-1][-1])
+    asked = (by_lesson[0][-1], by_lesson[-1][-1])
     end = _create_assignment(
         db, room, _test_input("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55)
     )
     _grant_exemption(db, room, end, ExemptionTarget((room.students[-1],)), ExemptionInput(time_factor=4 / 3))
     start = starts[TEST_LESSON]
     test = _test_input(
-        "Contrôle de mi-parcours", lessons[TEST_LESSON][-TEST_LENGTH:], start, start + LESSON_DURATION, None
+        "Contrôle de mi-parcours", by_lesson[TEST_LESSON][-TEST_LENGTH:], start, start + LESSON_DURATION, None
     )
     return _create_assignment(db, room, test)
+
+
+def hold_lessons(db: Session, room: Classroom, now: datetime) -> None:
+    """Hold each lesson with its first exercises; the last one goes on, and who has finished helps somebody."""
+    starts, by_lesson = lesson_starts(now), exercises_by_lesson(room.module)
+    for start, exercises in zip(starts, by_lesson, strict=True):
+        names = tuple(exercise.id for exercise in exercises[: lessons.MAX_EXERCISES])
+        plan = LessonPlan(names, NextStep.help if start == starts[-1] else NextStep.none)
+        lessons.start_lesson(db, room.course, room.school_class, room.teacher.id, plan, start)
+        if start != starts[-1]:
+            lessons.end_lesson(db, room.school_class, room.teacher.id, start + LESSON_DURATION)
 
 
 def _weighted(exercises: Sequence[Exercise]) -> tuple[WeightedExercise, ...]:

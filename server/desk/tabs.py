@@ -9,7 +9,8 @@ from server.rights.models import Right
 
 #: Required right, label and path of each tab.
 STAFF_TABS: tuple[tuple[Right, str, str], ...] = (
-    (Right.read_work, "Tableau", ""),
+    (Right.read_work, "Séance", "/seance"),
+    (Right.read_work, "Tableau", "/tableau"),
     (Right.see_students, "Devoirs", "/devoirs"),
     (Right.read_marks, "Carnet", "/carnet"),
     (Right.read_work, "Questions", "/questions"),

@@ -16,6 +16,7 @@ await build({
     "src/js/answers.js",
     "src/js/preview.js",
     "src/js/board.js",
+    "src/js/lesson.js",
     "src/js/reading.js",
     "src/js/replays/index.js",
     "src/js/manipulations/index.js",

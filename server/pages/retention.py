@@ -132,6 +132,13 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("sitting", "saved_work", "exemption", "mark_override", "mark_decision", "manual_mark"),
     ),
     lambda _: Row(
+        "Séances : exercices du jour, début et fin ; élèves que l’enseignant a marqués « vu »",
+        "tant que la classe existe ; les élèves vus, tant que leur compte existe",
+        "avec la classe ou le compte, aussitôt qu’il est effacé",
+        ACCOUNT_SETTINGS,
+        ("live_lesson", "lesson_visit"),
+    ),
+    lambda _: Row(
         "Messages et mots ; phrases d’un enseignant",
         "tant que le compte de l’élève existe ; sans le nom d’un enseignant dont le compte est effacé",
         AT_ONCE,

@@ -24,6 +24,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
+from server.lesson import repository as lessons
 from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
 from server.personal.marks_data import format_time, marks_data
@@ -158,6 +159,14 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
                 "last_at": format_time(poll_answer.last_at),
             }
             for poll_answer in polls.load_answers(db, account_id)
+        ],
+        "seen_in_lessons": [
+            {"class": name, "exercise": visit.exercise, "at": format_time(visit.visited_at)}
+            for visit, name in lessons.load_account_visits(db, account_id)
+        ],
+        "lessons_started": [
+            {"class": name, "exercises": lesson.exercises, "at": format_time(lesson.started_at)}
+            for lesson, name in lessons.load_lessons_started_by(db, account_id)
         ],
         "solutions_opened": [
             {"exercise": opening.exercise, "opened_at": format_time(opening.opened_at)}

@@ -17,6 +17,7 @@ class Right(StrEnum):
     see_students = "voir les élèves de la classe"
     read_work = "lire les essais des élèves de la classe"
     comment = "commenter les essais des élèves de la classe"
+    run_lessons = "mener les séances de la classe"
     see_code = "voir le code de la classe"
     manage_roster = "tenir la liste de la classe"
     erase_students = "effacer les élèves de la classe"
@@ -44,6 +45,7 @@ ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.see_students: frozenset({ASSISTANT, TEACHER}),
     Right.read_work: frozenset({ASSISTANT, TEACHER}),
     Right.comment: frozenset({ASSISTANT, TEACHER}),
+    Right.run_lessons: frozenset({ASSISTANT, TEACHER}),
     Right.see_code: frozenset({ASSISTANT, TEACHER}),
     Right.manage_roster: frozenset({TEACHER}),
     Right.erase_students: frozenset({TEACHER}),

@@ -17,7 +17,6 @@ from server.board.attempts import (
     misconception_episodes,
 )
 from server.board.insights import ScoreSum, item_rest_correlation
-from server.board.stuck import failing_repeatedly, fallen_silent
 from server.gradebook.histories import Attempts, GradedAttempt
 from server.gradebook.schemas import HINT_OPENS_AFTER
 
@@ -37,38 +36,6 @@ def attempts_of(*attempts: str) -> Attempts:
         id, grading = UUID(int=number), UUID(int=1000 + number)
         found.append(GradedAttempt(id, sent_at, score, ADA, EXERCISE, digest, outcome.value, name or None, grading))
     return tuple(found)
-
-
-STUCK = {
-    "three different failures without a better score": (["9,5", "5,5", "1,5"], True),
-    "the first attempt is no better score than nothing": (["9,5", "5,0", "1,0"], True),
-    "two only": (["9,5", "1,5"], False),
-    "the same code three times": (["9,5,a", "5,5,a", "1,5,a"], False),
-    "one of them is too old": (["11,5", "5,5", "1,5"], False),
-    "a better score begins anew": (["9,0", "5,5", "3,5", "1,5"], False),
-    "three since the better score": (["9,0", "8,5", "5,5", "3,5", "1,5"], True),
-    "no better than an older score": (["300,10", "9,0", "5,5", "1,10"], True),
-    "better than an older score": (["300,4", "9,0", "5,5", "1,0"], False),
-    "long ago": (["300,5", "299,5", "298,5"], False),
-}
-
-
-@pytest.mark.parametrize(("attempts", "stuck"), STUCK.values(), ids=STUCK.keys())
-def test_repeated_failures_are_stuck(attempts: list[str], stuck: bool) -> None:
-    found = failing_repeatedly({(ADA, EXERCISE): attempts_of(*attempts)}, NOW)
-    assert found == (frozenset({(ADA, EXERCISE)}) if stuck else frozenset())
-
-
-@pytest.mark.parametrize(
-    ("sent", "seen", "quiet"),
-    [(7, 1, False), (9, 1, True), (39, 14, True), (39, 16, False), (41, 1, False), (9, None, False)],
-)
-def test_silent_students_are_stuck(sent: int, seen: int | None, quiet: bool) -> None:
-    attempts = {(ADA, EXERCISE): attempts_of(f"{sent},5")}
-    seen_at = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
-    assert bool(fallen_silent(attempts, seen_at, NOW)) is quiet
-    elsewhere = {**attempts, (ADA, "l20/kabsch"): attempts_of("1,5")}
-    assert not fallen_silent(elsewhere, seen_at, NOW), "who works at something else is not held up here"
 
 
 @pytest.mark.parametrize(

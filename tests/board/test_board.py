@@ -58,7 +58,7 @@ def test_cells_and_counts(database: Database, course: Course, made: SchoolClass)
     ada, alan, grace = seated(database, made, 3, now)
     minutes = [timedelta(minutes=one) for one in range(10)]
     sent = [Sent(ada, name, now - minutes[1], 1.0) for name in (EXERCISE, OTHER)]
-    sent += [Sent(alan, EXERCISE, now - minutes[4 - place], 0.25, WRONG, f"x = {place}") for place in range(3)]
+    sent += [Sent(alan, EXERCISE, now - 3 * minutes[4 - place], 0.25, WRONG, f"x = {place}") for place in range(3)]
     sent += [Sent(alan, "l20/boucles", now - minutes[1], 0.5), Sent(grace, EXERCISE, now - minutes[1], None)]
     store(database, sent)
     board, insights = read(database, course, made)

@@ -106,6 +106,8 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
             AuditAction.assignment_made,
             AuditAction.exemption_made,
             AuditAction.feedback_released,
+            AuditAction.lesson_started,
+            AuditAction.lesson_ended,
             AuditAction.mark_overridden,
             AuditAction.column_made,
             AuditAction.column_changed,

@@ -68,7 +68,7 @@ def test_the_board_of_a_class(site: Site, martin: Person, made: SchoolClass) -> 
         account.name = "<b>Ada</b> <script>alert(1)</script>"
     now = utc_now()
     store(site.database, [
-        *(Sent(ada, EXERCISE, now - timedelta(minutes=4 - one), 0.25, WRONG, f"x = {one}") for one in range(3)),
+        *(Sent(ada, EXERCISE, now - timedelta(minutes=10 - one), 0.25, WRONG, f"x = {one}") for one in range(3)),
         Sent(alan, EXERCISE, now, 0.5),
     ])  # fmt: skip
     text = text_of(browser, href)
@@ -76,7 +76,7 @@ def test_the_board_of_a_class(site: Site, martin: Person, made: SchoolClass) -> 
     assert "&lt;b&gt;Ada&lt;/b&gt;" in text
     assert re.search(r"<strong>2</strong> sur 2 ont commencé", text)
     assert re.search(r">1</strong> est bloqué en ce moment", text)
-    assert "au moins trois essais différents et ratés" in text
+    assert "deux essais ratés différents" in text
     assert f'class="spot spot-stuck" data-key="{ada} {EXERCISE}"' in text
     assert f"{href}/eleves/{ada}/{EXERCISE}" in text
     assert f"{href}/erreurs/{EXERCISE}/{WRONG}" in text
@@ -92,11 +92,11 @@ def names_of(text: str) -> list[str]:
 
 def test_students_are_sorted_filtered_and_paged(site: Site, martin: Person, made: SchoolClass) -> None:
     browser, href = martin.browser(site), f"/classes/{made.id}"
-    students = seated(site.database, made, 70)
     now = utc_now()
+    students = seated(site.database, made, 70, now)
     store(site.database, [
         Sent(students[69], EXERCISE, now, 1.0),
-        *(Sent(students[68], EXERCISE, now - timedelta(minutes=one), 0.0, None, f"x = {one}") for one in range(3)),
+        *(Sent(students[68], EXERCISE, now - timedelta(minutes=5 * one), 0.0, None, f"x = {one}") for one in range(3)),
     ])  # fmt: skip
     everyone = names_of(text_of(browser, href)) + names_of(text_of(browser, f"{href}?page=2"))
     assert (len(everyone), len(set(everyone))) == (70, 70)
@@ -142,7 +142,7 @@ def test_a_misconception_and_its_projection(site: Site, martin: Person, made: Sc
     assert str(students[-1]) in freed
     shown = text_of(browser, f"{href}/projeter")
     for page in (shown, text.split('id="extraits"')[1].split("</section>")[0]):
-        assert page.count('<pre class="code"') == 2
+        assert page.count('<pre class="code"') == (1 if page is shown else 2), "the right program has no such function"
         assert "composer" in page
         assert not re.search(r"\bAda\b|Lovelace|MPSI|à moi|inverse\(", page, re.I), "identities may hold an “ada”"
     assert "Hopper" not in shown

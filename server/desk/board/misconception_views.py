@@ -12,7 +12,7 @@ from server.board import repository, service
 from server.board.catalogue import CataloguedMisconception, find_misconception
 from server.board.extracts import anonymise_extract, extract_function, name_words
 from server.board.progress import ClassProgress
-from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, ImprovementStats, MisconceptionStats
+from server.board.schemas import FEWEST_FOR_A_SHARE, ImprovementStats, MisconceptionStats
 from server.course import Course, Exercise
 from server.database import utc_now
 from server.desk.board.links import BoardLinks, misconception_href
@@ -30,9 +30,9 @@ UNKNOWN = "Personne, dans cette classe, n’a eu cette erreur à un exercice qui
 
 
 def misconception_page(
-    db: Session, course: Course, access: ClassAccess, exercise_id: str, misconception: str, *, chosen: bool = False
+    db: Session, course: Course, access: ClassAccess, exercise_id: str, misconception: str
 ) -> MisconceptionPage:
-    """Build the page; `chosen`: it may be projected, however few had it. Raise NotFound where nobody had it."""
+    """Build the page. Raise NotFound where nobody had it."""
     school_class = access.school_class
     progress = service.load_progress(db, course, school_class, utc_now(), only=exercise_id)
     by_id = {stats.id: stats for stats in progress.misconceptions}
@@ -45,7 +45,7 @@ def misconception_page(
     had = progress.students_who_had(exercise_id, misconception)
     paragraphs = [part.strip() for part in known.diagnosis.explanation.split("\n\n") if part.strip()]
     return MisconceptionPage(
-        head=class_head(course, access, ""),
+        head=class_head(course, access, "/tableau"),
         row=misconception_row(links, stats),
         paragraphs=tuple(exercise.prose(paragraph) if exercise.answers else paragraph for paragraph in paragraphs),
         prose=exercise.answers is not None,
@@ -56,8 +56,6 @@ def misconception_page(
         lesson=_lesson(course, exercise),
         project_href=f"{misconception_href(href, exercise_id, misconception)}/projeter",
         word_href=_word_href(href, stats) if access.has(Right.comment) and stats.now else "",
-        may_project=chosen or stats.ever >= FEWEST_TO_PROJECT,
-        fewest=FEWEST_TO_PROJECT,
     )
 
 
@@ -88,7 +86,7 @@ def _extracts(
     functions = known.functions or tuple(function.name for function in exercise.functions)
     people = name_words(student.name for student in progress.students)
     rows = repository.load_sources(db, progress.scope, exercise.id, misconception, MAX_SOURCES)
-    by_student = {row[0]: row[1] for row in reversed(rows)}
+    by_student = {row.account: row.source for row in reversed(rows)}
     texts = {_extract(source, functions, people) for source in by_student.values()} - {""}
     return tuple(sorted(texts, key=lambda text: (len(text), text))[:EXTRACTS])
 

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
+from server.base.http import client_address
 from server.board import service
 from server.board.dependencies import LiveBoardsOf
 from server.board.schemas import Board
@@ -18,6 +19,7 @@ from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.desk.board.changes import OpenBoard, board_events
 from server.desk.board.misconception_views import misconception_page
+from server.desk.board.projection import Programs, ProjectionPage, complete_projection, prepare_projection
 from server.desk.requests import redirect_to_login
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
@@ -25,6 +27,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.steps.routes import StepsDep
 from server.submissions.job_events import STREAM_HEADERS
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page
@@ -45,15 +48,31 @@ def mistake(request: Request, class_id: str, module: str, slug: str, mistake: st
 
 
 @router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}/projeter")
-def project(
-    request: Request, class_id: str, module: str, slug: str, mistake: str, reader: CurrentReader, choix: Text = ""
+async def project(
+    request: Request,
+    class_id: str,
+    module: str,
+    slug: str,
+    mistake: str,
+    reader: CurrentReader,
+    steps: StepsDep,
+    choix: Text = "",
 ) -> Response:
     """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
-    if reader.account is None:
+
+    def prepare() -> tuple[Account, ProjectionPage, Programs | None] | None:
+        account = reader.account
+        if account is None:
+            return None
+        access = rights.require_right(reader.db, account, Right.read_work, class_id)
+        return account, *prepare_projection(reader, account, access, f"{module}/{slug}", mistake, chosen=bool(choix))
+
+    prepared = await run_in_threadpool(prepare)
+    if prepared is None:
         return redirect_to_login(request)
-    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
-    view = misconception_page(reader.db, reader.course, access, f"{module}/{slug}", mistake, chosen=bool(choix))
-    return render_page(request, "classes/projection.html", reader.account, page=view)
+    account, page, programs = prepared
+    view = await complete_projection(page, programs, steps, account, client_address(request))
+    return await run_in_threadpool(render_page, request, "classes/projection.html", account, page=view)
 
 
 @router.get("/classes/{class_id}/evenements")

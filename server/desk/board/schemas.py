@@ -163,7 +163,8 @@ class BoardPage:
 
 @dataclass(frozen=True)
 class MisconceptionPage:
-    """A misconception in a class. `extracts` are anonymous; `may_project`: enough students had it, or it was chosen.
+    """A misconception in a class. `extracts` are anonymous.
+
     `word_href` is empty for who may not write to students, and where nobody has it now.
 
     `paragraphs` are HTML where `prose` is true, else the course's plain sentences.
@@ -180,5 +181,3 @@ class MisconceptionPage:
     lesson: tuple[str, str] | None
     project_href: str
     word_href: str
-    may_project: bool
-    fewest: int

@@ -88,7 +88,7 @@ def board_page(reader: Reader, access: ClassAccess, query: BoardQuery, base: str
         *(may_regrade, school_time.time_zone().key),
     )
     return BoardPage(
-        head=class_head(course, access, ""),
+        head=class_head(course, access, "/tableau"),
         has_students=bool(progress.students),
         rule=RULE,
         waiting=classes.count_students(db, [school_class.id])[school_class.id][1],
@@ -155,7 +155,8 @@ def _href(links: BoardLinks, query: BoardQuery, **changes: str | int) -> str:
     defaults = {"groupe": "", "tri": BY_NAME, "page": 1}
     fields = {name: value for name, value in fields.items() if value != defaults[name]}
     fields |= {"erreurs": "toutes"} if query.everything else {}
-    return f"{links.href}?{urlencode(fields)}#avancement" if fields else f"{links.href}#avancement"
+    address = f"{links.href}/tableau"
+    return f"{address}?{urlencode(fields)}#avancement" if fields else f"{address}#avancement"
 
 
 def _sort_link(links: BoardLinks, query: BoardQuery, column: str, label: str) -> SortLink:
@@ -257,5 +258,5 @@ def _more_misconceptions(links: BoardLinks, board: Board, query: BoardQuery) -> 
     if total <= FIRST_MISCONCEPTIONS:
         return None
     if query.everything:
-        return BoardLink("Ne montrer que les premières", f"{links.href}#erreurs", False)
-    return BoardLink(f"Montrer les {total} erreurs reconnues", f"{links.href}?erreurs=toutes#erreurs", False)
+        return BoardLink("Ne montrer que les premières", f"{links.href}/tableau#erreurs", False)
+    return BoardLink(f"Montrer les {total} erreurs reconnues", f"{links.href}/tableau?erreurs=toutes#erreurs", False)

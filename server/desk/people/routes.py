@@ -13,6 +13,7 @@ from server.classes import service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.schemas import validate_guest_name
 from server.course.dependencies import CourseOf
+from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
@@ -20,12 +21,14 @@ from server.desk.own import views as own_views
 from server.desk.requests import GroupQuery, redirect_to_login
 from server.desk.schemas import JoinFormValues
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
+from server.lesson import service as lessons
 from server.rights import service as rights
 from server.rights.models import Right
+from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
 from server.web.forms import Field, redirect
 from server.web.rendering import render_page
-from server.web.views import find_module
+from server.web.views import Reader, find_module
 
 router = APIRouter(include_in_schema=False)
 
@@ -126,16 +129,37 @@ def show_class(
     number: PageNumber = 1,
     erreurs: GroupQuery = "",
 ) -> Response:
-    """The board, for who teaches or helps; else one's own page."""
+    """The lesson that goes on, else the board, for who teaches or helps; else one's own page."""
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.see_class, class_id)
     if access.has(Right.read_work):
-        asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
-        board = board_page(reader, access, asked, service_url(request))
-        return render_page(request, "classes/board.html", reader.account, page=board)
+        if not request.url.query and lessons.find_current_lesson(reader.db, access.school_class.id, utc_now()):
+            return redirect(f"{views.class_href(access.school_class)}/seance")
+        return _render_board(request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs)))
     view = own_views.build_own_page(reader.db, reader.course, access, reader.account)
     return render_page(request, "classes/own.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/tableau")
+def show_board(
+    request: Request,
+    class_id: str,
+    reader: CurrentReader,
+    groupe: GroupQuery = "",
+    tri: GroupQuery = BY_NAME,
+    number: PageNumber = 1,
+    erreurs: GroupQuery = "",
+) -> Response:
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    return _render_board(request, reader, access, BoardQuery(groupe, tri, number, everything=bool(erreurs)))
+
+
+def _render_board(request: Request, reader: Reader, access: ClassAccess, query: BoardQuery) -> HTMLResponse:
+    board = board_page(reader, access, query, service_url(request))
+    return render_page(request, "classes/board.html", reader.account, page=board)
 
 
 @router.get("/classes/{class_id}/eleves")

@@ -75,6 +75,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
+    "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
     "POST /classes/{class_id}/reglages": {"name": "PSI"},

@@ -1,0 +1,52 @@
+"""Load the state of a lesson, and propose its exercises, in the caller's transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.board.latest_change import LatestChange, compare_attempts
+from server.board.lesson_state import LessonState, build_state
+from server.board.progress import ClassProgress
+from server.course import Course
+from server.lesson import repository
+from server.lesson.models import LiveLesson
+from server.lesson.service import MAX_EXERCISES
+
+MAX_COMPARED = 12
+
+
+def propose_exercises(progress: ClassProgress, available: Sequence[str]) -> tuple[str, ...]:
+    """Return the exercises to begin a lesson with: the first ones that most of the class has not solved yet."""
+    wanted = [name for name in available if 2 * _count_solved(progress, name) < max(1, len(progress.students))]
+    return tuple((wanted or list(available))[:MAX_EXERCISES])
+
+
+def _count_solved(progress: ClassProgress, exercise: str) -> int:
+    standings = (progress.standings.get((student.id, exercise)) for student in progress.students)
+    return sum(totals is not None and totals.first_success_at is not None for totals in standings)
+
+
+def load_state(db: Session, progress: ClassProgress, lesson: LiveLesson) -> LessonState:
+    return build_state(progress, lesson, repository.load_visits(db, lesson.id))
+
+
+def load_changes(
+    db: Session, progress: ClassProgress, pairs: Collection[tuple[UUID, str]]
+) -> Mapping[tuple[UUID, str], LatestChange | None]:
+    """Return what the latest attempt of each pair changed; pairs with fewer than two attempts are left out."""
+    own = {pair: progress.attempts[pair] for pair in list(pairs)[:MAX_COMPARED] if pair in progress.attempts}
+    last = {pair: (attempts[-2].id, attempts[-1].id) for pair, attempts in own.items() if len(attempts) > 1}
+    sources = repository.load_sources(db, [identity for ids in last.values() for identity in ids])
+    return {
+        pair: compare_attempts(sources[before], sources[after], is_code=_is_code(progress.course, pair[1]))
+        for pair, (before, after) in last.items()
+        if before in sources and after in sources
+    }
+
+
+def _is_code(course: Course, exercise: str) -> bool:
+    served = course.exercises.get(exercise)
+    return served is not None and served.kind == "code"

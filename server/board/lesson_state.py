@@ -1,0 +1,172 @@
+"""The state of a lesson at one time, from the attempts of its class: pure."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import UUID
+
+from graders.core.contract.outcomes import Outcome
+from server.board.attempts import Pair
+from server.board.progress import ClassProgress
+from server.board.schemas import FEWEST_TO_PROJECT
+from server.board.stuck import PRESENCE, Expected, StuckStudent
+from server.gradebook.histories import Attempts, AttemptsByPair
+from server.lesson.models import LessonVisit, LiveLesson
+
+RECENT_MISTAKES = timedelta(minutes=15)
+MAX_MISTAKES = 3
+#: How long a student who was seen is left out of the list, unless another exercise is in their way.
+VISIT_LASTS = timedelta(minutes=10)
+
+
+@dataclass(frozen=True)
+class RecentMistake:
+    """A misconception that attempts of the last minutes show; `students` made it then, the latest last.
+
+    `ever` counts all students of the class who ever made it; `still`: those whose latest attempt shows it.
+    """
+
+    exercise: str
+    id: str
+    students: tuple[UUID, ...]
+    still: frozenset[UUID]
+    ever: int
+
+    @property
+    def may_be_projected(self) -> bool:
+        return self.ever >= FEWEST_TO_PROJECT
+
+
+@dataclass(frozen=True)
+class ExerciseCount:
+    """Numbers of students who have solved an exercise of the day, and who have tried it without success."""
+
+    exercise: str
+    solved: int
+    trying: int
+
+
+@dataclass(frozen=True)
+class LessonState:
+    """A lesson at one time. `stuck`: the most urgent first; `visited`: those left out as they were just seen.
+
+    `finished` have solved all exercises of the day, the latest last; `absent` were not there since it began.
+    `helpers`: by stuck student, who has finished and could help them.
+    """
+
+    stuck: tuple[StuckStudent, ...]
+    visited: tuple[UUID, ...]
+    mistakes: tuple[RecentMistake, ...]
+    finished: tuple[UUID, ...]
+    absent: tuple[UUID, ...]
+    exercises: tuple[ExerciseCount, ...]
+    students: int
+    helpers: Mapping[UUID, UUID]
+
+
+def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, LessonVisit]) -> LessonState:
+    expected = Expected(tuple(lesson.exercises), lesson.started_at)
+    stuck = progress.find_stuck(expected)
+    shown = tuple(row for row in stuck if not _is_just_seen(visits.get(row.account), row, progress.now))
+    solved = _solved_times(progress.attempts, lesson.exercises)
+    finished = _finished(progress, solved, lesson.exercises)
+    return LessonState(
+        stuck=shown,
+        visited=tuple(row.account for row in stuck if row not in shown),
+        mistakes=recent_mistakes(progress, progress.now - RECENT_MISTAKES)[:MAX_MISTAKES],
+        finished=finished,
+        absent=_absent(progress, lesson.started_at),
+        exercises=tuple(_count(progress, exercise, solved) for exercise in lesson.exercises),
+        students=len(progress.students),
+        helpers=pair_helpers(progress, shown, finished),
+    )
+
+
+def _is_just_seen(visit: LessonVisit | None, row: StuckStudent, now: datetime) -> bool:
+    return visit is not None and visit.exercise == row.exercise and now - visit.visited_at < VISIT_LASTS
+
+
+def recent_mistakes(progress: ClassProgress, since: datetime) -> tuple[RecentMistake, ...]:
+    """Return the misconceptions that attempts since a time show, by how many students made them."""
+    made: dict[tuple[str, str], list[tuple[datetime, UUID]]] = defaultdict(list)
+    for (account, exercise), attempts in progress.attempts.items():
+        if attempts[-1].sent_at < since:
+            continue
+        latest = {attempt.diagnosis: attempt.sent_at for attempt in attempts if attempt.sent_at >= since}
+        for misconception, sent_at in latest.items():
+            if misconception is not None:
+                made[exercise, misconception].append((sent_at, account))
+    rows = [_mistake(progress, *key, [account for _, account in sorted(times)]) for key, times in made.items()]
+    order = {exercise: index for index, exercise in enumerate(progress.scope.exercises)}
+    return tuple(sorted(rows, key=lambda row: (-len(row.students), -len(row.still), order[row.exercise], row.id)))
+
+
+def _mistake(progress: ClassProgress, exercise: str, misconception: str, students: Sequence[UUID]) -> RecentMistake:
+    still = {account for account in students if progress.attempts[account, exercise][-1].diagnosis == misconception}
+    ever = len(progress.students_who_had(exercise, misconception))
+    return RecentMistake(exercise, misconception, tuple(students), frozenset(still), ever)
+
+
+def _solved_times(attempts: AttemptsByPair, exercises: Sequence[str]) -> Mapping[Pair, datetime]:
+    """Return when each student first solved each of these exercises."""
+    wanted = frozenset(exercises)
+    times = {pair: _first_success(series) for pair, series in attempts.items() if pair[1] in wanted}
+    return {pair: time for pair, time in times.items() if time is not None}
+
+
+def _first_success(attempts: Attempts) -> datetime | None:
+    return next((attempt.sent_at for attempt in attempts if attempt.outcome == Outcome.OK), None)
+
+
+def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]) -> tuple[UUID, ...]:
+    """Return who has solved all these exercises, the latest last."""
+    times = []
+    for student in progress.students:
+        own = [solved.get((student.id, exercise)) for exercise in exercises]
+        done = [time for time in own if time is not None]
+        if exercises and len(done) == len(own):
+            times.append((max(done), student.id))
+    return tuple(account for _, account in sorted(times))
+
+
+def pair_helpers(
+    progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID]
+) -> Mapping[UUID, UUID]:
+    """Give each stuck student a helper of their own who has finished: at best one who overcame the same mistake."""
+    free, pairs = list(finished), {}
+    for row in stuck:
+        attempts = progress.attempts.get((row.account, row.exercise), ())
+        mistake = attempts[-1].diagnosis if attempts else None
+        able = [account for account in free if _solved(progress, account, row.exercise)]
+        overcame = [account for account in able if mistake and _made(progress, account, row.exercise, mistake)]
+        for helper in (overcame or able)[:1]:
+            pairs[row.account] = helper
+            free.remove(helper)
+    return pairs
+
+
+def _solved(progress: ClassProgress, account: UUID, exercise: str) -> bool:
+    return _first_success(progress.attempts.get((account, exercise), ())) is not None
+
+
+def _made(progress: ClassProgress, account: UUID, exercise: str, misconception: str) -> bool:
+    return any(attempt.diagnosis == misconception for attempt in progress.attempts.get((account, exercise), ()))
+
+
+def _absent(progress: ClassProgress, since: datetime) -> tuple[UUID, ...]:
+    """Return who was not seen since a time, presence being recorded every few minutes only."""
+    sent = {account for (account, _), series in progress.attempts.items() if series[-1].sent_at >= since}
+    return tuple(
+        student.id
+        for student in progress.students
+        if student.id not in sent and (student.seen_at is None or student.seen_at < since - PRESENCE)
+    )
+
+
+def _count(progress: ClassProgress, exercise: str, solved: Mapping[Pair, datetime]) -> ExerciseCount:
+    tried = sum((student.id, exercise) in progress.attempts for student in progress.students)
+    done = sum((student.id, exercise) in solved for student in progress.students)
+    return ExerciseCount(exercise, done, tried - done)

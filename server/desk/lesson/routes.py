@@ -1,0 +1,184 @@
+"""The lesson of a class: its page and form, its stream of changes, its view for the projector."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import APIRouter, Form, Query, Request
+from fastapi.responses import HTMLResponse, Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.base import root_path
+from server.base.errors import Conflict, Invalid
+from server.base.validation import parse_uuid
+from server.board.dependencies import LiveBoardsOf
+from server.board.schemas import Board
+from server.board.service import load_progress, may_watch_board
+from server.classes.service import NOT_A_MEMBER
+from server.course import Course
+from server.course.dependencies import CourseOf
+from server.database import Database, utc_now
+from server.database.dependencies import DatabaseOf
+from server.desk.lesson import views
+from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
+from server.desk.views import class_href
+from server.identity.dependencies import SignedIn
+from server.identity.models import Account
+from server.lesson import service
+from server.lesson.models import NextStep
+from server.lesson.service import LessonPlan
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import ClassAccess
+from server.submissions.job_events import STREAM_HEADERS, format_sse
+from server.web.dependencies import CurrentReader
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
+from server.web.views import Reader
+
+router = APIRouter(include_in_schema=False)
+
+SIGN_OF_LIFE = ":\n\n"
+ENDED = "ended"
+Names = Annotated[list[str], Form()]
+
+
+@router.get("/classes/{class_id}/seance")
+def show_lesson(request: Request, class_id: str, reader: CurrentReader) -> Response:
+    """The lesson that goes on, or the form that begins one."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    return _render_lesson(request, reader, reader.account, access)
+
+
+def _render_lesson(
+    request: Request,
+    reader: Reader,
+    account: Account,
+    access: ClassAccess,
+    refused: tuple[LessonPlan, str] | None = None,
+) -> HTMLResponse:
+    now, status = utc_now(), 422 if refused else 200
+    form = None if refused is None else views.lesson_form(reader.db, reader.course, access.school_class, now, *refused)
+    lesson = service.find_current_lesson(reader.db, access.school_class.id, now)
+    if lesson is None:
+        start = views.start_page(reader.db, reader.course, access, now, form)
+        return render_page(request, "classes/lesson_start.html", account, status=status, page=start)
+    view = views.lesson_page(reader.db, reader.course, access, lesson, now, form)
+    return render_page(request, "classes/lesson.html", account, status=status, page=view)
+
+
+@router.post("/classes/{class_id}/seance")
+def run_lesson(
+    request: Request,
+    class_id: str,
+    account: SignedIn,
+    reader: CurrentReader,
+    action: Field = "",
+    exercice: Names = [],  # noqa: B006 (FastAPI copies it)
+    suite: Field = NextStep.none.value,
+    defi: Field = "",
+    eleve: Field = "",
+) -> Response:
+    """Begin, change or end the lesson; or mark a student as seen: `eleve` is their id and the exercise."""
+    access = rights.require_right(reader.db, account, Right.run_lessons, class_id)
+    school_class, now = access.school_class, utc_now()
+    href = f"{class_href(school_class)}/seance"
+    step = NextStep(suite) if suite in set(NextStep) else NextStep.none
+    plan = LessonPlan(tuple(exercice), step, defi)
+    try:
+        if action == "commencer":
+            service.start_lesson(reader.db, reader.course, school_class, account.id, plan, now)
+        elif action == "modifier":
+            service.change_lesson(reader.db, reader.course, school_class, account.id, plan, now)
+        elif action == "terminer":
+            service.end_lesson(reader.db, school_class, account.id, now)
+        elif action == "vu":
+            student, _, exercise = eleve.partition(" ")
+            service.visit_student(reader.db, school_class, parse_uuid(student, NOT_A_MEMBER), exercise, now)
+        else:
+            raise Invalid(UNKNOWN_ACTION)
+    except (Conflict, Invalid) as refused:
+        if action not in {"commencer", "modifier"}:
+            raise
+        reader.db.rollback()
+        again = rights.require_right(reader.db, account, Right.run_lessons, class_id)
+        return _render_lesson(request, reader, account, again, (plan, refused.detail))
+    return redirect(href)
+
+
+@router.get("/classes/{class_id}/seance/projeter")
+def project_lesson(request: Request, class_id: str, reader: CurrentReader) -> Response:
+    """Show the exercises of the day and how far the class is, without any name."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    now = utc_now()
+    lesson = service.require_current_lesson(reader.db, access.school_class.id, now)
+    view = views.lesson_page(reader.db, reader.course, access, lesson, now, None)
+    return render_page(request, "classes/lesson_wall.html", reader.account, page=view)
+
+
+@dataclass(frozen=True)
+class LessonWatcher:
+    """A page in a browser that follows the lesson of a class; `wall`: the view for the projector."""
+
+    database: Database
+    course: Course
+    account: Account
+    class_id: str
+    wall: bool
+
+    def may_watch(self) -> bool:
+        with self.database.read() as db:
+            return may_watch_board(db, self.account.id, parse_uuid(self.class_id, NOT_A_MEMBER))
+
+    def render(self) -> Mapping[str, str] | None:
+        """Render what changes on the page; None once no lesson goes on."""
+        with self.database.read() as db:
+            access = rights.require_right(db, self.account, Right.read_work, self.class_id)
+            now = utc_now()
+            lesson = service.find_current_lesson(db, access.school_class.id, now)
+            if lesson is None:
+                return None
+            progress = load_progress(db, self.course, access.school_class, now)
+            parts = views.lesson_parts(db, progress, access.school_class, lesson)
+        if self.wall:
+            return views.render_wall(parts)
+        may_run, may_comment = access.has(Right.run_lessons), access.has(Right.comment)
+        return views.render_parts(parts, may_run=may_run, may_comment=may_comment)
+
+
+@router.get("/classes/{class_id}/seance/evenements")
+async def stream_lesson(
+    class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf,
+    mur: Annotated[str, Query(max_length=10)] = "",
+) -> StreamingResponse:  # fmt: skip
+    """Stream the parts of the page that change, as HTML."""
+    watcher = LessonWatcher(database, course, account, class_id, bool(mur))
+    access = await run_in_threadpool(_require_access, watcher)  # refusals come before the stream begins
+    boards.require_free_stream(account.id)
+    stream = _event_stream(boards.follow(access.school_class.id, account.id, watcher.may_watch), watcher)
+    return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
+
+
+def _require_access(watcher: LessonWatcher) -> ClassAccess:
+    with watcher.database.read() as db:
+        return rights.require_right(db, watcher.account, Right.read_work, watcher.class_id)
+
+
+async def _event_stream(boards: AsyncIterator[Board | None], watcher: LessonWatcher) -> AsyncIterator[str]:
+    """Send the parts that changed, after each grading and each heartbeat: students become stuck by time alone."""
+    sent: Mapping[str, str] = {}
+    async for _ in boards:
+        parts = await run_in_threadpool(watcher.render)
+        if parts is None:
+            yield format_sse(ENDED, "")
+            return
+        changed = {name: root_path.with_external_paths(html) for name, html in parts.items() if sent.get(name) != html}
+        sent = parts
+        yield format_sse("parts", json.dumps(changed)) if changed else SIGN_OF_LIFE

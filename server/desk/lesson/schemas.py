@@ -1,0 +1,113 @@
+"""The types that the templates of a lesson receive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from server.board.latest_change import LatestChange
+from server.board.stuck import StuckSign
+from server.desk.schemas import ClassHead
+from server.lesson.models import NextStep
+
+
+@dataclass(frozen=True)
+class StuckRow:
+    """A stuck student: `minutes` since when, the mistake of the latest attempt, and what that attempt changed.
+
+    `attempts` counts all at this exercise. `helper`: who has finished and could help; empty where nobody should.
+    """
+
+    student: str
+    exercise_id: str
+    name: str
+    exercise: str
+    minutes: int
+    sign: StuckSign
+    failures: int
+    attempts: int
+    mistake: str
+    change: LatestChange | None
+    work_href: str
+    helper: str
+
+
+@dataclass(frozen=True)
+class MistakeRow:
+    """A mistake of the last minutes; `names` made it, `still` of them have it; `href` leads to its page."""
+
+    title: str
+    exercise: str
+    names: tuple[str, ...]
+    still: int
+    href: str
+    project_href: str
+    few: bool
+
+
+@dataclass(frozen=True)
+class DayExercise:
+    """An exercise of the day, with the numbers of students who have solved it, and who try."""
+
+    title: str
+    href: str
+    solved: int
+    trying: int
+    students: int
+
+
+@dataclass(frozen=True)
+class LessonParts:
+    """Everything on the page that changes while the lesson goes on."""
+
+    stuck: tuple[StuckRow, ...]
+    more_stuck: tuple[str, ...]
+    visited: int
+    mistakes: tuple[MistakeRow, ...]
+    finished: tuple[str, ...]
+    absent: tuple[str, ...]
+    exercises: tuple[DayExercise, ...]
+    next_words: str
+    students: int
+
+
+@dataclass(frozen=True)
+class ExerciseChoice:
+    id: str
+    title: str
+    chosen: bool
+    stars: int
+
+
+@dataclass(frozen=True)
+class LessonForm:
+    """The form that begins or changes a lesson; `problem`: why it is refused."""
+
+    choices: tuple[ExerciseChoice, ...]
+    next_step: NextStep
+    challenge: str
+    problem: str
+
+
+@dataclass(frozen=True)
+class LessonPage:
+    """The page of a lesson that goes on."""
+
+    head: ClassHead
+    parts: LessonParts
+    form: LessonForm
+    started_at: datetime
+    may_run: bool
+    may_comment: bool
+    stream: str
+
+
+@dataclass(frozen=True)
+class StartPage:
+    """The page of a class without a lesson that goes on: what it would begin with, and the lessons before."""
+
+    head: ClassHead
+    form: LessonForm
+    may_run: bool
+    has_students: bool
+    past: tuple[tuple[str, datetime], ...]

@@ -1,0 +1,205 @@
+"""From the state of a lesson to its page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.board import lesson_loading
+from server.board.catalogue import find_misconception
+from server.board.latest_change import LatestChange
+from server.board.lesson_state import LessonState, RecentMistake
+from server.board.progress import ClassProgress
+from server.board.service import load_progress
+from server.board.stuck import StuckStudent
+from server.classes.models import SchoolClass
+from server.course import Course
+from server.desk.board.links import BoardLinks, misconception_href, work_href
+from server.desk.lesson.schemas import (
+    DayExercise,
+    ExerciseChoice,
+    LessonForm,
+    LessonPage,
+    LessonParts,
+    MistakeRow,
+    StartPage,
+    StuckRow,
+)
+from server.desk.views import class_head, class_href
+from server.lesson import repository, service
+from server.lesson.models import LiveLesson, NextStep
+from server.lesson.service import LessonPlan
+from server.rights.models import Right
+from server.rights.service import ClassAccess
+from server.web.rendering import jinja_environment
+
+SHOWN_STUCK = 5
+SHOWN_LESSONS = 10
+NEXT_WORDS = {
+    NextStep.none: "rien de particulier",
+    NextStep.help: "ils aident un camarade",
+    NextStep.challenge: "défi : {title}",
+}
+
+
+def lesson_page(
+    db: Session, course: Course, access: ClassAccess, lesson: LiveLesson, now: datetime, refused: LessonForm | None
+) -> LessonPage:
+    """Build the page of a lesson that goes on; `refused`: the form as it was sent, with the reason."""
+    school_class = access.school_class
+    progress = load_progress(db, course, school_class, now)
+    return LessonPage(
+        head=class_head(course, access, "/seance"),
+        parts=lesson_parts(db, progress, school_class, lesson),
+        form=refused or lesson_form(db, course, school_class, now, current_plan(lesson)),
+        started_at=lesson.started_at,
+        may_run=access.has(Right.run_lessons),
+        may_comment=access.has(Right.comment),
+        stream=f"{class_href(school_class)}/seance/evenements",
+    )
+
+
+def current_plan(lesson: LiveLesson) -> LessonPlan:
+    return LessonPlan(tuple(lesson.exercises), NextStep(lesson.next_step), lesson.challenge or "")
+
+
+def start_page(
+    db: Session, course: Course, access: ClassAccess, now: datetime, refused: LessonForm | None
+) -> StartPage:
+    """Build the page of a class in which no lesson goes on."""
+    school_class = access.school_class
+    progress = load_progress(db, course, school_class, now)
+    available = service.open_exercises(db, course, school_class, now)
+    proposed = LessonPlan(lesson_loading.propose_exercises(progress, available))
+    past = repository.load_lessons(db, school_class.id)[:SHOWN_LESSONS]
+    return StartPage(
+        head=class_head(course, access, "/seance"),
+        form=refused or _form(course, available, proposed, ""),
+        may_run=access.has(Right.run_lessons) and school_class.archived_at is None,
+        has_students=bool(progress.students),
+        past=tuple((f"{class_href(school_class)}/seance/{row.id}", row.started_at) for row in past),
+    )
+
+
+def lesson_form(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, plan: LessonPlan, problem: str = ""
+) -> LessonForm:
+    available = service.open_exercises(db, course, school_class, now)
+    return _form(course, available, plan, problem)
+
+
+def _form(course: Course, available: Sequence[str], plan: LessonPlan, problem: str) -> LessonForm:
+    listed = [*available, *(name for name in plan.exercises if name not in available)]
+    choices = [
+        ExerciseChoice(name, course.title_of(name), name in plan.exercises, _stars(course, name)) for name in listed
+    ]
+    return LessonForm(tuple(choices), plan.next_step, plan.challenge, problem)
+
+
+def _stars(course: Course, exercise: str) -> int:
+    served = course.exercises.get(exercise)
+    return served.stars if served else 0
+
+
+def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass, lesson: LiveLesson) -> LessonParts:
+    """Build what changes on the page, for the attempts of `progress`."""
+    state = lesson_loading.load_state(db, progress, lesson)
+    shown = state.stuck[:SHOWN_STUCK]
+    changes = lesson_loading.load_changes(db, progress, [(row.account, row.exercise) for row in shown])
+    links = BoardLinks(progress.course, class_href(school_class), progress.students)
+    names = {student.id: student.name for student in progress.students}
+    helpers = state.helpers if lesson.next_step == NextStep.help else {}
+    return LessonParts(
+        stuck=tuple(
+            _stuck_row(progress, links, names, row, changes, names.get(helpers.get(row.account, row.account), ""))
+            for row in shown
+        ),
+        more_stuck=tuple(names[row.account] for row in state.stuck[SHOWN_STUCK:]),
+        visited=len(state.visited),
+        mistakes=tuple(_mistake_row(progress, links, names, mistake) for mistake in state.mistakes),
+        finished=tuple(names[account] for account in reversed(state.finished)),
+        absent=tuple(names[account] for account in state.absent),
+        exercises=_day_exercises(links, state),
+        next_words=next_words(progress.course, lesson),
+        students=state.students,
+    )
+
+
+def next_words(course: Course, lesson: LiveLesson) -> str:
+    """Say what a student gets who has finished."""
+    return NEXT_WORDS[NextStep(lesson.next_step)].format(title=course.title_of(lesson.challenge or ""))
+
+
+def _stuck_row(
+    progress: ClassProgress,
+    links: BoardLinks,
+    names: Mapping[UUID, str],
+    row: StuckStudent,
+    changes: Mapping[tuple[UUID, str], LatestChange | None],
+    helper: str,
+) -> StuckRow:
+    attempts = progress.attempts.get((row.account, row.exercise), ())
+    diagnosis = attempts[-1].diagnosis if attempts else None
+    return StuckRow(
+        student=str(row.account),
+        exercise_id=row.exercise,
+        name=names[row.account],
+        exercise=links.title(row.exercise),
+        minutes=max(0, round((progress.now - row.since).total_seconds() / 60)),
+        sign=row.sign,
+        failures=row.failures,
+        attempts=len(attempts),
+        mistake="" if diagnosis is None else _mistake_title(progress.course, row.exercise, diagnosis),
+        change=changes.get((row.account, row.exercise)),
+        work_href=work_href(links.href, row.account, row.exercise),
+        helper="" if helper == names[row.account] else helper,
+    )
+
+
+def _mistake_title(course: Course, exercise: str, misconception: str) -> str:
+    return find_misconception(course, exercise, misconception).diagnosis.title
+
+
+def _mistake_row(
+    progress: ClassProgress, links: BoardLinks, names: Mapping[UUID, str], mistake: RecentMistake
+) -> MistakeRow:
+    href = misconception_href(links.href, mistake.exercise, mistake.id)
+    return MistakeRow(
+        title=_mistake_title(progress.course, mistake.exercise, mistake.id),
+        exercise=links.title(mistake.exercise),
+        names=tuple(names[account] for account in mistake.students),
+        still=len(mistake.still),
+        href=href,
+        project_href=f"{href}/projeter",
+        few=not mistake.may_be_projected,
+    )
+
+
+def _day_exercises(links: BoardLinks, state: LessonState) -> tuple[DayExercise, ...]:
+    return tuple(
+        DayExercise(
+            links.title(count.exercise), links.exercise_href(count.exercise), count.solved, count.trying, state.students
+        )
+        for count in state.exercises
+    )
+
+
+def render_parts(parts: LessonParts, *, may_run: bool, may_comment: bool) -> Mapping[str, str]:
+    """Render each part of the page that its stream replaces."""
+    macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
+    return {
+        "days": str(macros.days(parts)),
+        "stuck": str(macros.stuck(parts, may_run, may_comment)),
+        "mistakes": str(macros.mistakes(parts)),
+        "finished": str(macros.finished(parts)),
+    }
+
+
+def render_wall(parts: LessonParts) -> Mapping[str, str]:
+    """Render the parts of the view for the projector: numbers alone."""
+    macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
+    return {"wall": str(macros.wall(parts))}

@@ -1,0 +1,76 @@
+"""Queries on lessons, on the students seen in them, and on the sources that a lesson's page compares."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from server.classes.models import SchoolClass
+from server.database import upsert_statement
+from server.lesson.models import LessonVisit, LiveLesson
+from server.submissions.models import Submission
+
+MAX_LESSONS = 60
+
+
+def find_latest(db: Session, class_id: UUID) -> LiveLesson | None:
+    """Return the lesson that began last, whether it goes on or not."""
+    query = select(LiveLesson).where(LiveLesson.class_id == class_id)
+    return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(1)).scalar_one_or_none()
+
+
+def find_lesson(db: Session, class_id: UUID, lesson_id: UUID) -> LiveLesson | None:
+    query = select(LiveLesson).where(LiveLesson.class_id == class_id, LiveLesson.id == lesson_id)
+    return db.execute(query).scalar_one_or_none()
+
+
+def load_lessons(db: Session, class_id: UUID) -> Sequence[LiveLesson]:
+    """Load the latest lessons of a class, newest first."""
+    query = select(LiveLesson).where(LiveLesson.class_id == class_id)
+    return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
+
+
+def save_visit(db: Session, lesson_id: UUID, account_id: UUID, exercise: str, at: datetime) -> None:
+    row = {"exercise": exercise, "visited_at": at}
+    statement = upsert_statement(db, LessonVisit).values(lesson_id=lesson_id, account_id=account_id, **row)
+    db.execute(statement.on_conflict_do_update(index_elements=["lesson_id", "account_id"], set_=row))
+
+
+def load_visits(db: Session, lesson_id: UUID) -> Mapping[UUID, LessonVisit]:
+    """Load the visits of a lesson, by student."""
+    query = select(LessonVisit).where(LessonVisit.lesson_id == lesson_id)
+    return {visit.account_id: visit for visit in db.execute(query).scalars()}
+
+
+def load_account_visits(db: Session, account_id: UUID) -> Sequence[tuple[LessonVisit, str]]:
+    """Load when an account was seen in lessons, each with the name of its class."""
+    query = (
+        select(LessonVisit, SchoolClass.name)
+        .join(LiveLesson, LiveLesson.id == LessonVisit.lesson_id)
+        .join(SchoolClass, SchoolClass.id == LiveLesson.class_id)
+        .where(LessonVisit.account_id == account_id)
+    )
+    return [(visit, name) for visit, name in db.execute(query.order_by(LessonVisit.visited_at))]
+
+
+def load_lessons_started_by(db: Session, account_id: UUID) -> Sequence[tuple[LiveLesson, str]]:
+    """Load the lessons that an account began, each with the name of its class."""
+    query = select(LiveLesson, SchoolClass.name).join(SchoolClass, SchoolClass.id == LiveLesson.class_id)
+    query = query.where(LiveLesson.started_by == account_id).order_by(LiveLesson.started_at)
+    return [(lesson, name) for lesson, name in db.execute(query)]
+
+
+def move_visits(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Move the visits to a guest to an account, except in lessons in which the account was seen already."""
+    own = select(LessonVisit.lesson_id).where(LessonVisit.account_id == account_id)
+    moved = update(LessonVisit).where(LessonVisit.account_id == guest_id, LessonVisit.lesson_id.not_in(own))
+    db.execute(moved.values(account_id=account_id).execution_options(synchronize_session=False))
+
+
+def load_sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, bytes]:
+    query = select(Submission.id, Submission.source).where(Submission.id.in_(submissions))
+    return {row[0]: row[1] for row in db.execute(query)}

@@ -1,0 +1,61 @@
+"""A wrong and a right program side by side: the most alike, with the proven line and what replaces it."""
+
+from __future__ import annotations
+
+from server.board.contrast import Contrast, Extract, contrast_programs, extract_lines
+from server.board.extracts import name_words
+from server.board.latest_change import LatestChange, compare_attempts
+
+WRONG = '''import numpy as np
+
+def composer(a, b):
+    """De Ada Lovelace,
+    en deux lignes."""
+    x = a - b  # Ada
+
+    ada = x
+    return ada
+'''
+RIGHT = WRONG.replace("a - b", "a + b")
+FAR = "def composer(*poses):\n    while True:\n        for pose in poses:\n            yield from map(float, pose)\n"
+PEOPLE = name_words(["Ada Lovelace"])
+
+
+def extract(code: str) -> Extract:
+    return extract_lines(code, ["composer"], PEOPLE)
+
+
+def marked(contrast: Contrast) -> tuple[list[str], list[str]]:
+    return [line.text for line in contrast.wrong if line.marked], [line.text for line in contrast.right if line.marked]
+
+
+def test_lines_keep_their_numbers_in_the_whole_program() -> None:
+    assert extract(WRONG).lines == (
+        (3, "def composer(a, b):"),
+        (6, "    x = a - b"),
+        (8, "    nom = x"),
+        (9, "    return nom"),
+    )
+
+
+def test_the_proven_line_and_its_replacement_are_marked() -> None:
+    contrast = contrast_programs(extract(WRONG), 6, [extract(FAR), extract(RIGHT)])
+    assert marked(contrast) == (["    x = a - b"], ["    x = a + b"])
+
+
+def test_nothing_is_marked_without_proof_nor_shown_that_is_too_far() -> None:
+    contrast = contrast_programs(extract(WRONG), None, [extract(RIGHT)])
+    assert marked(contrast) == ([], [])
+    assert contrast.right
+    assert contrast_programs(extract(WRONG), 6, [extract(FAR)]).right == ()
+    assert contrast_programs(extract(WRONG), 6, []).right == ()
+
+
+def test_the_latest_change_is_its_first_line_and_a_count() -> None:
+    after = WRONG.replace("a - b", "b - a").replace("return ada", "return -ada")
+    assert compare_attempts(WRONG.encode(), after.encode(), is_code=True) == LatestChange(
+        6, "x = a - b  # Ada", "x = b - a  # Ada", 1
+    )
+    assert compare_attempts(WRONG.encode(), WRONG.replace("\n\n", "\n \n").encode(), is_code=True) is None
+    assert compare_attempts(b'{"a": 1, "b": 2}', b'{"a": 1, "b": 3}', is_code=False) == LatestChange(None, "", "", 1)
+    assert compare_attempts(b"{", b"{}", is_code=False) is None

@@ -1,0 +1,216 @@
+"""The lesson of a class: begun, changed and ended, its page, its stream, and what may be projected of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from datetime import timedelta
+from uuid import UUID
+
+import pytest
+
+from server.assignments.models import Mode, Visibility
+from server.base.errors import Conflict, Invalid
+from server.board.lesson_loading import propose_exercises
+from server.board.service import load_progress
+from server.classes.models import SchoolClass
+from server.course import Course
+from server.database import Database, utc_now
+from server.desk.lesson.routes import LessonWatcher
+from server.identity.models import Account, Role
+from server.lesson import repository, service
+from server.lesson.models import NextStep
+from server.lesson.service import LONGEST_LESSON, LessonPlan
+from tests.desk.test_classes import text_of
+from tests.support.classes import Person, assign, new_class, person, seat
+from tests.support.counting import Counted
+from tests.support.crowd import Sent, seated, store
+from tests.support.service import EXERCISE, Site, new_account
+
+OTHER, THIRD = "l20/kabsch", "l20/predire2d"
+WRONG = "rotation_oubliee"
+RIGHT_CODE = "def composer(a, b):\n    x = a + b\n    return x\n"
+WRONG_CODE = "def composer(a, b):\n    # Ada Lovelace\n    x = a - b\n    return x\n"
+
+
+@pytest.fixture
+def martin(site: Site) -> Person:
+    return person(site, Role.teacher, "Mme Martin")
+
+
+@pytest.fixture
+def made(site: Site, martin: Person) -> SchoolClass:
+    return new_class(site.database, martin.account)
+
+
+def begin(database: Database, course: Course, made: SchoolClass, by: Account, *exercises: str) -> None:
+    with database.write() as db:
+        service.start_lesson(db, course, made, by.id, LessonPlan(exercises), utc_now())
+
+
+def refuse(database: Database, course: Course, made: SchoolClass, by: Account, plan: LessonPlan) -> str:
+    with database.write() as db, pytest.raises((Invalid, Conflict)) as refused:
+        service.start_lesson(db, course, made, by.id, plan, utc_now())
+    return str(refused.value.detail)
+
+
+def test_a_lesson_has_one_to_four_open_exercises(database: Database, course: Course) -> None:
+    teacher = new_account(database, Role.teacher)
+    made = new_class(database, teacher)
+    assign(database, made, EXERCISE, OTHER)
+    assign(database, made, THIRD, mode=Mode.test)
+    assert "d’un à 4" in refuse(database, course, made, teacher, LessonPlan(()))
+    assert "n’est pas un exercice ouvert" in refuse(database, course, made, teacher, LessonPlan((THIRD,))), (
+        "a test holds it"
+    )
+    no_challenge = LessonPlan((EXERCISE,), NextStep.challenge)
+    assert "Choisissez l’exercice à proposer" in refuse(database, course, made, teacher, no_challenge)
+    begin(database, course, made, teacher, EXERCISE, OTHER, EXERCISE)
+    assert "déjà en cours" in refuse(database, course, made, teacher, LessonPlan((EXERCISE,)))
+    with database.read() as db:
+        lesson = service.find_current_lesson(db, made.id, utc_now())
+        assert lesson is not None
+        assert lesson.exercises == [EXERCISE, OTHER]
+        assert service.find_current_lesson(db, made.id, utc_now() + LONGEST_LESSON) is None, "nobody ended it"
+    with database.write() as db:
+        service.change_lesson(
+            db, course, made, teacher.id, LessonPlan((OTHER,), NextStep.challenge, EXERCISE), utc_now()
+        )
+        ended = service.end_lesson(db, made, teacher.id, utc_now())
+        assert (ended.exercises, ended.next_step, ended.challenge) == ([OTHER], "challenge", EXERCISE)
+    with database.read() as db:
+        assert service.find_current_lesson(db, made.id, utc_now()) is None
+        assert [row.id for row in repository.load_lessons(db, made.id)] == [ended.id]
+
+
+def test_exercises_of_open_assignments_are_proposed(sqlite: Database, course: Course) -> None:
+    made = new_class(sqlite, new_account(sqlite, Role.teacher))
+    students = seated(sqlite, made, 4)
+    assign(sqlite, made, EXERCISE, opened=timedelta(days=9), closes_at=utc_now() - timedelta(days=1))
+    assign(sqlite, made, OTHER, THIRD, opened=timedelta(hours=1))
+    store(sqlite, [Sent(student, OTHER, utc_now(), 1.0) for student in students[:3]])
+    with sqlite.read() as db:
+        available = service.open_exercises(db, course, made, utc_now())
+        assert list(available) == [OTHER, THIRD, EXERCISE], "what is open comes first"
+        progress = load_progress(db, course, made, utc_now())
+        assert propose_exercises(progress, available) == (THIRD, EXERCISE), "most have solved the other one"
+
+
+def stuck_students(site: Site, made: SchoolClass, count: int) -> Sequence[UUID]:
+    """Has so many students be stuck on the same mistake, and one more solve the exercise after it."""
+    now = utc_now()
+    students = seated(site.database, made, count + 1, now)
+    sent = [
+        Sent(student, EXERCISE, now - timedelta(minutes=10 - 4 * turn), 0.25, WRONG, WRONG_CODE + f"y = {turn}\n")
+        for student in students[:count]
+        for turn in range(3)
+    ]
+    helper = students[count]
+    sent += [
+        Sent(helper, EXERCISE, now - timedelta(minutes=9), 0.25, WRONG, WRONG_CODE),
+        Sent(helper, EXERCISE, now - timedelta(minutes=5), 1.0, None, RIGHT_CODE),
+    ]
+    store(site.database, sent)
+    return students
+
+
+def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
+    browser, href = martin.browser(site), f"/classes/{made.id}"
+    students = stuck_students(site, made, 6)
+    start = text_of(browser, f"{href}/seance")
+    assert "Commencer la séance" in start
+    sent = browser.post(f"{href}/seance", data={"action": "commencer", "exercice": [EXERCISE], "suite": "help"})
+    assert (sent.status_code, sent.headers["location"]) == (303, f"{href}/seance")
+    answer = browser.get(href)
+    assert (answer.status_code, answer.headers["location"]) == (303, f"{href}/seance"), "the class's first page"
+    assert "Avancement" in text_of(browser, f"{href}/tableau") or "matrix" in text_of(browser, f"{href}/tableau")
+    text = text_of(browser, f"{href}/seance")
+    rows = text.split('class="stuck-row"')[1:]
+    assert len(rows) == 5, "the most urgent, and the others by name"
+    assert "Et aussi" in rows[-1]
+    assert "3 essais ratés sans progrès" in rows[0]
+    assert "10&nbsp;min" in rows[0]
+    assert re.search(r"ligne 5&nbsp;: <del>y = 1</del>\s*<ins>y = 2</ins>", rows[0]), "what was changed last"
+    assert "Peut l’aider" in rows[0], "who has finished, after the same mistake"
+    mistakes = text.split('class="mistake-row"')
+    assert len(mistakes) == 2
+    assert '<strong class="mistake-count">7</strong>' in mistakes[1]
+    assert f"{href}/erreurs/{EXERCISE}/{WRONG}/projeter" in mistakes[1]
+    seen = re.findall(r'name="eleve" value="([^"]+)"', text)
+    assert browser.post(f"{href}/seance", data={"action": "vu", "eleve": seen[0]}).status_code == 303
+    again = text_of(browser, f"{href}/seance")
+    assert seen[0] not in again, "who was just seen leaves the list"
+    assert "1 élève vu" in again
+    wall = text_of(browser, f"{href}/seance/projeter")
+    assert not re.search("Ada|Alan|Grace|Lovelace|" + "|".join(map(str, students)), wall), "no name on the projector"
+    assert "1 sur 7" in wall
+    refused = browser.post(f"{href}/seance", data={"action": "modifier"})
+    assert refused.status_code == 422
+    assert "Choisissez d’un à 4 exercices" in refused.text
+    assert browser.post(f"{href}/seance", data={"action": "terminer"}).status_code == 303
+    assert "Commencer la séance" in text_of(browser, f"{href}/seance")
+    assert browser.get(href).status_code == 200, "the board again"
+
+
+def test_the_stream_sends_the_parts_and_the_end(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
+    stuck_students(site, made, 1)
+    begin(site.database, course, made, martin.account, EXERCISE)
+    watcher = LessonWatcher(site.database, course, martin.account, str(made.id), wall=False)
+    parts = watcher.render()
+    assert parts is not None
+    assert parts.keys() == {"days", "stuck", "mistakes", "finished"}
+    assert "stuck-row" in parts["stuck"]
+    wall = LessonWatcher(site.database, course, martin.account, str(made.id), wall=True).render()
+    assert wall is not None
+    assert "Ada" not in json.dumps(wall)
+    with site.database.write() as db:
+        service.end_lesson(db, made, martin.account.id, utc_now())
+    assert watcher.render() is None
+
+
+def test_a_page_takes_as_many_queries_for_many_as_for_few(site: Site, martin: Person, course: Course) -> None:
+    counts = []
+    for size in (2, 9):
+        made = new_class(site.database, martin.account)
+        stuck_students(site, made, size)
+        begin(site.database, course, made, martin.account, EXERCISE)
+        browser = martin.browser(site)
+        text_of(browser, f"/classes/{made.id}/seance")
+        with Counted(site.database) as counted:
+            text_of(browser, f"/classes/{made.id}/seance")
+        counts.append(len(counted.statements))
+    assert counts[0] == counts[1]
+
+
+@pytest.mark.parametrize(
+    ("held", "shown"),
+    [
+        ({}, (True, True)),
+        ({"solution": Visibility.never}, (True, False)),
+        ({"diagnosis": Visibility.never}, (False, False)),
+        ({"mode": Mode.test}, (False, False)),
+        ({"mode": Mode.test, "released_at": utc_now()}, (True, True)),
+    ],
+    ids=["open", "solution held", "diagnosis held", "test", "released test"],
+)
+def test_nothing_held_is_projected(
+    site: Site, martin: Person, made: SchoolClass, held: dict[str, object], shown: tuple[bool, bool]
+) -> None:
+    stuck_students(site, made, 6)
+    assign(site.database, made, EXERCISE, **held)
+    text = text_of(martin.browser(site), f"/classes/{made.id}/erreurs/{EXERCISE}/{WRONG}/projeter")
+    assert ("x = a <" in text or "x <span" in text or "ne peut pas être projetée" not in text) is shown[0]
+    assert ("Ce programme est faux" in text, "Ce programme est juste" in text) == shown
+    assert not re.search("Ada|Lovelace|Hopper", text)
+
+
+def test_only_staff_run_a_lesson(site: Site, course: Course, martin: Person, made: SchoolClass) -> None:
+    student, stranger = person(site), person(site, Role.teacher, "Autre")
+    seat(site.database, made, student.account)
+    begin(site.database, course, made, martin.account, EXERCISE)
+    for path in ("seance", "seance/projeter", "seance/evenements", "tableau"):
+        assert text_of(student.browser(site), f"/classes/{made.id}/{path}", 403)
+        assert text_of(stranger.browser(site), f"/classes/{made.id}/{path}", 404)
+    assert student.browser(site).post(f"/classes/{made.id}/seance", data={"action": "terminer"}).status_code == 403
+    assert student.browser(site).get(f"/classes/{made.id}").status_code == 200, "a student's own page"
