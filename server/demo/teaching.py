@@ -29,7 +29,7 @@ from server.demo.story import LESSON_DURATION, PlannedAttempt, exercises_by_less
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.lesson import service as lessons
-from server.lesson.models import NextStep
+from server.lesson.models import Afterwards
 from server.lesson.service import LessonPlan
 from server.marks import columns
 from server.marks import service as marks
@@ -92,7 +92,7 @@ def hold_lessons(db: Session, room: Classroom, now: datetime) -> None:
     starts, by_lesson = lesson_starts(now), exercises_by_lesson(room.module)
     for start, exercises in zip(starts, by_lesson, strict=True):
         names = tuple(exercise.id for exercise in exercises[: lessons.MAX_EXERCISES])
-        plan = LessonPlan(names, NextStep.help if start == starts[-1] else NextStep.none)
+        plan = LessonPlan(names, Afterwards.help if start == starts[-1] else Afterwards.none)
         lessons.start_lesson(db, room.course, room.school_class, room.teacher.id, plan, start)
         if start != starts[-1]:
             lessons.end_lesson(db, room.school_class, room.teacher.id, start + LESSON_DURATION)

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Mapped, mapped_column
 from server.database.base import Base, UtcDateTime, utc_now
 
 
-class NextStep(StrEnum):
+class Afterwards(StrEnum):
     """What a student gets who has finished the exercises of the day."""
 
     none = "none"
@@ -31,7 +31,7 @@ class LiveLesson(Base):
     id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
     class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"))
     exercises: Mapped[list[str]] = mapped_column(JSON)
-    next_step: Mapped[str] = mapped_column(String(16), default=NextStep.none)
+    next_step: Mapped[str] = mapped_column(String(16), default=Afterwards.none)
     challenge: Mapped[str | None] = mapped_column(String(200))
     started_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     ended_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

@@ -21,7 +21,7 @@ from server.classes.models import SchoolClass
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.lesson import repository
-from server.lesson.models import LiveLesson, NextStep
+from server.lesson.models import Afterwards, LiveLesson
 
 MIN_EXERCISES, MAX_EXERCISES = 1, 4
 #: A lesson that nobody ended is over after that time.
@@ -38,7 +38,7 @@ class LessonPlan:
     """The exercises of the day, and what a student gets who has finished them."""
 
     exercises: tuple[str, ...]
-    next_step: NextStep = NextStep.none
+    next_step: Afterwards = Afterwards.none
     challenge: str = ""
 
 
@@ -134,7 +134,7 @@ def _checked_plan(
 ) -> LessonPlan:
     available = open_exercises(db, course, school_class, now)
     exercises = tuple(dict.fromkeys(plan.exercises))
-    challenges = (plan.challenge,) if plan.next_step is NextStep.challenge else ()
+    challenges = (plan.challenge,) if plan.next_step is Afterwards.challenge else ()
     for name in (*exercises, *filter(None, challenges)):
         if name not in available:
             raise Invalid(UNKNOWN_EXERCISE.format(name=course.title_of(name)))

@@ -20,7 +20,7 @@ from server.database import Database, utc_now
 from server.desk.lesson.routes import LessonWatcher
 from server.identity.models import Account, Role
 from server.lesson import repository, service
-from server.lesson.models import NextStep
+from server.lesson.models import Afterwards
 from server.lesson.service import LONGEST_LESSON, LessonPlan
 from tests.desk.test_classes import text_of
 from tests.support.classes import Person, assign, new_class, person, seat
@@ -64,7 +64,7 @@ def test_a_lesson_has_one_to_four_open_exercises(database: Database, course: Cou
     assert "n’est pas un exercice ouvert" in refuse(database, course, made, teacher, LessonPlan((THIRD,))), (
         "a test holds it"
     )
-    no_challenge = LessonPlan((EXERCISE,), NextStep.challenge)
+    no_challenge = LessonPlan((EXERCISE,), Afterwards.challenge)
     assert "Choisissez l’exercice à proposer" in refuse(database, course, made, teacher, no_challenge)
     begin(database, course, made, teacher, EXERCISE, OTHER, EXERCISE)
     assert "déjà en cours" in refuse(database, course, made, teacher, LessonPlan((EXERCISE,)))
@@ -75,7 +75,7 @@ def test_a_lesson_has_one_to_four_open_exercises(database: Database, course: Cou
         assert service.find_current_lesson(db, made.id, utc_now() + LONGEST_LESSON) is None, "nobody ended it"
     with database.write() as db:
         service.change_lesson(
-            db, course, made, teacher.id, LessonPlan((OTHER,), NextStep.challenge, EXERCISE), utc_now()
+            db, course, made, teacher.id, LessonPlan((OTHER,), Afterwards.challenge, EXERCISE), utc_now()
         )
         ended = service.end_lesson(db, made, teacher.id, utc_now())
         assert (ended.exercises, ended.next_step, ended.challenge) == ([OTHER], "challenge", EXERCISE)

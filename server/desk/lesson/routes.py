@@ -28,7 +28,7 @@ from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.lesson import service
-from server.lesson.models import NextStep
+from server.lesson.models import Afterwards
 from server.lesson.service import LessonPlan
 from server.rights import service as rights
 from server.rights.models import Right
@@ -80,7 +80,7 @@ def run_lesson(
     reader: CurrentReader,
     action: Field = "",
     exercice: Names = [],  # noqa: B006 (FastAPI copies it)
-    suite: Field = NextStep.none.value,
+    suite: Field = Afterwards.none.value,
     defi: Field = "",
     eleve: Field = "",
 ) -> Response:
@@ -88,7 +88,7 @@ def run_lesson(
     access = rights.require_right(reader.db, account, Right.run_lessons, class_id)
     school_class, now = access.school_class, utc_now()
     href = f"{class_href(school_class)}/seance"
-    step = NextStep(suite) if suite in set(NextStep) else NextStep.none
+    step = Afterwards(suite) if suite in set(Afterwards) else Afterwards.none
     plan = LessonPlan(tuple(exercice), step, defi)
     try:
         if action == "commencer":

@@ -8,7 +8,7 @@ from datetime import datetime
 from server.board.latest_change import LatestChange
 from server.board.stuck import StuckSign
 from server.desk.schemas import ClassHead
-from server.lesson.models import NextStep
+from server.lesson.models import Afterwards
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class LessonForm:
     """The form that begins or changes a lesson; `problem`: why it is refused."""
 
     choices: tuple[ExerciseChoice, ...]
-    next_step: NextStep
+    next_step: Afterwards
     challenge: str
     problem: str
 

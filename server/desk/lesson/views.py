@@ -31,7 +31,7 @@ from server.desk.lesson.schemas import (
 )
 from server.desk.views import class_head, class_href
 from server.lesson import repository, service
-from server.lesson.models import LiveLesson, NextStep
+from server.lesson.models import Afterwards, LiveLesson
 from server.lesson.service import LessonPlan
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -40,9 +40,9 @@ from server.web.rendering import jinja_environment
 SHOWN_STUCK = 5
 SHOWN_LESSONS = 10
 NEXT_WORDS = {
-    NextStep.none: "rien de particulier",
-    NextStep.help: "ils aident un camarade",
-    NextStep.challenge: "défi : {title}",
+    Afterwards.none: "rien de particulier",
+    Afterwards.help: "ils aident un camarade",
+    Afterwards.challenge: "défi : {title}",
 }
 
 
@@ -64,7 +64,7 @@ def lesson_page(
 
 
 def current_plan(lesson: LiveLesson) -> LessonPlan:
-    return LessonPlan(tuple(lesson.exercises), NextStep(lesson.next_step), lesson.challenge or "")
+    return LessonPlan(tuple(lesson.exercises), Afterwards(lesson.next_step), lesson.challenge or "")
 
 
 def start_page(
@@ -112,7 +112,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
     changes = lesson_loading.load_changes(db, progress, [(row.account, row.exercise) for row in shown])
     links = BoardLinks(progress.course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
-    helpers = state.helpers if lesson.next_step == NextStep.help else {}
+    helpers = state.helpers if lesson.next_step == Afterwards.help else {}
     return LessonParts(
         stuck=tuple(
             _stuck_row(progress, links, names, row, changes, names.get(helpers.get(row.account, row.account), ""))
@@ -131,7 +131,7 @@ def lesson_parts(db: Session, progress: ClassProgress, school_class: SchoolClass
 
 def next_words(course: Course, lesson: LiveLesson) -> str:
     """Say what a student gets who has finished."""
-    return NEXT_WORDS[NextStep(lesson.next_step)].format(title=course.title_of(lesson.challenge or ""))
+    return NEXT_WORDS[Afterwards(lesson.next_step)].format(title=course.title_of(lesson.challenge or ""))
 
 
 def _stuck_row(
