@@ -304,7 +304,7 @@ def quarters(drawn: dict[str, Any]) -> set[int]:
 
 
 @given(st.lists(GIVEN, min_size=1, max_size=3), st.randoms(use_true_random=False))
-@settings(max_examples=8, deadline=None, database=None)
+@settings(max_examples=5, deadline=None, database=None)
 def test_a_cached_gradebook_is_right_at_every_time(wanted: list[dict[str, Any]], draw: Any) -> None:
     """At each time on which something may depend and at a few others, just before and after; in any order."""
     course = the_course()

@@ -118,11 +118,12 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
     All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden. It does not
     look for what was left behind.
     """
-    from server.app import create_app
+    from server.app import ROUTERS, create_app
 
-    with patch("server.app.Services", _services_without_chores()):
-        new = create_app(settings, course=course)
     told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
+    routers = () if told in _standing else ROUTERS
+    with patch("server.app.Services", _services_without_chores()), patch("server.app.ROUTERS", routers):
+        new = create_app(settings, course=course)
     app = _standing.setdefault(told, new)
     app.state.provided = new.state.provided
     app.router.lifespan_context = new.router.lifespan_context

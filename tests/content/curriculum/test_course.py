@@ -32,6 +32,8 @@ from tests.support.verdicts import checked
 SEED = 2026
 #: Every case of this one runs in the fast suite: each outcome, in the sandbox, with the limits of an exercise.
 COMPLETE = "l20/poses"
+#: Caught only by fifteen whole runs, which take a third of the time of all mistakes together; left to `balise check`.
+LONG_MISTAKES = {"injection_au_meme_endroit"}
 
 
 def fast_cases(exercise: Exercise) -> Sequence[Case]:
@@ -84,7 +86,8 @@ def test_every_known_mistake_is_caught(name: str) -> None:
     """By a check, the first of those that fail: in this process, without simplifying or naming it."""
     grader = CODE[name]
     with np.errstate(all="ignore"):
-        passing = [mistake.id for mistake in grader.misconceptions if not is_caught(grader, mistake)]
+        known = [mistake for mistake in grader.misconceptions if mistake.id not in LONG_MISTAKES]
+        passing = [mistake.id for mistake in known if not is_caught(grader, mistake)]
     assert passing == []
 
 

@@ -10,12 +10,13 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
 from server.web import verdicts
 from server.web.rendering import jinja_environment
+from tests.support.quick import one_in
 from tests.support.shipped import CODE
 
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 
 
-@pytest.mark.parametrize("exercise", CODE)
+@pytest.mark.parametrize("exercise", one_in(3, CODE))
 def test_a_named_mistake_is_shown_with_all_that_explains_it(exercise: str) -> None:
     grader = CODE[exercise]
     mistake = grader.misconceptions[0]
