@@ -136,10 +136,6 @@ def _pointer(path: Sequence[object]) -> str:
     return "#" + "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)
 
 
-#: The longest head of a request, and the longest incomplete event of h11, in bytes.
-MAX_HEAD_BYTES = 16 * 1024
-
-
 def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
     """Return the configuration of uvicorn. `grace` is the shutdown timeout in seconds, `proxies` are trusted proxies.
 
@@ -148,10 +144,12 @@ def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> 
     """
     import uvicorn
 
+    from server.base.http_protocol import MAX_HEAD_BYTES, BoundedProtocol
+
     return uvicorn.Config(
         app,
         loop="asyncio",
-        http="h11",
+        http=BoundedProtocol,
         h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         ws="none",
         log_config=None,

@@ -9,10 +9,11 @@ import threading
 from collections.abc import Iterator
 from typing import Any
 
+import h11
 import pytest
 import uvicorn
 
-from server.base import http
+from server.base import http, http_protocol
 
 HOST = b"Host: x\r\n"
 REFUSED = b"HTTP/1.1 400 "
@@ -201,7 +202,7 @@ def test_what_never_ends_is_refused_before_much_of_it_is_kept(site: Site, begin:
 def test_the_longest_head_is_read(site: Site) -> None:
     head = b"GET / HTTP/1.1\r\n" + HOST + b"Connection: close\r\n%s\r\n"
     line = b"X-More: " + b"y" * 992 + b"\r\n"
-    assert len(line) * 15 < http.MAX_HEAD_BYTES
+    assert len(line) * 15 < http_protocol.MAX_HEAD_BYTES
     assert bodies(site.answer(head % (line * 15)))[0]["path"] == "/"
 
 
@@ -264,3 +265,63 @@ def test_another_protocol_is_not_spoken(site: Site) -> None:
     with site.line() as line:
         line.sendall(head + key)
         assert line.recv(65536).startswith(b"HTTP/1.1 200 ")
+
+
+def answer_whole(site: Site, head: bytes) -> bytes:
+    return site.answer(head + b"Connection: close\r\n\r\n")
+
+
+@pytest.mark.parametrize(("lines", "served"), [(100, True), (http_protocol.MAX_HEAD_LINES, False)])
+def test_the_lines_of_a_head_are_counted(site: Site, lines: int, served: bool) -> None:
+    answer = answer_whole(site, b"GET / HTTP/1.1\r\n" + HOST + b"a:b\r\n" * lines)
+    assert answer.startswith(b"HTTP/1.1 200 " if served else REFUSED)
+
+
+def test_a_long_head_is_refused_though_it_comes_in_one_piece(site: Site) -> None:
+    head = b"GET /?" + b"q&" * (http_protocol.MAX_HEAD_BYTES // 2) + b" HTTP/1.1\r\n" + HOST
+    assert answer_whole(site, head).startswith(REFUSED)
+    assert not site.told.begun
+
+
+@pytest.mark.parametrize(
+    "begin",
+    [
+        b"POST /b HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n",
+        b"GET /a HTTP/1.1\r\n" + HOST + b"\r\nPOST /b HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n",
+    ],
+    ids=["alone", "behind another request"],
+)
+def test_crumbs_of_a_body_are_not_parsed_one_by_one(site: Site, begin: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed, next_event = list[int](), h11.Connection.next_event
+
+    def count(connection: h11.Connection) -> Any:
+        parsed.append(1)
+        return next_event(connection)
+
+    monkeypatch.setattr(h11.Connection, "next_event", count)
+    _, sent = site.flood(begin, b"1\r\na\r\n" * 1000, 600_000)
+    assert len(parsed) < 3 * http_protocol.MAX_HEAD_LINES, f"{sent} bytes were sent"
+    assert not any(site.told.bodies)
+
+
+def test_a_request_may_come_byte_by_byte_and_another_with_its_end(site: Site) -> None:
+    request = b"POST /b HTTP/1.1\r\n" + HOST + b"Content-Length: 90\r\n\r\n" + b"x" * 90
+    last = b"GET /c HTTP/1.1\r\n" + HOST + b"Connection: close\r\n\r\n"
+    with site.line() as line:
+        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for byte in request[:-1]:
+            line.sendall(bytes([byte]))
+        line.sendall(request[-1:] + last)
+        told = bodies(received(line))
+    assert [(answer["path"], answer["body"]) for answer in told] == [("/b", 90), ("/c", 0)]
+
+
+@pytest.mark.parametrize("before", [b"", b"GET / HTTP/1.1\r\n" + HOST + b"\r\n"], ids=["first", "later"])
+def test_half_a_head_is_not_waited_for_without_end(site: Site, before: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(http_protocol, "HEAD_SECONDS", 0.05)
+    with site.line() as line:
+        if before:
+            line.sendall(before)
+            until(line, b"}")
+        line.sendall(b"GET / HTTP/1.1\r\n")
+        assert received(line) == b""

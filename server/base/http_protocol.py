@@ -1,0 +1,157 @@
+"""uvicorn's protocol of HTTP/1.1, with bounds on what a connection makes the loop do that serves everybody.
+
+h11 parses in Python, on the loop. Bytes are bounded elsewhere; here, their pieces: lines of a head, chunks of a body,
+arrivals of a few bytes each. What is not parsed yet stays here, and h11 gets one whole head or the rest of one body.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+#: Bytes of the line of a request with its headers.
+MAX_HEAD_BYTES = 16 * 1024
+#: Lines of a head. A browser sends some twenty, a proxy adds as many.
+MAX_HEAD_LINES = 128
+#: Seconds from a connection, or from the beginning of a later head, to the end of the head.
+HEAD_SECONDS = 30.0
+#: Arrivals of pieces of one request, after which the next are waited for together, so many seconds long.
+FREE_ARRIVALS, GATHERING_SECONDS = 32, 0.02
+#: Bytes of a body in chunks that are parsed at once; the least mean of bytes between its line ends.
+CHUNKED_BYTES, MIN_CHUNK_BYTES = 16 * 1024, 64
+
+_END_OF_HEAD = re.compile(rb"\n\r?\n")
+
+
+class BoundedProtocol(H11Protocol):
+    """One connection."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._unread, self._searched = bytearray(), 0
+        self._body_left: int | None = 0
+        self._arrivals = self._chunked_bytes = self._chunked_lines = 0
+        self._is_over = False
+        self._head_timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._start_head_timer()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._stop_head_timer()
+        self._unread.clear()
+        self._is_over = True
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        if not self._is_over:
+            self._unread += data
+            self._parse()
+        self._arrivals += 1
+        if self._arrivals > FREE_ARRIVALS:
+            self.transport.pause_reading()
+            self.loop.call_later(GATHERING_SECONDS, self._read_again)
+
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        if not self.transport.is_closing():
+            self._parse()
+
+    def _read_again(self) -> None:
+        if not (self.flow.read_paused or self.transport.is_closing()):
+            self.transport.resume_reading()
+
+    def _parse(self) -> None:
+        """Hand what has come to h11: a head once it is whole, a body as it comes, the next request after its answer."""
+        while self._unread and not self._is_over:
+            if self.conn.their_state is h11.IDLE:
+                if not self._parse_head():
+                    return
+            elif self.conn.their_state is h11.SEND_BODY:
+                if not self._parse_body():
+                    return
+            elif self.conn.their_state in (h11.DONE, h11.MIGHT_SWITCH_PROTOCOL):
+                self.flow.pause_reading()
+                return
+            else:
+                self._end()
+
+    def _parse_head(self) -> bool:
+        """Hand a whole head to h11, or what cannot become one; return False where more has to come."""
+        found = _END_OF_HEAD.search(self._unread, max(0, self._searched - 2))
+        if found is None and len(self._unread) <= MAX_HEAD_BYTES and self._unread[0] > ord(" "):
+            self._searched = len(self._unread)
+            self._start_head_timer()
+            return False
+        self._stop_head_timer()
+        head = bytes(self._unread[: found.end()] if found else self._unread)
+        del self._unread[: len(head)]
+        self._searched = self._arrivals = 0
+        if len(head) > MAX_HEAD_BYTES or head.count(b"\n") > MAX_HEAD_LINES:
+            self.send_400_response("The request line and the headers are too long, or too many.")
+            self._end()
+            return True
+        super().data_received(head)
+        if self.conn.their_state is h11.SEND_BODY:
+            self._body_left = _content_length(self.headers)
+            self._chunked_bytes = self._chunked_lines = 0
+        return True
+
+    def _parse_body(self) -> bool:
+        """Hand what has come of a body to h11; return False where the rest is handed over later, or never.
+
+        Of a body in chunks, that is a little at a time: the application may refuse it meanwhile.
+        """
+        piece = bytes(self._unread[: CHUNKED_BYTES if self._body_left is None else self._body_left])
+        del self._unread[: len(piece)]
+        if self._body_left is not None:
+            self._body_left -= len(piece)
+            super().data_received(piece)
+            return True
+        self._chunked_bytes += len(piece)
+        self._chunked_lines += piece.count(b"\n")
+        if self._chunked_lines > max(MAX_HEAD_LINES, self._chunked_bytes / MIN_CHUNK_BYTES):
+            self._end()
+            self.transport.close()
+            return False
+        super().data_received(piece)
+        if not self._unread:
+            return True
+        self.transport.pause_reading()
+        self.loop.call_later(GATHERING_SECONDS, self._parse_again)
+        return False
+
+    def _parse_again(self) -> None:
+        if not self.transport.is_closing():
+            self._parse()
+            self._read_again()
+
+    def _end(self) -> None:
+        """Take nothing more of this connection: what comes is thrown away until it is closed."""
+        self._is_over = True
+        self._unread.clear()
+
+    def _start_head_timer(self) -> None:
+        """Wait for a head so long and no longer; the bound of an idle connection ends as a head begins."""
+        if self.timeout_keep_alive_task is not None:
+            self.timeout_keep_alive_task.cancel()
+            self.timeout_keep_alive_task = None
+        if self._head_timer is None:
+            self._head_timer = self.loop.call_later(HEAD_SECONDS, self.transport.close)
+
+    def _stop_head_timer(self) -> None:
+        if self._head_timer is not None:
+            self._head_timer.cancel()
+            self._head_timer = None
+
+
+def _content_length(headers: list[tuple[bytes, bytes]]) -> int | None:
+    """Return the length of a body, which h11 has checked; None for one in chunks."""
+    if any(name == b"transfer-encoding" for name, _ in headers):
+        return None
+    return next(int(value) for name, value in headers if name == b"content-length")
