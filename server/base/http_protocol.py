@@ -24,6 +24,8 @@ FREE_ARRIVALS, GATHERING_SECONDS = 32, 0.02
 #: Bytes of a body in chunks that are parsed at once; the least mean of bytes between its line ends.
 CHUNKED_BYTES, MIN_CHUNK_BYTES = 16 * 1024, 64
 
+#: Of who has sent a whole request, with or without an offer to switch to another protocol.
+_WAITS_FOR_ANSWER = frozenset({"DONE", "MIGHT_SWITCH_PROTOCOL"})
 _END_OF_HEAD = re.compile(rb"\n\r?\n")
 
 
@@ -75,7 +77,7 @@ class BoundedProtocol(H11Protocol):
             elif self.conn.their_state is h11.SEND_BODY:
                 if not self._parse_body():
                     return
-            elif self.conn.their_state in (h11.DONE, h11.MIGHT_SWITCH_PROTOCOL):
+            elif str(self.conn.their_state) in _WAITS_FOR_ANSWER:
                 self.flow.pause_reading()
                 return
             else:

@@ -17,6 +17,7 @@ from server.base import logs, traces
 from server.base.arrival import record_arrival
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
+from server.base.forms import decode_large_form
 from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
@@ -225,16 +226,24 @@ class BoundedBody:
         if scope["method"] in SAFE_METHODS:
             return await self._app(scope, receive, send)
         try:
-            body = await self._read(receive)
+            body = await self._read(scope, receive)
         except ClientDisconnect:  # half a request is no request: nobody reads this answer
             return await self._refuse(Request(scope), Invalid(CUT_OFF))(scope, receive, send)
         if body is None:
             error = TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
         record_arrival()
+        try:
+            scope, body = decode_large_form(scope, body)
+        except Invalid as error:
+            return await self._refuse(Request(scope), error)(scope, receive, send)
         await self._app(scope, _resend(body, receive), send)
 
-    async def _read(self, receive: Receive) -> bytes | None:
+    async def _read(self, scope: Scope, receive: Receive) -> bytes | None:
+        """Return the body; None for one that is too long, at once where its length is announced."""
+        announced = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
+        if announced.isdigit() and int(announced) > self._most:
+            return None
         chunks, size, more = [], 0, True
         while more:
             message = await receive()

@@ -1,17 +1,25 @@
-"""Password hashing off the event loop: Argon2 takes 0.1 s, four threads and 64 MiB, so few run at once, by address."""
+"""Password hashing off the event loop: Argon2 takes 0.1 s, four threads and 64 MiB, so few run at once, by address.
 
+It gives way to pages, and goes before the passwords of strangers for those whom a browser or a link tells to be known.
+"""
+
+import asyncio
 import os
+import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TypeVar
-
-from starlette.concurrency import run_in_threadpool
 
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded
 from server.identity import secrets
 
 THREADS_PER_HASH = 4
+#: As helpers: a flood of passwords would take every processor from pages.
+NICE = 5
+#: Ranks of those who are known, and of others.
+KNOWN, UNKNOWN = 0, 1
 MAX_WAITING = 200  # a few classes at once; on two processors the last waits for some twenty seconds
 T = TypeVar("T")
 BUSY = "Beaucoup de monde se connecte en ce moment. Réessayez dans quelques secondes."
@@ -21,21 +29,28 @@ class PasswordHasher:
     """Hashes for one event loop, with fair queueing by address. Raises Overloaded where too many wait."""
 
     def __init__(self, at_once: int | None = None, waiting: int = MAX_WAITING) -> None:
-        self._turns = FairLimiter(at_once or max(1, (os.cpu_count() or 1) // THREADS_PER_HASH), waiting)
+        at_once = at_once or max(1, (os.cpu_count() or 1) // THREADS_PER_HASH)
+        self._turns = FairLimiter(at_once, waiting, reserve=1)
+        self._threads = ThreadPoolExecutor(at_once + 1, thread_name_prefix="password", initializer=_give_way)
 
-    async def hash(self, password: str, *, address: str) -> str:
-        return await self._in_turn(address, partial(secrets.hash_password, password))
+    async def hash(self, password: str, *, address: str, rank: int = UNKNOWN) -> str:
+        return await self._in_turn(address, rank, partial(secrets.hash_password, password))
 
-    async def verify(self, password: str, stored: str | None, *, address: str) -> bool:
+    async def verify(self, password: str, stored: str | None, *, address: str, rank: int = UNKNOWN) -> bool:
         """Verify a password in the same time whether the account exists (`stored` given) or not."""
-        return await self._in_turn(address, partial(secrets.verify_password, password, stored))
+        return await self._in_turn(address, rank, partial(secrets.verify_password, password, stored))
 
-    async def _in_turn(self, address: str, work: Callable[[], T]) -> T:
+    async def _in_turn(self, address: str, rank: int, work: Callable[[], T]) -> T:
         try:
-            await self._turns.acquire(address)
+            await self._turns.acquire(address, rank)
         except LimiterFullError:
             raise Overloaded(BUSY, retry_after=5) from None
         try:
-            return await run_in_threadpool(work)
+            return await asyncio.get_running_loop().run_in_executor(self._threads, work)
         finally:
-            self._turns.release(address)
+            self._turns.release(address, rank)
+
+
+def _give_way() -> None:
+    """Lower the priority of this thread, which those that Argon2 starts have too."""
+    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + NICE)

@@ -18,7 +18,7 @@ from server.base.errors import Forbidden, NotFound, RateLimited
 from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity import devices, links, repository, secrets, tokens
-from server.identity.hashing import PasswordHasher
+from server.identity.hashing import KNOWN, UNKNOWN, PasswordHasher
 from server.identity.links import LinkCheck
 from server.identity.logins import latin_look_alike, normalise_login
 from server.identity.models import Account, ApiToken, BrowserSession, Role
@@ -144,19 +144,19 @@ class AccountService:
         Raises RefusedForm, RateLimited or Overloaded.
         """
         try:
-            account, buckets = await run_in_threadpool(self._account_for_login, login, address, device)
+            account, buckets, rank = await run_in_threadpool(self._account_for_login, login, address, device)
         except RateLimited:
             REFUSED_LOGINS.add("too_many")
             raise
         stored = account.password_hash if account else None
-        is_correct = await self.hashing.verify(password, stored, address=address)
+        is_correct = await self.hashing.verify(password, stored, address=address, rank=rank)
         if not is_correct or account is None:
             REFUSED_LOGINS.add("password")
             raise RefusedForm({"password": WRONG_LOGIN})
         return await run_in_threadpool(self._open_after_login, account, visitor, buckets, device)
 
-    def _account_for_login(self, login: str, address: str, device: str) -> tuple[Account | None, Sequence[str]]:
-        """Return the account of a login, and the keys of the token buckets that this try has taken from.
+    def _account_for_login(self, login: str, address: str, device: str) -> tuple[Account | None, Sequence[str], int]:
+        """Return the account of a login, the keys of the token buckets that this try has taken from, and its rank.
 
         A browser in which the account has logged in before has a bucket of its own, whatever is tried elsewhere; all
         other tries count by account and address, and by address. Raises RateLimited.
@@ -164,7 +164,8 @@ class AccountService:
         with self.database.write() as db:
             account = repository.find_account_by_typed_login(db, login)
             folded = normalise_login(login)
-            if devices.is_known(db, device, account):
+            known = devices.is_known(db, device, account)
+            if known:
                 buckets = {f"login-in:{secrets.digest(f'{folded} {device}')}": self.settings.login_bucket}
             else:
                 buckets = {
@@ -173,7 +174,7 @@ class AccountService:
                 }
             for key, bucket in buckets.items():
                 limits.take_token(db, key, bucket, TOO_MANY_LOGINS)
-        return account, list(buckets)
+        return account, list(buckets), KNOWN if known else UNKNOWN
 
     def _open_after_login(
         self, account: Account, visitor: Account | None, buckets: Sequence[str], device: str
@@ -208,7 +209,7 @@ class AccountService:
         if account.is_guest:
             return None
         stored = await run_in_threadpool(self._stored_password, account.id, credential)
-        if not await self.hashing.verify(password, stored, address=address) or stored is None:
+        if not await self.hashing.verify(password, stored, address=address, rank=KNOWN) or stored is None:
             raise RefusedForm({"password": WRONG_PASSWORD})
         return PasswordProof(account.id, stored)
 
@@ -243,7 +244,7 @@ class AccountService:
             raise NotFound(NO_PASSWORD)
         form = await run_in_threadpool(validate_new_password, new, login=account.login, name=account.name)
         proof = await self.require_password(account, old, credential=session, address=address)
-        hashed = await self.hashing.hash(form, address=address)
+        hashed = await self.hashing.hash(form, address=address, rank=KNOWN)
         await run_in_threadpool(self._change, proof, hashed, secrets.digest(session))
 
     def _change(self, proof: PasswordProof | None, hashed: str, session_digest: str) -> None:
@@ -262,7 +263,7 @@ class AccountService:
         """
         account = await run_in_threadpool(self._owner_of_link, token, address)
         form = validate_new_password(password, login=account.login or "", name=account.name)
-        hashed = await self.hashing.hash(form, address=address)
+        hashed = await self.hashing.hash(form, address=address, rank=KNOWN)
         return await run_in_threadpool(self._choose, token, hashed, visitor, device)
 
     def _owner_of_link(self, token: str, address: str) -> Account:

@@ -11,7 +11,7 @@ from sqlalchemy import select
 
 from server.base.errors import Overloaded
 from server.identity import secrets
-from server.identity.hashing import PasswordHasher
+from server.identity.hashing import KNOWN, PasswordHasher
 from server.identity.models import Account
 from server.limits.models import Allowance
 from tests.support.quick import in_a_loop
@@ -109,3 +109,26 @@ def test_few_are_hashed_at_once_off_the_loop_and_too_many_are_sent_away(monkeypa
     assert most[0] == 2
     assert [type(result) for result in results].count(Overloaded) == 4
     assert results[-1] == "other"
+
+
+def test_who_is_known_does_not_wait_behind_a_flood_of_passwords(monkeypatch: pytest.MonkeyPatch) -> None:
+    gate, begun = threading.Event(), list[str]()
+
+    def slow(password: str) -> str:
+        begun.append(password)
+        gate.wait(300)
+        return password
+
+    monkeypatch.setattr(secrets, "hash_password", slow)
+
+    async def scene() -> None:
+        few = PasswordHasher(at_once=1)
+        flood = [asyncio.create_task(few.hash(f"p{number}", address="a")) for number in range(8)]
+        known = asyncio.create_task(few.hash("known", address="a", rank=KNOWN))
+        while "known" not in begun:
+            await asyncio.sleep(0)
+        assert len(begun) == 2
+        gate.set()
+        await asyncio.gather(*flood, known)
+
+    in_a_loop(scene())

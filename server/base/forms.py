@@ -1,0 +1,57 @@
+"""Decoding of large forms at the speed of C: the parser of forms unescapes in Python, on the loop that serves all.
+
+A form of half a megabyte of `%E9` would hold it for a tenth of a second. It goes on as one of several parts, whose
+values nobody has to unescape.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+from binascii import a2b_qp
+
+from starlette.types import Scope
+
+from server.base.errors import Invalid
+
+URL_ENCODED = b"application/x-www-form-urlencoded"
+#: Bytes of a form above which it is decoded here; above the second, its parts could be too long for their parser.
+LARGE, MAX_BYTES = 4096, 1 << 20
+#: As many as the parser of forms takes.
+MAX_FIELDS = 1000
+TOO_MANY_FIELDS = f"Ce formulaire a plus de {MAX_FIELDS} champs : envoyez-le en plusieurs fois."
+UNREADABLE = "Ce formulaire n’est pas lisible : rechargez la page et recommencez."
+_MALFORMED = re.compile(rb"%(?![0-9A-Fa-f]{2})")
+_NAME = re.compile(rb"[ !#-\[\]-~]*")
+
+
+def decode_large_form(scope: Scope, body: bytes) -> tuple[Scope, bytes]:
+    """Return the request of a large form as one of several parts; any other as it is. Raises Invalid."""
+    kind = next((value for name, value in scope["headers"] if name == b"content-type"), b"")
+    if not LARGE < len(body) <= MAX_BYTES or kind.partition(b";")[0].strip().lower() != URL_ENCODED:
+        return scope, body
+    if body.count(b"&") >= MAX_FIELDS:
+        raise Invalid(TOO_MANY_FIELDS)
+    boundary = secrets.token_hex(16).encode()
+    parts = [_part(boundary, *pair.partition(b"=")) for pair in body.split(b"&") if pair]
+    whole = b"".join((*parts, b"--", boundary, b"--\r\n"))
+    changed = {b"content-type": b"multipart/form-data; boundary=" + boundary, b"content-length": b"%d" % len(whole)}
+    headers = [(name, changed.get(name, value)) for name, value in scope["headers"]]
+    return {**scope, "headers": headers}, whole
+
+
+def _part(boundary: bytes, name: bytes, _equals: bytes, value: bytes) -> bytes:
+    known_as = unescape(name)
+    if not _NAME.fullmatch(known_as):
+        raise Invalid(UNREADABLE)
+    head = b'--%s\r\nContent-Disposition: form-data; name="%s"\r\n\r\n' % (boundary, known_as)
+    return head + unescape(value).decode("utf-8", "replace").encode() + b"\r\n"
+
+
+def unescape(text: bytes) -> bytes:
+    """Return what `urllib.parse.unquote_plus` does, as bytes: by the decoder of quoted-printable, which is in C."""
+    text = text.replace(b"+", b" ")
+    if b"%" not in text:
+        return text
+    text = _MALFORMED.sub(b"%25", text)
+    return a2b_qp(text.replace(b"=", b"%3D").replace(b"%", b"="))
