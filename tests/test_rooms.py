@@ -51,7 +51,7 @@ def test_each_room_has_tests_in_a_folder_of_its_name(room: str) -> None:
 
 def test_each_folder_of_tests_belongs_to_a_room() -> None:
     others = {"app", "benchmarks", "browser", "content", "contract", "curriculum", "deploy", "fuzz", "graders"}
-    others |= {"hostile", "reference", "support"}
+    others |= {"gate", "hostile", "reference", "support"}
     folders = {path.parent.name for part in PARTS for path in part.glob("*/*.py")}
     assert folders - others <= rooms() - {"frontend"}
 
