@@ -89,7 +89,8 @@ def test_who_prints_its_usage_loads_next_to_nothing() -> None:
     done = subprocess.run([sys.executable, "-c", line], check=False, capture_output=True, text=True, cwd=ROOT)
     loaded = done.stdout.splitlines()[-1].split()
     assert {name for name in loaded if name.startswith("server")} == {
-        "server", "server.cli", "server.cli.french", "server.cli.authors", "server.cli.options"
+        "server", "server.base", "server.base.version", "server.cli", "server.cli.french", "server.cli.authors",
+        "server.cli.options",
     }  # fmt: skip
     assert not {"numpy", "pydantic", "asyncio", "sqlalchemy"} & set(loaded)
 
