@@ -281,8 +281,10 @@ def _share(app: FastAPI, services: Services) -> None:
     add_services(app, RegradeService(course, services.queue))
     add_services(app, services.submissions, services.collecting)
     carrier = None if services.engine is None else services.engine.status
-    add_services(app, Readiness(services.database, services.supervisor, services.walls, carrier))
-    add_services(app, PrometheusMetrics(services.database, services.supervisor))
+    add_services(
+        app, Readiness(services.database, services.supervisor, services.walls, services.settings.data_dir, carrier)
+    )
+    add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
     add_services(app, services.archives, SingleFlight())
     check_services(app)
@@ -306,6 +308,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
     app.add_middleware(middleware.AcceptEncoding)
+    app.add_middleware(middleware.HeadAsGet)
     app.add_middleware(middleware.RequestLog, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
         app.add_middleware(root_path.RootPathMiddleware, root=settings.root_path)

@@ -109,6 +109,14 @@ class Unavailable(RetryLater):
     title = "Indisponible un moment"
 
 
+class StorageFull(RetryLater):
+    """The database has no room: nothing was stored."""
+
+    status = HTTPStatus.INSUFFICIENT_STORAGE
+    slug = "disque-plein"
+    title = "Rien n’a été enregistré"
+
+
 class InternalFailure(ServiceError):
     """Something of ours went wrong, and another try may succeed."""
 

@@ -91,7 +91,11 @@ TITLES = {
     404: ("Introuvable", "Il n’y a rien à cette adresse."),
     405: ("Méthode refusée", "Cette adresse n’accepte pas cette méthode."),
     422: ("Données refusées", "Les données envoyées ne conviennent pas."),
-    500: ("Erreur du serveur", "Une erreur est survenue de notre côté ; elle a été notée. Votre travail est conservé."),
+    500: (
+        "Erreur du serveur",
+        "Une erreur est survenue de notre côté ; elle a été notée. Si vous veniez d’envoyer quelque chose, vérifiez "
+        "que c’est bien enregistré.",
+    ),
 }
 
 

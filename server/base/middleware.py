@@ -4,6 +4,7 @@ cross-site requests, session cookie, security headers.
 Plain ASGI, so that streams (server-sent events) pass through untouched.
 """
 
+import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
@@ -122,6 +123,36 @@ def _is_weighed(header: tuple[bytes, bytes]) -> bool:
 def _taken(name: bytes, value: bytes) -> bytes:
     weighed = _is_weighed((name, value))
     return ", ".join(accepted_encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
+
+
+class HeadAsGet:
+    """Answers HEAD as GET, without the body (RFC 9110, 9.3.2).
+
+    What the answer says of its length stays. A stream is told that its reader has left.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["method"] != "HEAD":
+            await self.app(scope, receive, send)
+            return
+        started = asyncio.Event()
+
+        async def send_head(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                await send(message)
+                started.set()
+
+        async def receive_until_started() -> Message:
+            if started.is_set():
+                return {"type": "http.disconnect"}
+            return await receive()
+
+        await self.app({**scope, "method": "GET"}, receive_until_started, send_head)
+        if started.is_set():
+            await send({"type": "http.response.body", "body": b""})
 
 
 class SecurityHeaders:

@@ -13,7 +13,7 @@ from server.cli import CannotRun
 def exclusive_data_folder(settings: Settings) -> Iterator[None]:
     """Lock a data folder: two servers would take each other's workers for dead."""
     try:
-        settings.data_dir.mkdir(parents=True, exist_ok=True)
+        settings.data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
         lock = (settings.data_dir / "balise.lock").open("a")  # whose it is stays written there
     except OSError as error:
         raise CannotRun(f"le dossier des données {settings.data_dir} ne convient pas : {error.strerror}.") from error

@@ -1,26 +1,51 @@
 """The database of a command: it must be there and of this version, and what fails in it is told in words."""
 
+import logging
+import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
 from sqlalchemy import make_url
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 
 from server.base.settings import Settings
 from server.cli import CannotRun
-from server.database import Database
-from server.database.migrate import WrongSchema, require_current
+from server.database import Database, is_storage_full
+from server.database.migrate import OlderSchema, WrongSchema, require_current
+
+log = logging.getLogger(__name__)
+
+SCHEMA_PAUSE = 1.0  # seconds
 
 
 @contextmanager
-def opened(settings: Settings, *, patience: float = 0.0) -> Iterator[Database]:
-    """Raises CannotRun, then and later, for whatever is wrong with the database; it has so many seconds to answer."""
+def opened(settings: Settings, *, patience: float = 0.0, await_schema: bool = False) -> Iterator[Database]:
+    """Raises CannotRun, then and later, for whatever is wrong with the database; it has so many seconds to answer.
+
+    With `await_schema`, wait until `balise serve` has upgraded an older database.
+    """
     require_database(settings)
     with in_words(), closing(Database(settings.url)) as database:
         database.wait_until_available(patience)
-        require_current(database.engine)
+        if await_schema:
+            _wait_for_schema(database)
+        else:
+            require_current(database.engine)
         yield database
+
+
+def _wait_for_schema(database: Database) -> None:
+    has_warned = False
+    while True:
+        try:
+            require_current(database.engine)
+            return
+        except OlderSchema as reason:
+            if not has_warned:
+                log.warning("waiting for the database to be upgraded by `balise serve`: %s", reason)
+            has_warned = True
+        time.sleep(SCHEMA_PAUSE)
 
 
 def require_database(settings: Settings) -> None:
@@ -30,13 +55,20 @@ def require_database(settings: Settings) -> None:
         raise CannotRun(f"il n’y a pas de base de données dans {url.database} (autre dossier : --data).")
 
 
+def database_problem(error: SQLAlchemyError) -> str:
+    """Return a line in French on a database that cannot be used."""
+    if isinstance(error, DBAPIError) and is_storage_full(error):
+        return f"le disque de la base de données est plein, ou en lecture seule : {error.orig}."
+    if isinstance(error, OperationalError):
+        return f"la base de données ne répond pas : {error.orig}"
+    return f"la base de données ne convient pas : {getattr(error, 'orig', None) or error}"
+
+
 @contextmanager
 def in_words() -> Iterator[None]:
     try:
         yield
     except WrongSchema as wrong:
         raise CannotRun(str(wrong)) from wrong
-    except OperationalError as error:
-        raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
     except SQLAlchemyError as error:
-        raise CannotRun(f"la base de données ne convient pas : {error}") from error
+        raise CannotRun(database_problem(error)) from error

@@ -27,6 +27,7 @@ from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
 from server.cli.data_lock import exclusive_data_folder
+from server.cli.database import database_problem
 from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.start_cache import CACHE_FILE, StartCache
@@ -229,7 +230,7 @@ def _migrate(settings: Settings) -> None:
     except (WrongSchema, BackupError) as error:
         raise CannotRun(str(error)) from error
     except SQLAlchemyError as error:
-        raise CannotRun(f"la base de données ne convient pas : {error}") from error
+        raise CannotRun(database_problem(error)) from error
     finally:
         database.close()
 

@@ -21,12 +21,17 @@ KINDS = {
     "regrade": "recorrections",
     "fingerprint": "regroupements d’erreurs",
 }
-CHECKS = {"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service", "nats": "NATS"}
+CHECKS = {
+    **{"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service"},
+    **{"nats": "NATS", "disk": "disque"},
+}
 CHECK_STATES = {
     "unreachable": "injoignable",
     "being tried": "à l’essai",
     "none": "aucun",
     "stopping": "s’arrête",
+    "nearly full": "presque plein",
+    "unknown": "inconnu",
 }
 Json = Mapping[str, Any]
 Read = Callable[[], Json]

@@ -34,7 +34,7 @@ def run(_arguments: Namespace) -> int:
     start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        with opened(settings, patience=STARTUP_TIMEOUT) as database:
+        with opened(settings, patience=STARTUP_TIMEOUT, await_schema=True) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)

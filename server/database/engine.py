@@ -6,10 +6,11 @@ would otherwise fail, or lose updates.
 """
 
 import logging
+import os
 import sqlite3
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,11 @@ CONNECT_TIMEOUTS: Mapping[str, str] = {
 STARTUP_TIMEOUT, RETRY_SECONDS = 20.0, 0.5
 #: PostgreSQL's SQLSTATE `idle_in_transaction_session_timeout`.
 IDLE_TIMEOUT_SQLSTATE = "25P03"
+#: PostgreSQL's SQLSTATEs `disk_full` and `read_only_sql_transaction`.
+STORAGE_SQLSTATES = frozenset({"53100", "25006"})
+#: SQLite's extended codes hold the primary code in their low byte.
+SQLITE_PRIMARY_CODE = 0xFF
+STORAGE_CODES = frozenset({sqlite3.SQLITE_FULL, sqlite3.SQLITE_READONLY})
 
 
 def make_engine(url: str) -> Engine:
@@ -63,10 +69,17 @@ def make_engine(url: str) -> Engine:
     if is_postgres:
         event.listen(engine, "connect", _configure_postgres)
     else:
-        Path(database_url.database or "").parent.mkdir(parents=True, exist_ok=True)
+        _create_private_file(Path(database_url.database or ""))
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _create_private_file(file: Path) -> None:
+    """Create the file of a database for its owner alone: it holds password hashes. Side files take its mode."""
+    file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with suppress(OSError):  # SQLite gives the reason where the file cannot be written
+        os.close(os.open(file, os.O_CREAT | os.O_RDWR, 0o600))
 
 
 def writing_engine(engine: Engine) -> Engine:
@@ -121,6 +134,12 @@ def is_unavailable(error: DBAPIError) -> bool:
     sqlstate = getattr(error.orig, "sqlstate", None)
     is_lost = error.connection_invalidated or isinstance(error, OperationalError | InterfaceError)
     return (is_lost or sqlstate == IDLE_TIMEOUT_SQLSTATE) and not isinstance(error.orig, sqlite3.Error)
+
+
+def is_storage_full(error: DBAPIError) -> bool:
+    """Whether the database cannot write for want of space, or on a read-only disk: nothing of the transaction stays."""
+    sqlite_code = getattr(error.orig, "sqlite_errorcode", 0) & SQLITE_PRIMARY_CODE
+    return sqlite_code in STORAGE_CODES or getattr(error.orig, "sqlstate", None) in STORAGE_SQLSTATES
 
 
 def upsert_statement(db: Session, model: type[Base]) -> sqlite.Insert | postgresql.Insert:

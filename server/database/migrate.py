@@ -25,6 +25,10 @@ class WrongSchema(Exception):
     """The database is not at the schema that is asked for; its message is French and for the administrator."""
 
 
+class OlderSchema(WrongSchema):
+    """The database lacks migrations, which `balise serve` runs."""
+
+
 def alembic_config(connection: Connection | None = None) -> Config:
     from alembic.config import Config
 
@@ -106,7 +110,7 @@ def require_current(engine: Engine) -> None:
         revision = current_revision(connection)
     _require_known(revision)
     if revision != head_revision():
-        raise WrongSchema(
+        raise OlderSchema(
             f"la base de données est d’une version plus ancienne de Balise (schéma {revision or 'absent'}, "
             f"ici {head_revision()}) : « balise serve » la met à jour."
         )

@@ -11,6 +11,7 @@ import threading
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
+from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import UUID
 
@@ -19,6 +20,7 @@ from server.database import Database, utc_now
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 from server.health.event_counter import RENEWALS
+from server.health.readiness import free_bytes
 
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Histogram
@@ -32,8 +34,8 @@ WAITING, RUNNING = "waiting", "running"
 class PrometheusMetrics:
     """Thread-safe."""
 
-    def __init__(self, database: Database, supervisor: WorkerSupervisor) -> None:
-        self._database, self._supervisor = database, supervisor
+    def __init__(self, database: Database, supervisor: WorkerSupervisor, data_dir: Path) -> None:
+        self._database, self._supervisor, self._data_dir = database, supervisor, data_dir
         self._walls: Mapping[str, bool] = {}
         self._last_read = utc_now()
         self._observed: dict[UUID, datetime] = {}
@@ -109,6 +111,7 @@ class PrometheusMetrics:
         yield jobs
         yield oldest
         yield GaugeMetricFamily("balise_workers", "Grading processes of this machine", self._supervisor.alive_count())
+        yield GaugeMetricFamily("balise_disk_free_bytes", "Room on the disk of the data", free_bytes(self._data_dir))
         walls = GaugeMetricFamily("balise_wall_standing", "Walls of the sandbox, as probed", labels=["wall"])
         for name, stands in self._walls.items():
             walls.add_metric([name], float(stands))

@@ -2,25 +2,34 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import timedelta
+from pathlib import Path
+from shutil import disk_usage
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.concurrency import Gate
-from server.database import Database
+from server.database import Database, utc_now
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 
 #: Without the message broker everything goes on, more slowly: the process stays ready.
 BROKER_CHECK = "nats"
+#: With little room on the disk it goes on too, for now.
+DISK_CHECK = "disk"
+MIN_FREE_BYTES = 256 << 20
+#: A submission that nobody takes for so long while nothing is graded: no worker is there.
+NOBODY_GRADES_AFTER = timedelta(seconds=60)
 
 
 @dataclass(frozen=True)
 class Readiness:
-    """`broker_status` returns the state of the message broker, where there is one."""
+    """`broker_status` returns the state of the message broker, where there is one; `data_dir`: the disk to watch."""
 
     database: Database
     supervisor: WorkerSupervisor
     walls: Gate
+    data_dir: Path
     broker_status: Callable[[], str] | None = None
 
     def checks(self) -> Mapping[str, str]:
@@ -31,6 +40,7 @@ class Readiness:
             "walls": walls,
             "workers": self._workers(),
             "service": self._service(),
+            DISK_CHECK: "ok" if free_bytes(self.data_dir) >= MIN_FREE_BYTES else "nearly full",
             **({} if self.broker_status is None else {BROKER_CHECK: self.broker_status()}),
         }
 
@@ -43,8 +53,21 @@ class Readiness:
         return "ok"
 
     def _workers(self) -> str:
-        """One is enough, since dead ones are restarted. With none configured, other machines grade."""
-        return "ok" if self.supervisor.alive_count() or not self.supervisor.target_count else "none"
+        """One is enough, since dead ones are restarted. With none here, other machines grade, unless work waits."""
+        if self.supervisor.target_count:
+            return "ok" if self.supervisor.alive_count() else "none"
+        try:
+            with self.database.read() as db:
+                return "none" if repository.is_grading_abandoned(db, utc_now() - NOBODY_GRADES_AFTER) else "ok"
+        except SQLAlchemyError:
+            return "unknown"
 
     def _service(self) -> str:
         return "stopping" if self.supervisor.stopping else "ok"
+
+
+def free_bytes(folder: Path) -> int:
+    """Return the free space on the disk of a folder, of an existing parent where it is not made yet."""
+    while not folder.exists():
+        folder = folder.parent
+    return disk_usage(folder).free

@@ -12,6 +12,7 @@ from server.gradebook.models import Grading
 from server.health.models import EventCount
 from server.queue.models import Job
 from server.submissions.models import Submission
+from server.submissions.service import GRADE
 
 
 def ping(db: Session) -> None:
@@ -38,6 +39,14 @@ def queue_depths(db: Session) -> Sequence[Row[str, bool, int, datetime]]:
     return db.execute(
         select(Job.kind, running, func.count(), func.min(Job.created_at)).group_by(Job.kind, running)
     ).all()
+
+
+def is_grading_abandoned(db: Session, before: datetime) -> bool:
+    """Whether a submission has waited since `before` while nothing is being graded."""
+    grading = select(Job.key).where(Job.kind == GRADE)
+    runs = db.execute(select(grading.where(Job.lease_token.is_not(None)).exists())).scalar_one()
+    waits = grading.where(Job.lease_token.is_(None), Job.created_at < before).exists()
+    return not runs and bool(db.execute(select(waits)).scalar_one())
 
 
 def first_verdicts(

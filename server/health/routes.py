@@ -16,7 +16,7 @@ from server.database.dependencies import Db
 from server.grading.supervisor import WorkerSupervisor
 from server.health import service_status
 from server.health.metrics import PrometheusMetrics
-from server.health.readiness import BROKER_CHECK, Readiness
+from server.health.readiness import BROKER_CHECK, DISK_CHECK, Readiness
 from server.health.service_status import RecentError, WebProcessStatus
 from server.identity.dependencies import ApiAccount
 from server.submissions.job_events import JobEvents
@@ -43,7 +43,7 @@ def ready(readiness: ReadinessOf) -> Response:
     """Return 503 with the failed checks where no visitor should come; `degraded` where they still may."""
     checks = readiness.checks()
     failed_checks = {name for name, state in checks.items() if state != "ok"}
-    status = "ok" if not failed_checks else "degraded" if failed_checks == {BROKER_CHECK} else "unready"
+    status = "ok" if not failed_checks else "degraded" if failed_checks <= {BROKER_CHECK, DISK_CHECK} else "unready"
     body = {"status": status, "checks": checks}
     return JSONResponse(body, status_code=503 if status == "unready" else 200, headers=NO_STORE)
 

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.base import logs, traces
 from server.base.settings import Settings
-from server.database import Database, is_lock_timeout, is_unavailable, utc_now
+from server.database import Database, is_lock_timeout, is_storage_full, is_unavailable, utc_now
 from server.queue.graceful_stop import GracefulStop, StopRequested
 from server.queue.interfaces import (
     REQUEST_ID_KEY,
@@ -215,8 +215,8 @@ class JobRunner:
     def write(self, action: Callable[[Session], Returned], *, wait_for_database: bool = False) -> Returned:
         """Run `action` in a transaction; retry where another writer of SQLite has outlasted the driver's timeout.
 
-        With `wait_for_database`, also retry until PostgreSQL answers: the end of a job may wait for it, and the fence
-        token tells whether it was committed before the answer was lost.
+        With `wait_for_database`, also retry until the database answers and has room: the end of a job may wait for it,
+        and the fence token tells whether it was committed before the answer was lost.
         """
         for pause in _backoff():
             try:
@@ -224,10 +224,12 @@ class JobRunner:
                     return action(db)
             except DBAPIError as error:
                 locked = isinstance(error, OperationalError) and is_lock_timeout(error)
-                if not locked and not (wait_for_database and is_unavailable(error)):
+                full = is_storage_full(error)
+                if not locked and not (wait_for_database and (full or is_unavailable(error))):
                     raise
-                what, pause_seconds = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
-                log.warning("the database %s, trying again in %g s", what, pause_seconds)
+                state = "is locked" if locked else "has no room" if full else "does not answer"
+                pause_seconds = pause if locked else DATABASE_PAUSE
+                log.warning("the database %s, trying again in %g s", state, pause_seconds)
             with self._stop.interruptible():
                 time.sleep(pause_seconds)
         raise AssertionError("pauses have no end")

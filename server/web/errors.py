@@ -14,10 +14,10 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from server.base.app_services import get_service
-from server.base.errors import Invalid, ServiceError, Unavailable
+from server.base.errors import Invalid, ServiceError, StorageFull, Unavailable
 from server.base.http import TITLES, error_document, error_location, problem_document, problem_response
 from server.base.middleware import SECURITY_HEADERS, route_path
-from server.database import Database, is_unavailable
+from server.database import Database, is_storage_full, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
 from server.web.form_identity import FormRefusal, referring_page, refusal_context, refusal_members
@@ -30,6 +30,11 @@ AWAY = (
     "quelques secondes."
 )
 AWAY_SECONDS = 2
+FULL = (
+    "Le disque du serveur est plein : ce que vous venez d’envoyer n’est pas enregistré. Gardez-le, et renvoyez-le dans "
+    "quelques minutes ; prévenez la personne qui administre ce serveur."
+)
+FULL_SECONDS = 60
 
 
 def error_response(request: Request, error: ServiceError, account: Account | None = None) -> Response:
@@ -86,10 +91,13 @@ def _validation_error(request: Request, error: Exception) -> Response:
 
 
 def _database_error(request: Request, error: Exception) -> Response:
-    """That the database is away is told in a line, and to nobody by name: who asks is written there."""
+    """Refuse for a while where the database is away or its disk is full; the log names nobody."""
+    why = str(getattr(error, "orig", error)).partition("\n")[0]
+    if isinstance(error, DBAPIError) and is_storage_full(error):
+        log.error("the database cannot write for %s %s: %s", request.method, route_path(request.scope), why)
+        return error_response(request, StorageFull(FULL, retry_after=FULL_SECONDS))
     if isinstance(error, DBAPIError) and not is_unavailable(error):
         raise error
-    why = str(getattr(error, "orig", error)).partition("\n")[0]
     log.error("the database does not answer %s %s: %s", request.method, route_path(request.scope), why)
     return error_response(request, Unavailable(AWAY, retry_after=AWAY_SECONDS))
 

@@ -8,11 +8,13 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import timedelta
 from typing import Any
+from uuid import uuid4
 
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
-from sqlalchemy import select, text
+from sqlalchemy import select, text, update
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
@@ -22,7 +24,9 @@ from server.base.counters import TEMPLATE_RENEWALS
 from server.base.logs import JsonLines
 from server.base.middleware import RequestLog
 from server.base.version import VERSION
+from server.database import utc_now
 from server.grading.supervisor import WorkerSupervisor
+from server.health import readiness as checks
 from server.health import repository
 from server.health.event_counter import EventCounter
 from server.health.metrics import PrometheusMetrics
@@ -34,6 +38,11 @@ from tests.support.service import EXERCISE, Site
 
 TOKEN = "un secret de Prometheus"
 FORM = {"name": "Ada", "login": "ada", "password": "notes sur la machine"}
+
+
+@pytest.fixture(autouse=True)
+def _room_on_the_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "free_bytes", lambda _folder: 10**12)
 
 
 def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -62,6 +71,25 @@ def test_without_what_carries_the_work_it_serves_and_says_so(site: Site) -> None
         add_services(site.app, replace(readiness, broker_status=lambda state=state: state))
         answer = site.client.get("/readyz")
         assert (answer.status_code, answer.json()["status"], answer.json()["checks"]["nats"]) == (200, status, state)
+
+
+def test_little_room_on_the_disk_is_told_and_stops_nobody(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "free_bytes", lambda _folder: 1)
+    answer = site.client.get("/readyz")
+    assert (answer.status_code, answer.json()["status"]) == (200, "degraded")
+    assert answer.json()["checks"]["disk"] == "nearly full"
+
+
+def test_where_other_machines_grade_and_none_does_it_is_not_ready(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not get_service(site.app, WorkerSupervisor).target_count, "none is set here"
+    site.submit(site.token())
+    assert site.client.get("/readyz").status_code == 200, "it has only just come"
+    monkeypatch.setattr(checks, "NOBODY_GRADES_AFTER", -timedelta(seconds=1))
+    answer = site.client.get("/readyz")
+    assert (answer.status_code, answer.json()["checks"]["workers"]) == (503, "none")
+    with site.database.write() as db:
+        db.execute(update(Job).values(lease_token=uuid4(), lease_until=utc_now()))
+    assert site.client.get("/readyz").status_code == 200, "somebody grades"
 
 
 def _fails(_db: Session) -> None:

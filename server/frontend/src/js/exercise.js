@@ -82,6 +82,7 @@ function showMessage(text, step = null) {
 async function submit(event) {
   event.preventDefault();
   if (form.getAttribute("aria-busy") === "true") return;
+  clearTimeout(nextTry);
   area.value = editor.get();
   showMessage("");
   busy(true);
@@ -107,8 +108,25 @@ async function send() {
     return answer.accepted;
   }
   const away = "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.";
-  showMessage(answer.refusal ?? away, wayOn(form, answer.problem));
+  if (answer.retryAfter) sendAgain(answer);
+  else showMessage(answer.refusal ?? away, wayOn(form, answer.problem));
   return null;
+}
+
+let nextTry;
+
+// Nothing was stored: what is in the editor then goes again, unless its author stops it.
+function sendAgain({ refusal, retryAfter }) {
+  const stop = document.createElement("button");
+  stop.type = "button";
+  stop.className = "button";
+  stop.textContent = "Ne pas renvoyer";
+  stop.addEventListener("click", () => {
+    clearTimeout(nextTry);
+    showMessage(refusal);
+  });
+  showMessage(`${refusal} Votre code est gardé ici, et sera renvoyé dans ${retryAfter} s.`, stop);
+  nextTry = setTimeout(() => form.requestSubmit(), 1000 * retryAfter);
 }
 
 // A visitor becomes a guest at the first submission: the draft follows.

@@ -3,19 +3,23 @@
 import { announce } from "./follow.js";
 
 const PROBLEM = "urn:balise:probleme:";
+const STORAGE_FULL = 507;
 
 // The headers of a request for the account that the page shows: the server refuses it for any other.
 export function headersFor(account) {
   return { Accept: "application/json", "Balise-Compte": account };
 }
 
-// {accepted: the answer} or {refusal: its sentence, undefined when the server cannot be reached; problem: its document}.
+// {accepted: the answer} or {refusal: its sentence, undefined when the server cannot be reached; problem: its document;
+// retryAfter: after how many seconds the same may be sent again, where nothing of it was stored}.
 export async function post(address, body, account) {
   const timer = setTimeout(() => announce("Envoi en cours"), 400);
   const response = await fetch(address, { method: "POST", body, headers: headersFor(account) }).catch(() => null);
   clearTimeout(timer);
   const answer = await readAnswer(response);
-  return response?.ok && answer ? { accepted: answer } : { refusal: answer?.detail, problem: answer ?? {} };
+  if (response?.ok && answer) return { accepted: answer };
+  const retryAfter = response?.status === STORAGE_FULL ? Number(response.headers.get("retry-after")) : 0;
+  return { refusal: answer?.detail, problem: answer ?? {}, retryAfter };
 }
 
 // The fields of a page's form that say for what it was drawn; they are no part of what is written.
