@@ -39,14 +39,13 @@ class AttemptMark:
 
 @dataclass(frozen=True)
 class ExerciseResult:
-    """The mark that counts and the best mark before the due date, None without any; `attempts` within the dates."""
+    """The mark that counts, None without any; `attempts` within the dates."""
 
     counted: AttemptMark | None
-    before_due: AttemptMark | None
     attempts: int
 
 
-NO_RESULT = ExerciseResult(None, None, 0)
+NO_RESULT = ExerciseResult(None, 0)
 
 
 def mark_attempts(times: TimeJudge, counts: AttemptSelection, attempts: Sequence[ScoredAttempt]) -> ExerciseResult:
@@ -59,12 +58,13 @@ def mark_attempts(times: TimeJudge, counts: AttemptSelection, attempts: Sequence
         return NO_RESULT
     timed = _marks(times, sorted(attempts, key=lambda attempt: (attempt.sent_at, attempt.id.int)))
     marks = [mark for mark, _ in timed]
-    on_time = _best([mark for mark in marks if not mark.days_late])
     if counts is AttemptSelection.last:
         counted = _last(timed)
+    elif counts is AttemptSelection.best_before_due:
+        counted = _best([mark for mark in marks if not mark.days_late])
     else:
-        counted = on_time if counts is AttemptSelection.best_before_due else _best(marks)
-    return ExerciseResult(counted, on_time, len(marks))
+        counted = _best(marks)
+    return ExerciseResult(counted, len(marks))
 
 
 def _marks(times: TimeJudge, attempts: Iterable[ScoredAttempt]) -> Sequence[tuple[AttemptMark, SendTiming]]:

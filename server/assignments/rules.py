@@ -166,10 +166,6 @@ class Rules:
         """Return the days begun since the due date, on the school's clock."""
         return 0 if self.due_at is None else school_time.count_days_begun(self.due_at, at, self.zone)
 
-    def apply_lateness(self, sent_at: datetime, points: float) -> LateAdjustedPoints:
-        """Return the points out of 20 that an attempt which arrived at that time keeps."""
-        return self.judge(sent_at).adjust(points)
-
     @property
     def last_counted_at(self) -> datetime | None:
         """Until when an attempt counts; for a test, until when it may be begun."""

@@ -30,7 +30,6 @@ class ClassHead:
     archived: bool
     may_keep_list: bool
     may_set_up: bool
-    may_see_code: bool
     tabs: tuple[ClassTab, ...]
 
 

@@ -113,7 +113,6 @@ def class_head(course: Course, access: ClassAccess, here: str = "") -> ClassHead
         archived=school_class.archived_at is not None,
         may_keep_list=access.has(Right.manage_roster) and school_class.archived_at is None,
         may_set_up=access.has(Right.configure_class),
-        may_see_code=access.has(Right.see_code),
         tabs=visible_tabs(class_href(school_class), access.has, here),
     )
 

@@ -214,11 +214,6 @@ def load_account_standings(db: Session, account_id: UUID, exercise: str | None =
     return {row[1]: StandingTotals(*row[2:]) for row in rows}
 
 
-def load_standings(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> TotalsByPair:
-    """Return the standings of many accounts in many exercises, in one query."""
-    return _by_pair(db, _select_standings().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises)))
-
-
 def list_accounts(db: Session) -> Sequence[UUID]:
     """Return every account that has a standing, or should have one."""
     senders = select(Submission.account_id).where(Submission.grading_id.is_not(None))

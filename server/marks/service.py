@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
 from datetime import datetime
 from uuid import UUID
 
@@ -18,7 +17,6 @@ from server.classes.models import ClassRole, SchoolClass, Status
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.database import utc_now
-from server.gradebook import standings
 from server.gradebook.service import load_withholding_times
 from server.identity.models import Account
 from server.marks import columns_repository, repository
@@ -26,7 +24,7 @@ from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
 from server.marks.own import OwnMarks
-from server.marks.schemas import EffectivePoints, ExerciseMark, StudentExercise
+from server.marks.schemas import ExerciseMark
 from server.text.lines import character_problem, tidy_lines
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
@@ -40,20 +38,6 @@ OUT_OF_RANGE = "Les points vont de 0 à 20."
 NOT_A_NUMBER = "« {text} » n’est pas un nombre de points : écrivez par exemple 12,5."
 NEEDS_REASON = "Indiquez le motif : l’élève le lit, et le journal de la classe le garde."
 LONG_REASON = f"Le motif compte {REASON_LENGTH} caractères au plus."
-
-
-def load_effective_points(
-    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
-) -> Mapping[StudentExercise, EffectivePoints]:
-    """Load the points in force of many students at many exercises, whatever the assignments of the class: two queries.
-
-    The automatic points are those of the best attempt. Pairs with neither attempt nor override are left out.
-    """
-    totals_by_pair = standings.load_standings(db, students, exercises)
-    points = {pair: EffectivePoints(FULL_POINTS * totals.best_score) for pair, totals in totals_by_pair.items()}
-    for pair, override in repository.load_exercise_overrides(db, class_id, students, exercises).items():
-        points[pair] = EffectivePoints(points[pair].automatic if pair in points else None, override)
-    return points
 
 
 def parse_points(text: str) -> float:

@@ -89,21 +89,21 @@ def test_a_penalty_is_for_each_day_begun_and_takes_no_more_than_all() -> None:
     rules = rules_in_force(
         Frame(due_at=due, closes_at=due + 3 * DAY, late="penalty", late_per_day=4.0), [], uuid4(), ()
     )
-    assert rules.apply_lateness(due, 18.0) == LateAdjustedPoints(18.0)
-    assert rules.apply_lateness(due + second, 18.0) == LateAdjustedPoints(14.0, 1)
-    assert rules.apply_lateness(due + DAY, 18.0) == LateAdjustedPoints(14.0, 1)
-    assert rules.apply_lateness(due + DAY + second, 18.0) == LateAdjustedPoints(10.0, 2)
-    assert rules.apply_lateness(due + 3 * DAY, 5.0) == LateAdjustedPoints(0.0, 3)
-    assert rules.apply_lateness(due + 3 * DAY + second, 5.0) == NOT_COUNTED, "closed"
-    assert rules.apply_lateness(OPENS - second, 5.0) == LateAdjustedPoints(5.0), "who works ahead is on time"
+    assert rules.judge(due).adjust(18.0) == LateAdjustedPoints(18.0)
+    assert rules.judge(due + second).adjust(18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.judge(due + DAY).adjust(18.0) == LateAdjustedPoints(14.0, 1)
+    assert rules.judge(due + DAY + second).adjust(18.0) == LateAdjustedPoints(10.0, 2)
+    assert rules.judge(due + 3 * DAY).adjust(5.0) == LateAdjustedPoints(0.0, 3)
+    assert rules.judge(due + 3 * DAY + second).adjust(5.0) == NOT_COUNTED, "closed"
+    assert rules.judge(OPENS - second).adjust(5.0) == LateAdjustedPoints(5.0), "who works ahead is on time"
 
 
 def test_refused_and_accepted() -> None:
     late = OPENS + 7 * DAY + timedelta(minutes=1)
     refused, accepted = rules_in_force(Frame(late="refuse"), [], ADA, ()), rules_in_force(Frame(), [], ADA, ())
-    assert refused.apply_lateness(late, 20.0) == NOT_COUNTED
+    assert refused.judge(late).adjust(20.0) == NOT_COUNTED
     assert refused.last_counted_at == OPENS + 7 * DAY
-    assert accepted.apply_lateness(late, 20.0) == LateAdjustedPoints(20.0, 1)
+    assert accepted.judge(late).adjust(20.0) == LateAdjustedPoints(20.0, 1)
     assert accepted.last_counted_at == OPENS + 10 * DAY
 
 
@@ -126,7 +126,7 @@ def test_summer_time_moves_no_instant() -> None:
     eve = datetime(2026, 3, 28, 23, 59, tzinfo=PARIS)
     after = datetime(2026, 3, 29, 23, 59, tzinfo=PARIS)
     rules = rules_in_force(Frame(due_at=eve, late="penalty", late_per_day=1.0), [], ADA, ())
-    assert rules.apply_lateness(after, 20.0) == LateAdjustedPoints(19.0, 1)
+    assert rules.judge(after).adjust(20.0) == LateAdjustedPoints(19.0, 1)
     assert (after.astimezone(UTC) - eve.astimezone(UTC)) == timedelta(hours=23)
     same = rules_in_force(Frame(due_at=eve.astimezone(UTC)), [], ADA, ())
-    assert same.apply_lateness(eve, 20.0) == LateAdjustedPoints(20.0)
+    assert same.judge(eve).adjust(20.0) == LateAdjustedPoints(20.0)

@@ -56,7 +56,7 @@ def test_a_day_late_is_a_day_on_the_school_s_clock(due: tuple[int, ...], sent: t
     rules = Rules(
         STARTS[1], paris(*due), None, LatePolicy.penalty, 2.0, 1.0, False, None, {}, zone=PARIS
     )  # fmt: skip
-    assert rules.apply_lateness(paris(*sent), 20.0).points == 20 - 2 * days
+    assert rules.judge(paris(*sent)).adjust(20.0).points == 20 - 2 * days
 
 
 def test_a_time_that_comes_twice_ends_the_day_when_it_comes_again() -> None:

@@ -466,7 +466,7 @@ def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -
         assert following is None or following.start == piece.end, "the line has no gap"
         if piece.start == piece.end:
             continue
-        worth = found.apply_lateness(piece.start + share * (piece.end - piece.start), MAX_POINTS).points
+        worth = found.judge(piece.start + share * (piece.end - piece.start)).adjust(MAX_POINTS).points
         if piece.left is None or piece.right is None:
             assert worth is None
             continue

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field
-from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -34,7 +33,6 @@ from server.gradebook.standings import StandingTotals
 from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from tests.support.counting import Counted
 from tests.support.quick import migrated
 from tests.support.service import EXERCISE, new_account, worker_of
 
@@ -327,22 +325,6 @@ def test_rebuilding_without_a_database_is_reported(tmp_path: Path, capsys: Any) 
     assert main(["admin", "standings", "--data", str(tmp_path / "elsewhere")]) == 2
     assert "pas de base de données" in capsys.readouterr().err
     assert not (tmp_path / "elsewhere").exists()
-
-
-def test_standings_of_a_class_take_one_query_without_verdicts(database: Database) -> None:
-    accounts = [new_account(database).id for _ in range(35)]
-    exercises = [f"m/{number}" for number in range(26)]
-    now = utc_now()
-    row = StandingTotals(0.5, 2, "wrong_answer", "sign", None, now)
-    with database.write() as db:
-        rows = [{"account_id": name, "exercise": slug, **vars(row)} for name, slug in product(accounts, exercises)]
-        db.execute(insert(Standing), rows)
-    with Counted(database) as counted, database.read() as db:
-        found = standings.load_standings(db, accounts, exercises)
-    assert len(found) == 35 * 26
-    assert set(found.values()) == {row}
-    (statement,) = counted.statements
-    assert not {"verdict", "grading", "submission"} & set(statement.replace(".", " ").split())
 
 
 def test_waiting_attempts_count_among_those_sent(database: Database, ada: Account, both: Settings) -> None:

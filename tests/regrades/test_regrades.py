@@ -59,8 +59,8 @@ def lesson(database: Database, both: Settings) -> Lesson:
 
 def marks(lesson: Lesson) -> dict[UUID, StandingTotals]:
     with lesson.database.read() as db:
-        found = standings.load_standings(db, [one.id for one in lesson.students], [lesson.exercise])
-    return {student: sums for (student, _), sums in found.items()}
+        found = {one.id: standings.load_account_standings(db, one.id, lesson.exercise) for one in lesson.students}
+    return {student: by_exercise[lesson.exercise] for student, by_exercise in found.items() if by_exercise}
 
 
 def best(lesson: Lesson) -> list[float]:

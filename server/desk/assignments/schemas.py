@@ -310,4 +310,3 @@ class OwnClassPage:
     marks: OwnMarks | None
     zone: str
     watched: str = ""
-    watched_href: str = ""

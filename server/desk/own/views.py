@@ -114,7 +114,6 @@ def _build_page(
         marks=own_marks,
         zone=school_time.time_zone_name(),
         watched=watched.name if watched else "",
-        watched_href=f"{views.class_href(access.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
     )
 
 
