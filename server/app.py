@@ -62,7 +62,7 @@ from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
 from server.web import errors
-from server.web.form_identity import require_same_account
+from server.web.form_identity import FORM_LIMITS, require_same_account
 
 if TYPE_CHECKING:
     from server.queue.jetstream.engine import NatsEngine
@@ -259,6 +259,7 @@ def create_app(
         openapi_url="/api/v1/openapi.json",
         docs_url=None,  # both of FastAPI's documentation pages load scripts from elsewhere
         redoc_url=None,
+        form_limits={"max_fields": FORM_LIMITS["max_fields"], "max_files": FORM_LIMITS["max_files"]},
     )
     _share(app, services)
     _protect(app, settings)

@@ -18,14 +18,15 @@ from pydantic import (
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from graders.core.contract.outcomes import Outcome
+from server.base.validation import MAX_NAMES, RequestBody
 from server.sandbox.policy import LIMIT_SPECS, Policy
 
 Json = Any
 Status = Literal["queued", "running", "done"]
 
 
-class Strict(BaseModel):
-    model_config = ConfigDict(strict=True, extra="forbid")
+class Strict(RequestBody, BaseModel):
+    model_config = ConfigDict(strict=True)
 
 
 def _again(error: ErrorDetails) -> InitErrorDetails:
@@ -52,7 +53,7 @@ class NewSubmission(Strict):
         try:
             return handler(data)
         except ValidationError as error:
-            if not isinstance(data, Mapping) or {"code", "answers"} & data.keys():
+            if not isinstance(data, Mapping) or len(data) > MAX_NAMES or {"code", "answers"} & data.keys():
                 raise
             missing: InitErrorDetails = {"type": PydanticCustomError("nothing_sent", "missing"), "input": data}
             raise ValidationError.from_exception_data(error.title, [*map(_again, error.errors()), missing]) from error

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 from uuid import UUID
 
-from pydantic import GetCoreSchemaHandler
-from pydantic_core import CoreSchema, core_schema
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from server.base.errors import Invalid, NotFound, TooLarge
 
@@ -47,6 +47,7 @@ REASONS = {
     "no_zone": "« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »",
     "json_invalid": "JSON mal formé",
     "model_attributes_type": "un objet est attendu",
+    "too_many_names": "pas plus de {most} noms sont attendus",
 }
 
 
@@ -70,6 +71,23 @@ def format_size(count: float) -> str:
         if count >= unit:
             return f"{count / unit:.2f}".rstrip("0").rstrip(".").replace(".", ",") + NO_BREAK + name
     return f"{count:.0f}{NO_BREAK}octet{'s' if count >= 2 else ''}"
+
+
+#: Names of an object: the refusal of each unknown one takes time and room.
+MAX_NAMES = 100
+
+
+class RequestBody(BaseModel):
+    """The JSON body of a request: unknown names are refused, and hundreds of names as a whole."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bound_names(cls, value: Any) -> Any:
+        if isinstance(value, dict) and len(value) > MAX_NAMES:
+            raise PydanticCustomError("too_many_names", "at most {most} names are expected", {"most": MAX_NAMES})
+        return value
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Request and response bodies of running a cell."""
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
+
+from server.base.validation import RequestBody
 
 
-class NewRun(BaseModel):
+class NewRun(RequestBody):
     """The cell as the reader has changed it."""
-
-    model_config = ConfigDict(extra="forbid")
 
     code: str
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from markupsafe import Markup
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from server.base.validation import RequestBody
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
 from server.web.schemas import EditionNote, ExerciseRow, FigureView, ModuleLink, SolutionSwitchView
@@ -187,10 +188,8 @@ class SearchPage:
     examples: tuple[str, ...]
 
 
-class NewAnswer(BaseModel):
+class NewAnswer(RequestBody):
     """An answer to a question of a lesson, both by their ids."""
-
-    model_config = ConfigDict(extra="forbid")
 
     question: str = Field(max_length=POLL_LENGTH)
     answer: str = Field(max_length=ANSWER_LENGTH)

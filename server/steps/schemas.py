@@ -6,25 +6,27 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from server.base.validation import RequestBody
+
 
 class _Frozen(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class CallBody(_Frozen):
+class CallBody(RequestBody):
     """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »)."""
 
     code: str
     call: str = Field(max_length=4000)
 
 
-class ReplayBody(_Frozen):
+class ReplayBody(RequestBody):
     """The failed check of an attempt whose counterexample is to be replayed."""
 
     check: str = Field(max_length=200)
 
 
-class CellBody(_Frozen):
+class CellBody(RequestBody):
     """A lesson's cell as the reader has changed it."""
 
     code: str

@@ -14,13 +14,13 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from server.base.app_services import get_service
-from server.base.errors import Invalid, ServiceError, StorageFull, Unavailable
+from server.base.errors import Invalid, ServiceError, StorageFull, TooLarge, Unavailable
 from server.base.http import TITLES, error_document, error_location, problem_document, problem_response
 from server.base.middleware import SECURITY_HEADERS, route_path
 from server.database import Database, is_storage_full, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.web.form_identity import FormRefusal, referring_page, refusal_context, refusal_members
+from server.web.form_identity import FORM_LIMITS, FormRefusal, referring_page, refusal_context, refusal_members
 from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
@@ -35,6 +35,10 @@ FULL = (
     "quelques minutes ; prévenez la personne qui administre ce serveur."
 )
 FULL_SECONDS = 60
+TOO_MANY_FIELDS = (
+    f"Ce formulaire a plus de {FORM_LIMITS['max_fields']:_} champs, ou de {FORM_LIMITS['max_files']} fichiers : rien "
+    "n’en a été lu. Envoyez-le en plusieurs fois."
+).replace("_", "\u202f")
 
 
 def error_response(request: Request, error: ServiceError, account: Account | None = None) -> Response:
@@ -77,6 +81,8 @@ def _service_error(request: Request, error: Exception) -> Response:
 
 def _http_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
+    if error.status_code == HTTPStatus.BAD_REQUEST and str(error.detail).startswith("Too many f"):
+        return _service_error(request, TooLarge(TOO_MANY_FIELDS))
     title, detail = TITLES.get(error.status_code, (HTTPStatus(error.status_code).phrase, str(error.detail)))
     body = problem_document(request, error.status_code, title, detail)
     return problem_answer(request, body, error.headers, _asker(request))

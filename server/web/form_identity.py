@@ -12,7 +12,7 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
-from typing import Any
+from typing import Any, TypedDict
 from urllib.parse import quote, urlsplit
 
 from fastapi import Request
@@ -53,6 +53,17 @@ SIGNED_IN = "Ce que vous aviez écrit est gardé, mais pas encore envoyé : il v
 
 TypedFields = Sequence[tuple[str, str]]
 _POST_FORM = re.compile(r"<form\b[^>]*\bmethod=\"post\"[^>]*>")
+
+
+class FormLimits(TypedDict):
+    """Names and meanings are those of Starlette's `Request.form`."""
+
+    max_fields: int
+    max_files: int
+
+
+#: Bounds of every form: three fields for each student of the longest list, and some more.
+FORM_LIMITS: FormLimits = {"max_fields": 10_000, "max_files": 10}
 
 
 class FormRefusal(Conflict):
@@ -109,12 +120,17 @@ def name_account_in_forms(html: str, key: str) -> str:
     return _POST_FORM.sub(lambda form: form[0] + field, html)
 
 
+async def read_form(request: Request) -> FormData:
+    """Read the form once, within the bounds of all forms."""
+    return await request.form(**FORM_LIMITS)
+
+
 async def require_same_account(request: Request) -> None:
     """Raise SignedOut or AccountChanged for a request drawn for another account than the session's."""
     if request.method in SAFE_METHODS:
         return
     is_form = request.headers.get("content-type", "").partition(";")[0].strip().lower() in FORM_TYPES
-    form = await request.form() if is_form else FormData()
+    form = await read_form(request) if is_form else FormData()
     key = form.get(ACCOUNT_FIELD) or request.headers.get(ACCOUNT_HEADER)
     if key is None and not session_token(request):
         return

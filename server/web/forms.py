@@ -8,13 +8,14 @@ from starlette.datastructures import FormData
 
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
+from server.web.form_identity import read_form
 from server.web.rendering import render_page
 
 Field = Annotated[str, Form()]
 
 
 async def _fields(request: Request) -> FormData:
-    return await request.form()
+    return await read_form(request)
 
 
 #: All of a form, whose fields are not known beforehand.

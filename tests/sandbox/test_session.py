@@ -131,6 +131,35 @@ def test_output_beyond_its_bound_is_cut_and_no_failure(sandbox: Sandbox) -> None
     assert "\ufffd" not in session.stdout()
 
 
+def test_beyond_its_bound_print_formats_nothing_and_still_prints_elsewhere(sandbox: Sandbox) -> None:
+    source = """
+import contextlib, io, sys
+written = []
+class Heavy:
+    def __str__(self):
+        written.append(1)
+        return "x" * 1000
+def f():
+    for k in range(100_000):
+        print(Heavy(), k, sep=", ")
+        print(Heavy(), file=sys.stdout, flush=True)
+    count = len(written)
+    text = io.StringIO()
+    print("ailleurs", file=text)
+    with contextlib.redirect_stdout(text):
+        print("capturé", end="!")
+    try:
+        print(1, nonsense=2)
+    except TypeError:
+        return (count, text.getvalue(), print.__name__, sys.stdout.write("abc"))
+"""
+    with sandbox.open(source.encode()) as session:
+        count, *others = session.call("f").value
+        assert session.stdout_truncated
+    assert count <= sandbox.policy.stdout_bytes // 1000 + 2
+    assert others == ["ailleurs\ncapturé!", "print", 3]
+
+
 def test_what_a_killed_program_printed_stays_readable(sandbox: Sandbox) -> None:
     source = b"import os\ndef f():\n    print('avant')\n    os._exit(3)\n"
     with sandbox.open(source) as session:

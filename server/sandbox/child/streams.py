@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import builtins
 import io
 import os
+import sys
+from typing import Any
+
+_PRINT_OPTIONS = frozenset({"sep", "end", "file", "flush"})
 
 
 class BoundedBytes(io.RawIOBase):
@@ -14,6 +19,10 @@ class BoundedBytes(io.RawIOBase):
 
     def set_limit(self, bound: int) -> None:
         self._bound = bound
+
+    @property
+    def is_full(self) -> bool:
+        return self._full
 
     def writable(self) -> bool:
         return True
@@ -63,5 +72,21 @@ class BoundedText(io.TextIOBase):
     def write(self, text: str) -> int:
         if not isinstance(text, str):
             raise TypeError(f"write() argument must be str, not {type(text).__name__}")
-        self._raw.write(text[: self._bound + 1].encode("utf-8", "replace"))
+        if not self._raw.is_full:
+            self._raw.write(text[: self._bound + 1].encode("utf-8", "replace"))
+            if self._raw.is_full:
+                self._silence_print()
         return len(text)
+
+    def _silence_print(self) -> None:
+        """Have `print` format nothing more for this stream: a program that prints in its loops would spend its time on
+        what nobody reads. It goes on to print elsewhere."""
+        print_text = builtins.print
+
+        def print_elsewhere(*values: Any, **options: Any) -> None:
+            file = options.get("file")
+            if (sys.stdout if file is None else file) is not self or not options.keys() <= _PRINT_OPTIONS:
+                print_text(*values, **options)
+
+        print_elsewhere.__name__ = print_elsewhere.__qualname__ = "print"
+        builtins.print = print_elsewhere
