@@ -9,7 +9,7 @@ from uuid import UUID
 from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.assignments.models import AttemptSelection, Mode, Visibility
 from server.assignments.rule_sources import Field as RuleField
 from server.assignments.rule_sources import Origin
@@ -47,19 +47,19 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Lenient = {"strict": False}  # of JSON, the words of an enumeration are text
 
 
-class PerDay(Strict):
+class PerDay(StrictBody):
     per_day: Annotated[Number, Field(description="Points out of 20 that each day begun costs: above 0, at most 20.")]
 
 
 Lateness = Literal["refuse", "accept"] | PerDay
 
 
-class WeightedIn(Strict):
+class WeightedIn(StrictBody):
     exercise: Annotated[str, Field(max_length=200, description="Exercise, as `module/slug`.", examples=["l20/poses"])]
     weight: Annotated[Number, Field(description="Among the assignment's exercises; above 0.")] = 1.0
 
 
-class AssignmentIn(Strict):
+class AssignmentIn(StrictBody):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
@@ -94,7 +94,7 @@ class AssignmentIn(Strict):
     duration_minutes: Annotated[int | None, Field(description="Of a test, from when one begins it.")] = None
 
 
-class AssignmentChange(Strict):
+class AssignmentChange(StrictBody):
     """What is to change; what is not sent stays."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"due_at": "2026-03-25T18:00:00+01:00"}]})
@@ -140,7 +140,7 @@ class AssignmentOut(Strict):
     ]
 
 
-class ExceptionIn(Strict):
+class ExceptionIn(StrictBody):
     """For a student or for a group; what is not said is inherited."""
 
     model_config = ConfigDict(

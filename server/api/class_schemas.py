@@ -6,24 +6,24 @@ from uuid import UUID
 
 from pydantic import ConfigDict, Field
 
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.classes.models import ClassRole, Status
 
 
-class NewClass(Strict):
+class NewClass(StrictBody):
     model_config = ConfigDict(json_schema_extra={"examples": [{"name": "MPSI 2", "module": "l20"}]})
 
     name: Annotated[str, Field(max_length=400, description="1 to 100 characters.", examples=["MPSI 2"])]
     module: Annotated[str, Field(max_length=100, description="Slug of a module.", examples=["l20"])]
 
 
-class JoinCode(Strict):
+class JoinCode(StrictBody):
     model_config = ConfigDict(json_schema_extra={"examples": [{"code": "BCDF-GHJK"}]})
 
     code: Annotated[str, Field(max_length=100, description="In any case, with or without dashes and spaces.")]
 
 
-class NewName(Strict):
+class NewName(StrictBody):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from server.api.assignment_schemas import Name, Number
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.marks.models import COLUMN_TITLE_LENGTH, COMMENT_LENGTH
 from server.marks.states import TypedState
 
@@ -36,7 +36,7 @@ Scale = Annotated[Number, Field(gt=0, le=1000, description="The best mark there 
 Weight = Annotated[Number, Field(ge=0, le=1000, description="0: it does not count. A bonus does not use it.")]
 
 
-class ColumnIn(Strict):
+class ColumnIn(StrictBody):
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"title": "Oral", "out_of": 10, "taken_on": "2026-03-16", "weight": 2}]}
     )
@@ -49,7 +49,7 @@ class ColumnIn(Strict):
     published: Annotated[bool, Field(description="Whether students see it.")] = False
 
 
-class ColumnChange(Strict):
+class ColumnChange(StrictBody):
     """What is left out stays as it is."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"published": True}]})
@@ -95,7 +95,7 @@ class ColumnWithMarks(ColumnOut):
     marks: Annotated[list[TypedMarkOut], Field(description="In the order of the list of names.")]
 
 
-class TypedMarkIn(Strict):
+class TypedMarkIn(StrictBody):
     """Points or a state; without either, the mark is cleared. Without `comment` it stays as it is."""
 
     student: Annotated[Name, Field(description="`id` of a student of the class.")]
@@ -107,7 +107,7 @@ class TypedMarkIn(Strict):
     ] = None
 
 
-class TypedMarksIn(Strict):
+class TypedMarksIn(StrictBody):
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [{"marks": [{"student": "0b9f8d2e-5b0e-4d53-9d3e-3f3f0a7c1a11", "points": 7.5}]}]

@@ -6,14 +6,14 @@ from uuid import UUID
 
 from pydantic import ConfigDict, Field
 
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.comments.line_tracking import LineFate
 from server.comments.models import CHECK_LENGTH, TEXT_LENGTH, ThreadState
 
 Line = Annotated[int, Field(ge=1, le=10**6)]
 
 
-class NewComment(Strict):
+class NewComment(StrictBody):
     """Begins a thread on `lines`, on a `check`, on the whole submission; or, with `thread`, adds to one."""
 
     model_config = ConfigDict(
@@ -33,7 +33,7 @@ class NewComment(Strict):
     thread: Annotated[UUID | None, Field(strict=False, description="A thread that is answered, by its id.")] = None
 
 
-class ThreadChange(Strict):
+class ThreadChange(StrictBody):
     model_config = ConfigDict(json_schema_extra={"examples": [{"state": "settled"}]})
 
     state: Annotated[Literal["open", "settled"], Field(description="There is more to say, or no more.")]

@@ -6,7 +6,7 @@ from uuid import UUID
 
 from pydantic import ConfigDict, Field
 
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.assignments.models import Mode
 from server.marks.models import REASON_LENGTH
 from server.marks.states import Counting, DecidedState, MarkState
@@ -14,7 +14,7 @@ from server.marks.states import Counting, DecidedState, MarkState
 Points = Annotated[float, Field(ge=0, le=20, description="Out of 20, rounded to the hundredth.")]
 
 
-class NewMark(Strict):
+class NewMark(StrictBody):
     model_config = ConfigDict(json_schema_extra={"examples": [{"points": 14.5, "reason": "Reprise à l’oral."}]})
 
     points: Annotated[float | None, Field(ge=0, le=20, description="Out of 20; or `excused`, one of both.")] = None
@@ -72,7 +72,7 @@ class AssignmentColumn(Strict):
     median: Points | None
 
 
-class NewDecision(Strict):
+class NewDecision(StrictBody):
     model_config = ConfigDict(json_schema_extra={"examples": [{"state": "absent", "reason": "Absent le 12 mars."}]})
 
     state: Annotated[
@@ -96,7 +96,7 @@ class StudentDecision(Strict):
     decision: DecisionOut
 
 
-class MarkingIn(Strict):
+class MarkingIn(StrictBody):
     """What is left out stays as it is. `unanswered`: an exercise without an attempt, of an assignment handed in."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"not_handed_in": "zero"}]})

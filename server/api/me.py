@@ -8,7 +8,7 @@ from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, problems
-from server.api.schemas import Strict
+from server.api.schemas import StrictBody
 from server.base.errors import Forbidden
 from server.base.http import client_address
 from server.database import utc_now
@@ -27,7 +27,7 @@ PASSWORD_NEEDED = (
 )
 
 
-class Proof(Strict):
+class Proof(StrictBody):
     """That it is the person who asks: a token alone does not erase an account."""
 
     password: Annotated[str, Field(max_length=1024, description="The account's.")]

@@ -5,12 +5,12 @@ from uuid import UUID
 
 from pydantic import ConfigDict, Field
 
-from server.api.schemas import Strict
+from server.api.schemas import Strict, StrictBody
 from server.regrades.models import RegradePolicy
 from server.regrades.schemas import MarkOutcome, RegradeState
 
 
-class NewRegrade(Strict):
+class NewRegrade(StrictBody):
     """What to grade anew: of the whole class, unless an assignment or a student is named."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"exercise": "l20/poses", "policy": "keep_best"}]})

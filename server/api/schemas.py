@@ -25,7 +25,11 @@ Json = Any
 Status = Literal["queued", "running", "done"]
 
 
-class Strict(RequestBody, BaseModel):
+class Strict(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+
+class StrictBody(RequestBody, BaseModel):
     model_config = ConfigDict(strict=True)
 
 
@@ -33,7 +37,7 @@ def _again(error: ErrorDetails) -> InitErrorDetails:
     return {"type": error["type"], "loc": error["loc"], "input": error["input"], "ctx": error.get("ctx", {})}
 
 
-class NewSubmission(Strict):
+class NewSubmission(StrictBody):
     """A file to grade, or the answers to questions: which of the two, the exercise's `kind` says."""
 
     model_config = ConfigDict(

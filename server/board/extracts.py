@@ -5,13 +5,10 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from functools import cache
-from typing import Any
-
-from pygments.lexer import Lexer
-from pygments.token import Comment, Name, String
+from keyword import iskeyword
 
 from graders.typography import limit_marks
+from server.text.python_colours import COMMENT, STRINGS, split_tokens
 
 MAX_LINES = 16
 MAX_LINE_LENGTH = 100
@@ -19,14 +16,6 @@ MAX_CHARACTERS = 8_000  # of a function, before it is tokenised
 MIN_NAME_LENGTH = 3
 STRING_PLACEHOLDER, NAME_PLACEHOLDER, CUT_MARK = "'…'", "nom", "# …"
 WORD = re.compile(r"[^\W\d_]+")
-
-
-@cache
-def _lexer() -> Lexer:
-    """Load Python's lexer lazily, as that is slow."""
-    from pygments.lexers.python import PythonLexer
-
-    return PythonLexer(stripnl=False, ensurenl=False)
 
 
 def extract_function(code: str, names: Collection[str]) -> str:
@@ -80,15 +69,16 @@ def _cut(line: str) -> str:
 
 def _anonymise_tokens(code: str, people_words: Collection[str]) -> Iterator[str]:
     in_string = False
-    tokens: Iterable[tuple[Any, str]] = _lexer().get_tokens(code)
-    for kind, text in tokens:
-        if kind in String:
+    for style, text in split_tokens(code):
+        if style in STRINGS:
             yield ("" if in_string else STRING_PLACEHOLDER) + "\n" * text.count("\n")
-        elif kind in Name:
-            yield WORD.sub(lambda word: NAME_PLACEHOLDER if _fold(word[0]) in people_words else word[0], text)
-        elif kind not in Comment:
-            yield text
-        in_string = kind in String
+        elif style != COMMENT:
+            yield WORD.sub(lambda word: _anonymise_word(word[0], people_words), text)
+        in_string = style in STRINGS
+
+
+def _anonymise_word(word: str, people_words: Collection[str]) -> str:
+    return NAME_PLACEHOLDER if not iskeyword(word) and _fold(word) in people_words else word
 
 
 def _fold(word: str) -> str:

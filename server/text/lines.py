@@ -18,14 +18,18 @@ BLANK = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe
 LOST = "\ufffd"
 NAMES = {0x00: "octet nul", 0x07: "sonnerie", 0x08: "retour arrière", 0x1B: "échappement", 0x7F: "effacement"}
 MAX_PLACE_TEXT = 20
+#: Characters that are read of a line, and of a text of several lines: more than any bound of what they are read for, so
+#: that what is too long still is. To normalise ten times as many would hold everybody up.
+MAX_LINE, MAX_TEXT = 10_000, 100_000
 
 
 def tidy_line(text: str) -> str:
     """Return a text in NFC, without invisible characters, and with single spaces.
 
     Format characters (category Cf: zero-width spaces and joiners, soft hyphens, byte order and direction marks) are
-    dropped. No-break and other spaces, tabulations and line ends become one space.
+    dropped. No-break and other spaces, tabulations and line ends become one space. Only `MAX_LINE` characters are read.
     """
+    text = text[:MAX_LINE]
     if text.isascii() and text.isprintable():
         return " ".join(text.split())
     seen = "".join(sign for sign in BLANK.sub("", text) if unicodedata.category(sign) != "Cf")
@@ -33,8 +37,9 @@ def tidy_line(text: str) -> str:
 
 
 def tidy_lines(text: str) -> str:
-    """Return a text of several lines with each line tidied, and without blank lines around it."""
-    return "\n".join(tidy_line(line) for line in text.splitlines()).strip()
+    """Return a text of several lines with each line tidied, and without blank lines around it. Only `MAX_TEXT`
+    characters are read."""
+    return "\n".join(tidy_line(line) for line in text[:MAX_TEXT].splitlines()).strip()
 
 
 def character_problem(text: str) -> str:

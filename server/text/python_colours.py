@@ -19,6 +19,8 @@ _WORDS = {
     **dict.fromkeys(("and", "in", "is", "not", "or"), "ow"),
 }
 _DEFINED = {"def": "nf", "class": "nc"}
+#: Classes of the pieces of a text, besides those of words.
+COMMENT, STRINGS = "c1", frozenset({"sa", "s1", "s2", "sd"})
 _TOKEN = re.compile(
     r"""
       (?P<c1>\#[^\n]*+)
@@ -43,7 +45,7 @@ _TOKEN = re.compile(
 def colour_lines(code: str) -> list[str]:
     r"""Return the HTML of each line of Python whose line ends are `\n`: no element goes from one line to the next."""
     parts: list[str] = []
-    for style, text in _styled(code.removesuffix("\n")):
+    for style, text in split_tokens(code.removesuffix("\n")):
         escaped = html.escape(text)
         if not style:
             parts.append(escaped)
@@ -59,7 +61,7 @@ def colour(code: str) -> str:
     return f'<pre class="code" tabindex="0"><code>{body}\n</code></pre>\n'
 
 
-def _styled(code: str) -> Iterator[tuple[str, str]]:
+def split_tokens(code: str) -> Iterator[tuple[str, str]]:
     """Yield the text in pieces, each with the class of its colour, or none."""
     begins_line, defined = True, ""
     for token in _TOKEN.finditer(code):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from server.board.extracts import CUT_MARK, MAX_LINES, anonymise_extract, extract_function, name_words
@@ -60,3 +62,17 @@ def test_extracts_are_bounded_for_any_program(code: str) -> None:
     long = anonymise_extract("def f(x):\n" + "    x = x + 1\n" * 500, name_words([]))
     assert long.endswith(CUT_MARK)
     assert long.count("\n") == MAX_LINES
+
+
+def test_an_extract_is_read_in_linear_time() -> None:
+    """Pygments took the square of the blanks between a soft keyword and what follows it."""
+
+    def seconds(size: int) -> float:
+        code, best = f"def composer(a):\n    match{' ' * size}x", float("inf")
+        for _ in range(3):
+            began = time.process_time()
+            anonymise_extract(code, frozenset())
+            best = min(best, time.process_time() - began)
+        return best
+
+    assert seconds(64_000) <= 8 * max(seconds(16_000), 0.002)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import unicodedata
 
 import pytest
@@ -9,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.base.errors import Invalid
-from server.text.lines import character_problem, require_line, tidy_line, tidy_lines
+from server.identity.logins import login_problem, normalise_login
+from server.text.lines import MAX_LINE, MAX_TEXT, character_problem, require_line, tidy_line, tidy_lines
 
 PROBLEM = "Donnez un titre de 1 à 20 caractères."
 
@@ -68,3 +70,13 @@ def test_a_long_or_an_empty_line_is_refused_with_its_bounds() -> None:
         assert refused.value.detail == PROBLEM
     assert require_line(f" {'x' * 20}\u200b", 20, PROBLEM) == "x" * 20
     assert character_problem("deux\nlignes\t!") == ""
+
+
+def test_what_is_far_too_long_is_refused_without_being_read_whole() -> None:
+    """A letter that Unicode spells with eighteen others: a login of 160,000 of them took seconds."""
+    for letter in ("\ufdfa", "é", "\u0130"):
+        assert len(tidy_line(letter * 200_000)) <= MAX_LINE
+        assert len(tidy_lines(f"{letter}\n" * 200_000)) <= MAX_TEXT
+        began = time.process_time()
+        assert login_problem(normalise_login(letter * 200_000))
+        assert time.process_time() - began < 0.5
