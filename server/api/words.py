@@ -127,7 +127,7 @@ ROUTES: dict[tuple[str, str], str] = {
     ("get", "/api/v1/me/export"): "Tout ce qui est gardé de vous, dans une archive ZIP.",
     ("delete", "/api/v1/me"): (
         "Efface le compte, et tout ce qui en dépend, une fois son mot de passe donné : un jeton seul ne le peut pas "
-        "(403). Cela ne se défait pas. Un compte qui a composé dans un contrôle non publié n’est effacé qu’à la "
+        "(403). Cette action est définitive. Un compte qui a composé dans un contrôle non publié n’est effacé qu’à la "
         "publication (202)."
     ),
     ("post", "/api/v1/submissions"): (
@@ -165,9 +165,9 @@ PARAMETERS: dict[str, str] = {
     "title": "le titre, de 1 à 200 caractères",
     "exercises": "les exercices du module, dans l’ordre, avec leur coefficient",
     "opens_at": "l’ouverture ; sans elle, maintenant",
-    "due_at": "la date de remise ; null : rien n’est en retard",
+    "due_at": "la date limite ; null : aucun retard n’est compté",
     "closes_at": "la fermeture ; null : le devoir reste ouvert",
-    "late": "ce qui vient en retard : refusé, accepté et signalé, ou tant de points sur 20 par jour commencé",
+    "late": "un essai en retard : refusé, accepté et signalé, ou pénalisé en points sur 20 par jour de retard entamé",
     "mode": "entraînement, ou contrôle ; d’une liste : `add` ajoute, `replace` fait aussi sortir qui n’y est pas",
     "counts": "l’essai qui fait la note",
     "weight": "le coefficient, plus grand que 0",

@@ -24,7 +24,7 @@ EVERY_CLASS = "*"
 NO_NAME = "Dites quelle colonne donne le nom, ou le prénom."
 EMPTY = "Cette liste est vide."
 NO_HEADER = (
-    "Aucune des vingt premières lignes ne paraît nommer les colonnes : nom, prenom, email, identifiant, groupe "
+    "Aucune des vingt premières lignes ne paraît nommer les colonnes : nom, prénom, email, identifiant, groupe "
     "(« nom » suffit ; leur ordre est libre). Dites laquelle est laquelle, ou ajoutez cette ligne."
 )
 

@@ -17,7 +17,7 @@ STAFF_TABS: tuple[tuple[Right, str, str], ...] = (
     (Right.read_work, "Prévisions", "/previsions"),
     (Right.see_students, "Élèves", "/eleves"),
     (Right.read_audit_log, "Journal", "/journal"),
-    (Right.regrade, "Recorrections", "/recalculs"),
+    (Right.regrade, "Recorriger", "/recalculs"),
     (Right.configure_class, "Réglages", "/reglages"),
 )
 

@@ -189,7 +189,7 @@ def active_staff(everyone: Sequence[Member]) -> list[Member]:
 
 def settings_texts(name: str, approval: bool) -> Mapping[str, str]:
     """Return the settings of a class as their form shows them, by label."""
-    return {"Nom de la classe": tidy_line(name), "J’accepte chaque entrée": "oui" if approval else "non"}
+    return {"Nom de la classe": tidy_line(name), "Valider chaque inscription": "oui" if approval else "non"}
 
 
 def build_settings_page(db: Session, course: Course, access: ClassAccess, base: str) -> dict[str, Any]:

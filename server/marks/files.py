@@ -143,7 +143,7 @@ def explanations_sheet(gradebook: Gradebook, format_time: FormatTime) -> Sheet:
     rows: list[tuple[Cell, ...]] = []
     for index, assignment in enumerate(gradebook.assignments):
         dates = (assignment.opens_at, assignment.due_at, assignment.closes_at)
-        remark = "contrôle, pas encore rendu aux élèves" if is_withheld(assignment, gradebook.at) else ""
+        remark = "contrôle, pas encore publié" if is_withheld(assignment, gradebook.at) else ""
         title, summary = unique_titles(gradebook.assignments)[index], gradebook.summary_of(index)
         texts = (format_time(date) if date else "" for date in dates)
         rows.append((title, assignment.weight, *texts, remark, *_summary_cells(summary)))

@@ -104,6 +104,6 @@ WORDS: Mapping[DifferenceKind, Callable[[VerdictDifference, Answered], str]] = {
     "outcome": _ended,
     "diagnosis": _recognised,
     "example": lambda reason, _: f"la vérification « {reason.name} » montre un autre exemple, pour autant de points",
-    "failed": lambda *_: "la nouvelle correction a échoué par un incident de notre côté : l’ancienne reste",
-    "mended": lambda *_: "la correction d’avant avait échoué par un incident de notre côté",
+    "failed": lambda *_: "la nouvelle correction a échoué à cause d’une erreur du serveur : l’ancienne reste",
+    "mended": lambda *_: "la correction d’avant avait échoué à cause d’une erreur du serveur",
 }

@@ -29,7 +29,7 @@ def at(*parts: int) -> datetime:
 
 
 def read(text: str, kept: datetime | None = None) -> datetime | None:
-    return school_time.parse_field(text, "À rendre avant", kept)
+    return school_time.parse_field(text, "Date limite", kept)
 
 
 def test_dates_are_told_on_the_school_s_clock() -> None:
@@ -61,7 +61,7 @@ def test_an_hour_that_never_comes_is_refused_with_one_that_does(minute: int) -> 
     with pytest.raises(Invalid) as refused:
         read(f"2026-03-29T02:{minute:02d}")
     assert refused.value.detail == (
-        f"À rendre avant : il n’est jamais 2 h {minute:02d} ce jour-là, où l’on passe à l’heure d’été. "
+        f"Date limite : il n’est jamais 2 h {minute:02d} ce jour-là, où l’on passe à l’heure d’été. "
         f"Indiquez une heure qui existe, 3 h {minute:02d} par exemple."
     )
     assert read("2026-03-29T03:00") == at(2026, 3, 29, 1)
@@ -76,7 +76,7 @@ def test_an_hour_that_never_comes_is_refused_with_one_that_does(minute: int) -> 
 def test_what_is_no_date_is_refused_with_its_place(text: str) -> None:
     with pytest.raises(Invalid) as refused:
         read(text)
-    assert refused.value.detail.startswith("À rendre avant : ")
+    assert refused.value.detail.startswith("Date limite : ")
     assert len(refused.value.detail) < 200
 
 

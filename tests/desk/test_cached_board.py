@@ -23,7 +23,7 @@ from tests.support.crowd import Sent, lessons, seated, store
 from tests.support.service import EXERCISE, Site
 
 OTHER, WRONG = "l20/kabsch", "rotation_oubliee"
-READ_AT = re.compile(r"page chargée le .*? · ")
+READ_AT = re.compile(r"Données</span> du .*? · ")
 
 
 def page(site: Site, reader: Person, made: SchoolClass, query: str = "") -> str:

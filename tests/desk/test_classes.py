@@ -77,7 +77,7 @@ def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: T
     assert "votre prénom" in site.client.post(f"/rejoindre/{code}", data={"given": "", "family": "L"}).text
     answer = site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
     assert (answer.status_code, answer.headers["location"]) == (303, href)
-    assert "Qui y enseigne voit vos essais" in text_of(site.client, href)
+    assert "Vos enseignants voient vos essais" in text_of(site.client, href)
     students = text_of(martin, f"{href}/eleves")
     assert "Ada Lovelace" in students
     (sent,) = re.findall(r"/soumissions/[0-9a-f-]{36}", text_of(site.client, "/l20/exercices/poses/essais"))

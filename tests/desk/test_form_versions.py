@@ -83,7 +83,7 @@ def test_an_older_form_of_an_assignment_does_not_take_back_a_date(desk: Desk) ->
     assert browser.post(address, data=moved).status_code == 303
     refused = browser.post(address, data={**drawn, "titre": "Autre titre"})
     assert refused.status_code == 409
-    assert "À rendre avant" in refused.text
+    assert "Date limite" in refused.text
     assert "2031-05-04 18:00" in refused.text
     assert desk.stored(Assignment, desk.assignment.id).title == "Interro"
     chosen = {**hidden_fields(refused.text, address)}

@@ -197,7 +197,7 @@ def test_a_word_to_who_has_a_mistake_now(desk: Desk) -> None:
     desk.send("x = 1\n", by=bob)
     form = desk.get(f"{desk.href}/mots?exercice=l20%2Fposes&erreur=signe")
     assert "Titre de signe (1)" in form
-    assert "Le dire à 1 élève<" in form
+    assert "Envoyer à 1 élève<" in form
     word = {"exercice": EXERCISE, "erreur": "signe", "texte": "Relisez.", "lien": "/l20/lire/localiser"}
     for wrong, said in (
         ({"lien": "https://evil.example"}, "Choisissez une page"),

@@ -199,7 +199,7 @@ def test_phrases_are_kept_and_said_again(school: School) -> None:
     assert kept
     school.say(school.staff, page, texte="", phrase=kept[1])
     assert get(school.student, page).count("<p>Relisez l’énoncé.</p>") == 2
-    assert "redite 1 fois" in get(school.staff, "/compte/phrases")
+    assert "utilisée 1 fois" in get(school.staff, "/compte/phrases")
     for browser, phrase in ((school.staff, "zut"), (school.other.browser(school.site), kept[1])):
         assert browser.post(f"{page}/commentaires", data={"texte": "a", "phrase": phrase}).status_code == 404
     school.say(school.student, page, texte="Et moi ?", garder="oui", phrase=kept[1])

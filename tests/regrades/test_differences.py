@@ -55,7 +55,7 @@ CASES = {
     "nothing": (OLD, []),
     "our error": (
         OURS,
-        ["la nouvelle correction a échoué par un incident de notre côté : l’ancienne reste"],
+        ["la nouvelle correction a échoué à cause d’une erreur du serveur : l’ancienne reste"],
     ),
     "hundredths": (
         verdict(check("angle", 0.01, seen=1.0), check("distance", 4.0), REST),

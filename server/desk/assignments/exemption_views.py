@@ -197,7 +197,7 @@ def _sitting_sentence(found: Sitting | None, rules: Rules) -> str:
 
 ORIGIN_WORDS = {
     "assignment": "Le devoir, pour tous",
-    "adjusted": "Reportée d’elle-même",
+    "adjusted": "reportée automatiquement",
     "student": "Un aménagement pour l’élève",
 }
 ADJUSTED = "la fermeture ne vient ni avant la date de remise, ni avant la fin du temps en plus"

@@ -89,7 +89,7 @@ def parse_assignment(fields: FormData, before: AssignmentInput | None) -> Assign
     """
     read = _FormReader(fields)
     opens = read.date("ouvre", "opens_at", "Ouverture", before.opens_at if before else None)
-    due = read.date("rendre", "due_at", "À rendre avant", before.due_at if before else None)
+    due = read.date("rendre", "due_at", "Date limite", before.due_at if before else None)
     closes = read.date("ferme", "closes_at", "Fermeture", before.closes_at if before else None)
     weight = read.number("coefficient", "weight", "Coefficient")
     per_day = read.number("par_jour", "late", "Pénalité")
@@ -184,11 +184,11 @@ def assignment_texts(values: AssignmentValues) -> Mapping[str, str]:
         "Titre": values.title,
         "Exercices": ", ".join(exercises),
         "Ouverture": values.opens.replace("T", " "),
-        "À rendre avant": values.due.replace("T", " "),
+        "Date limite": values.due.replace("T", " "),
         "Fermeture": values.closes.replace("T", " "),
         "Retard": _word(words.LATE_POLICY_WORDS, values.late),
         "Points perdus par jour": values.per_day,
-        "Ce qui compte": _word(words.SELECTION_WORDS, values.counts),
+        "Essai retenu": _word(words.SELECTION_WORDS, values.counts),
         "Coefficient du devoir": values.weight,
         "Indices montrés": _word(words.VISIBILITY_WORDS, values.hints),
         "Diagnostic montré": _word(words.VISIBILITY_WORDS, values.diagnosis),
@@ -219,7 +219,7 @@ def parse_exemption(fields: FormData) -> tuple[ExemptionTarget, ExemptionInput]:
         read.problems["excused"] = NO_CHOICE
     wanted = ExemptionInput(
         opens_at=read.date("ouvre", "opens_at", "Ouverture", None),
-        due_at=read.date("rendre", "due_at", "À rendre avant", None),
+        due_at=read.date("rendre", "due_at", "Date limite", None),
         closes_at=read.date("ferme", "closes_at", "Fermeture", None),
         time_factor=read.number("temps", "time_factor", "Temps"),
         excused=EXCUSED.get(excused),

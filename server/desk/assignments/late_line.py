@@ -140,7 +140,7 @@ def _sentences(rules: Rules) -> Iterator[str]:
         return
     if due is None:
         until = f"jusqu’au {long_moment(closes)}" if closes else "sans limite"
-        yield f"À partir du {long_moment(opens)}, {until}, rien n’est en retard."
+        yield f"À partir du {long_moment(opens)}, {until}, aucun retard n’est compté."
         if closes:
             yield "Ensuite, plus rien ne compte."
         return

@@ -145,7 +145,7 @@ def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
         ("Mode", words.MODE_WORDS[wanted.mode]),
         ("En retard", words.describe_late_policy(wanted.late, wanted.late_per_day)),
-        ("Ce qui compte", words.SELECTION_WORDS[wanted.counts]),
+        ("Essai retenu", words.SELECTION_WORDS[wanted.counts]),
         ("Coefficient", words.format_number(wanted.weight)),
         ("Indices", words.VISIBILITY_WORDS[wanted.hints]),
         ("Diagnostic", words.VISIBILITY_WORDS[wanted.diagnosis]),

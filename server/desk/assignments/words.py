@@ -37,7 +37,7 @@ LATE_POLICY_WORDS: Mapping[LatePolicy, str] = {
 }
 FIELD_NAMES: Mapping[Field, str] = {
     "opens_at": "Ouverture",
-    "due_at": "À rendre avant",
+    "due_at": "Date limite",
     "closes_at": "Fermeture",
     "time_factor": "Temps",
     "excused": "Dispense",
@@ -54,7 +54,8 @@ def format_number(value: float) -> str:
 
 def describe_late_policy(late: LatePolicy, per_day: float | None) -> str:
     if late is LatePolicy.penalty and per_day:
-        return f"pénalisé : {format_points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
+        points = f"{format_points(per_day)} {'point' if per_day < 2 else 'points'}"
+        return f"pénalisé : {points} sur 20 par jour de retard entamé"
     return LATE_POLICY_WORDS[late]
 
 

@@ -26,7 +26,7 @@ def assignment_notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
     if assignment.due_at is not None:
         notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
     if is_withheld(assignment, now):
-        notes.append("contrôle, pas encore rendu aux élèves")
+        notes.append("contrôle, pas encore publié")
     return tuple(notes)
 
 

@@ -79,7 +79,7 @@ def _notes(mark: AssignmentMark) -> tuple[str, ...]:
     """Return the state in full, the dates in force for this student, and how late the work is."""
     sent_ahead = mark.state is MarkState.upcoming and mark.points is not None
     detail = SENT_AHEAD if sent_ahead else STATE_DETAILS.get(mark.state, "")
-    dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
+    dates = (("Ouvre", mark.rules.opens_at), ("Date limite", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
     texts = [f"{word} le {short_moment(date)}" for word, date in dates if date is not None]
     late = plural(mark.days_late, "jour de retard", "jours de retard") if mark.days_late else ""
     return tuple(text for text in (detail, *texts, late) if text)

@@ -20,7 +20,7 @@ FILTERS: dict[str, tuple[ThreadState | None, str]] = {
     "ouvertes": (ThreadState.open, "À répondre"),
     "repondues": (ThreadState.answered, "Répondus"),
     "reglees": (ThreadState.settled, "Réglés"),
-    "toutes": (None, "Tous les fils"),
+    "toutes": (None, "Toutes les discussions"),
 }
 FOREIGN_LINK = "Choisissez une page ou un exercice de ce module."
 

@@ -1,0 +1,36 @@
+"""The French of the interface has none of the turns that were settled against (`server/docs/dev/french.md`)."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from server.base.files import ROOT
+
+#: Each with the reason or the phrase to write instead.
+TICS = {
+    r"[.>] Qui (?!est bloqué|a |voir)[a-zé’ ]+ (?:en |y |ne |le |sort|voit)": "« les élèves qui… »",
+    r"\bne se défait pas|\bCela se défait": "« cette action est définitive », « vous pourrez… »",
+    r"(?:Reportée|suit) d’elle-même": "« automatiquement »",
+    r"par un incident de notre côté": "« à cause d’une erreur du serveur »",
+    r">(?:Ne rien changer|Y mettre|En retirer|Dessiner ce que cela donne|Redessiner)<": "the trade’s verb on a button",
+    r"[Dd]ire un mot|\bmots? déjà dits": "« écrire », « messages envoyés »",
+    r"phrases? gardées?|redite": "« phrases types », « utilisée »",
+    r"nulle part —": "« aucun »",
+    r"L’ont (?:encore|eue|surmontée)": "« Encore », « Au total », « Corrigée »",
+    r"pas encore rendus? aux élèves": "students hand in (« rendre »), teachers publish (« publier »)",
+    r"À rendre avant": "« date limite »",
+    r"jour commencé": "« jour de retard entamé »",
+    r"d’ailleurs que de": "« depuis un autre site »",
+    r"Emporter les notes": "« exporter »",
+}
+TEMPLATES = sorted((ROOT / "templates").rglob("*.html"))
+
+
+@pytest.mark.parametrize("tic", TICS)
+def test_no_template_has_a_turn_that_was_settled_against(tic: str) -> None:
+    found = [
+        f"{path.name}: {match[0]}" for path in TEMPLATES for match in re.finditer(tic, path.read_text(encoding="utf-8"))
+    ]
+    assert not found, TICS[tic]
