@@ -95,6 +95,10 @@ class CheckOut(Strict):
     neutral: Annotated[
         bool, Field(description="A check without a fault, whose points wait for another one; left out otherwise.")
     ] = False
+    kit: Annotated[
+        dict[str, Json] | None,
+        Field(description="Map, range and seed of a check that ran on another map; left out otherwise."),
+    ] = None
 
 
 class DiagnosisOut(Strict):

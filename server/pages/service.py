@@ -8,8 +8,10 @@ from typing import Any
 
 from markupsafe import Markup
 
+from graders.core.code.grading import CodeGrader
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
+from graders.core.contract.streams import stream
 from graders.core.contract.verdict import Verdict
 from server.assignments import sittings
 from server.assignments.feedback import FeedbackHold
@@ -276,8 +278,17 @@ def _work(
         grading=attempt.grading.id,
         films=(f"{href}/rejeux", attempt.grading.filmed or ()),
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
+        world=_world(exercise, verdict),
     )
     return replace(work, verdict=view)
+
+
+def _world(exercise: Exercise, verdict: Verdict) -> verdicts.World:
+    """Return the kit's settings under which the checks of a verdict ran, which its seed tells."""
+    grader = exercise.grader
+    if not isinstance(grader, CodeGrader):
+        return verdicts.NO_WORLD
+    return grader.kit(stream(verdict.seed, "kit")), exercise.solution
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

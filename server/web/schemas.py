@@ -154,6 +154,11 @@ class DiagnosisView:
     paragraphs: tuple[str, ...]
     by_teacher: bool = False
 
+    @property
+    def questions(self) -> tuple[str, ...]:
+        """What the student is asked before the remedy is told."""
+        return tuple(paragraph for paragraph in self.paragraphs if paragraph.endswith("?"))
+
 
 class ExerciseTexts(Protocol):
     """Renders the texts of an exercise (`server.course.Exercise`)."""

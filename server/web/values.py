@@ -10,6 +10,8 @@ from graders.core.compare.told_apart import NOISE, are_near, number_pair
 from graders.core.compare.words import number
 
 MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
+#: Numbers of one table, and lists in one list, that are shown: a counterexample is read, and is some 2 kB long.
+MAX_CELLS, MAX_LISTS = 100, 6
 #: A number is marked where it differs by more; the finer tolerance counts where the coarse one marks nothing.
 MARKED, MARKED_ALONE = 1e-6, 1e-9
 SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}
@@ -42,27 +44,31 @@ class ValueView:
 class _Beside:
     """The value that another one is shown beside: by it numbers get their digits and, beyond `tolerance`, their marks.
 
-    Without a tolerance, nothing is marked.
+    Without a tolerance, nothing is marked. A `short` value is that of a counterexample, which is read.
     """
 
     value: Any = None
     tolerance: float | None = None
+    short: bool = False
 
     def parts(self, count: int) -> list[_Beside]:
         """The counterparts of the items of a list of that length."""
         items = self.value if isinstance(self.value, list) and len(self.value) == count else [None] * count
-        return [_Beside(item, self.tolerance) for item in items]
+        return [_Beside(item, self.tolerance, self.short) for item in items]
 
 
-def value_view(value: Any, expected: Any = None) -> ValueView:
-    """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked."""
+def value_view(value: Any, expected: Any = None, *, short: bool = False) -> ValueView:
+    """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked.
+
+    Of a `short` one, the part that is read is laid out, from the first difference on.
+    """
     marks = any(_differs(*pair, MARKED) for pair in _number_pairs(value, expected))
-    return _layout(value, _Beside(expected, MARKED if marks else MARKED_ALONE))
+    return _layout(value, _Beside(expected, MARKED if marks else MARKED_ALONE, short))
 
 
 def value_view_pair(expected: Any, got: Any) -> tuple[ValueView, ValueView]:
     """Lay out two values side by side: the numbers that differ have digits to tell them apart, the second's a mark."""
-    return _layout(expected, _Beside(got)), value_view(got, expected)
+    return _layout(expected, _Beside(got, short=True)), value_view(got, expected, short=True)
 
 
 def _number_pairs(value: Any, other: Any) -> Iterator[tuple[Any, Any]]:
@@ -130,7 +136,7 @@ def _fields(value: Mapping[str, Any]) -> ValueView:
 
 def _sequence(value: list[Any], beside: _Beside) -> ValueView:
     if _is_row(value):
-        return _matrix([value], _Beside([beside.value], beside.tolerance))
+        return _matrix([value], _Beside([beside.value], beside.tolerance, beside.short))
     if all(isinstance(row, list) and _is_row(row) for row in value) and len({len(row) for row in value}) == 1:
         if all(isinstance(item, bool) for row in value for item in row):
             return _plan(value)
@@ -148,19 +154,40 @@ def _is_number(value: Any) -> bool:
 
 def _matrix(rows: list[list[Any]], beside: _Beside) -> ValueView:
     same, tolerance = _same_shape(rows, beside.value), beside.tolerance
+    odd = [
+        i
+        for i, row in enumerate(rows)
+        if same and any(_differs(item, beside.value[i][j], MARKED_ALONE) for j, item in enumerate(row))
+    ]
+    columns = min(len(rows[0]), MAX_COLUMNS)
+    shown = _rows_shown(len(rows), columns, odd[0] if odd else 0) if beside.short else range(min(len(rows), MAX_ROWS))
     cells = tuple(
         tuple(
             MatrixCell(
                 _format_beside(item, beside.value[i][j] if same else None),
                 same and tolerance is not None and _differs(item, beside.value[i][j], tolerance),
             )
-            for j, item in enumerate(row[:MAX_COLUMNS])
+            for j, item in enumerate(rows[i][:columns])
         )
-        for i, row in enumerate(rows[:MAX_ROWS])
+        for i in shown
     )
-    cut = len(rows) > MAX_ROWS or len(rows[0]) > MAX_COLUMNS
+    return ValueView("matrix", rows=cells, note=_cut_note(rows, shown, columns))
+
+
+def _rows_shown(count: int, columns: int, first_odd: int) -> range:
+    """Return the rows of a table that are shown: all, or as many as are read, from before the first odd one on."""
+    height = min(count, MAX_ROWS, max(3, MAX_CELLS // columns))
+    begin = max(0, min(first_odd - 1, count - height))
+    return range(begin, begin + height)
+
+
+def _cut_note(rows: list[list[Any]], shown: range, columns: int) -> str:
     size = f"{len(rows)} × {len(rows[0])}" if len(rows) > 1 else f"{len(rows[0])} valeurs"
-    return ValueView("matrix", rows=cells, note=f"{size}, seul le début est montré" if cut else "")
+    if len(shown) == len(rows) and columns == len(rows[0]):
+        return ""
+    if shown.start == 0 or len(shown) == len(rows):
+        return f"{size}, seul le début est montré"
+    return f"{size}, seules les lignes d’indices {shown.start} à {shown.stop - 1} sont montrées"
 
 
 def _same_shape(rows: list[list[Any]], expected: Any) -> bool:
@@ -182,15 +209,16 @@ def _plan(rows: list[list[bool]]) -> ValueView:
 
 
 def _list(value: list[Any], beside: _Beside) -> ValueView:
-    parts = beside.parts(len(value))[:MAX_LIST]
-    items = tuple(("", _layout(item, part)) for item, part in zip(value[:MAX_LIST], parts, strict=True))
-    left = len(value) - MAX_LIST
+    most = MAX_LISTS if beside.short and any(isinstance(item, list) for item in value) else MAX_LIST
+    parts = beside.parts(len(value))[:most]
+    items = tuple(("", _layout(item, part)) for item, part in zip(value[:most], parts, strict=True))
+    left = len(value) - most
     return ValueView("list", items=items, note=f"et {left} autres" if left > 0 else "")
 
 
 def inputs_as_code(inputs: Mapping[str, Any]) -> str:
     """Python lines that give the same inputs again, to try at home; empty when a value has been cut short."""
-    lines = [f"{name} = {_literal(value)}" for name, value in inputs.items() if name.isidentifier()]
+    lines = [f"{name} = {literal(value)}" for name, value in inputs.items() if name.isidentifier()]
     if len(lines) != len(inputs) or any(_is_cut(value) for value in inputs.values()):
         return ""
     return "\n".join(lines)
@@ -207,12 +235,13 @@ def _walk(value: Any) -> Iterator[Any]:
         yield from _walk(child)
 
 
-def _literal(value: Any) -> str:
+def literal(value: Any) -> str:
+    """Return the Python that gives a value of a counterexample again."""
     if not isinstance(value, list) or not value:
         return _plain(value)
     if _is_array(value):
         return f"np.array({_plain(value)})"
-    return "[" + ", ".join(_literal(item) for item in value) + "]"
+    return "[" + ", ".join(literal(item) for item in value) + "]"
 
 
 def _is_array(value: list[Any]) -> bool:

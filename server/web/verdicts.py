@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from uuid import UUID
 
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame, Kind, Outcome
+from graders.core.contract.program import KitSettings
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 from server.course import FunctionSpec
 from server.web import values
+from server.web.replay_code import replay_code
 from server.web.schemas import (
     CheckView,
     CounterexampleView,
@@ -31,6 +34,9 @@ NO_FILMS: Films = ("", ())
 #: The address that replays a counterexample line by line, and the checks of which it can.
 Replayed = tuple[str, Collection[str]]
 NOT_REPLAYED: Replayed = ("", ())
+#: The kit's settings under which checks ran, and the exercise's solution, which shows whether they matter.
+World = tuple[KitSettings | None, str]
+NO_WORLD: World = (None, "")
 NAME = re.compile(r"[^\W\d]\w*")
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
@@ -49,6 +55,7 @@ def verdict_view(
     grading: UUID | None = None,
     films: Films = NO_FILMS,
     replayed: Replayed = NOT_REPLAYED,
+    world: World = NO_WORLD,
 ) -> VerdictView:
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
 
@@ -56,7 +63,7 @@ def verdict_view(
     those of `films`.
 
     `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown. `functions`
-    are those that it asks for: they name the parts of what they return.
+    are those that it asks for: they name the parts of what they return. `world` are the kit's settings of its checks.
     """
     marked = texts is not None
     wording = verdict.outcome.wording("answers") if marked else headline(verdict)
@@ -67,7 +74,7 @@ def verdict_view(
         points=format_mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
         checks=tuple(
-            _check(check, (figures, grading), marked, functions, films[1], replayed) for check in verdict.checks
+            _check(check, (figures, grading), marked, functions, films[1], replayed, world) for check in verdict.checks
         ),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
@@ -115,6 +122,7 @@ def _check(
     functions: Sequence[FunctionSpec],
     filmed: Collection[str],
     replayed: Replayed,
+    world: World,
 ) -> CheckView:
     counterexample = check.counterexample
     address, which = replayed
@@ -126,7 +134,9 @@ def _check(
         max_points=format_points(check.max_points),
         message=check.message,
         hint=check.hint or "",
-        counterexample=_counterexample(counterexample, functions, shows_inputs=not marked) if counterexample else None,
+        counterexample=_counterexample(counterexample, functions, _world_of(check, world), shows_inputs=not marked)
+        if counterexample
+        else None,
         figure=_figure(check, figures) if check.figure else None,
         filmed=check.id in filmed,
         replay=address if check.id in which else "",
@@ -136,7 +146,7 @@ def _check(
 
 
 def _counterexample(
-    counterexample: Counterexample, functions: Sequence[FunctionSpec], *, shows_inputs: bool
+    counterexample: Counterexample, functions: Sequence[FunctionSpec], world: World, *, shows_inputs: bool
 ) -> CounterexampleView:
     """Without code the data stand in the statement: they are not told again with each answer."""
     given = counterexample.inputs if shows_inputs else {}
@@ -144,11 +154,19 @@ def _counterexample(
     parts = _parts(given, functions)
     expected, got = values.value_view_pair(counterexample.expected, counterexample.got)
     return CounterexampleView(
-        inputs=tuple((name, values.value_view(value)) for name, value in given.items()),
+        inputs=tuple((name, values.value_view(value, short=True)) for name, value in given.items()),
         expected=values.name_parts(expected, parts) if judged else None,
         got=values.name_parts(got, parts) if judged else None,
-        code=values.inputs_as_code(given),
+        code=replay_code(given, functions, *world),
     )
+
+
+def _world_of(check: CheckResult, world: World) -> World:
+    """Return the settings of a check, which may have run on another map than the others."""
+    kit, solution = world
+    if check.kit is None or kit is None:
+        return world
+    return replace(kit, parameters={**kit.parameters, **check.kit}), solution
 
 
 def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tuple[str, ...]:

@@ -69,6 +69,20 @@ def test_large_values_are_cut_and_say_so() -> None:
     assert "tableau de forme 40 × 50" in value_view({"forme": [40, 50], "premiers": [1.5]}).text
 
 
+def test_a_counterexample_is_short_and_shows_where_it_differs() -> None:
+    """A belief of the course is 16 × 24: three of them in full are 8 kB, of which nobody reads one number."""
+    expected = [[0.0] * 24 for _ in range(16)]
+    got = [row[:] for row in expected]
+    got[11][3] = 0.5
+    left, right = value_view_pair(expected, got)
+    for view in (left, right):
+        assert len(view.rows) == 4
+        assert view.note == "16 × 24, seules les lignes d’indices 10 à 13 sont montrées"
+    assert [cell.text for row in right.rows for cell in row if cell.odd] == ["0,5"]
+    edges = value_view([[0, 1, [0.1, 0.2, 0.3]]] * 30, short=True)
+    assert (len(edges.items), edges.note) == (6, "et 24 autres")
+
+
 def test_grids_of_truth_values_are_drawn_as_maps() -> None:
     plan = value_view([[True, False], [False, True]])
     assert (plan.kind, plan.text) == ("plan", ".#\n#.")

@@ -35,6 +35,8 @@ class Bench:
     rng: np.random.Generator
     kit: KitSettings
     program: Program | None = None
+    #: The settings of the side program on which the check runs, or failed; None for the main one.
+    side_kit: KitSettings | None = None
     last_call: tuple[str, Arguments] | None = None
     #: The calls that the check announced before it ran.
     planned_calls: Sequence[PlannedCalls] = ()
@@ -166,11 +168,13 @@ class Bench:
     def on(self, kit: KitSettings, first: PlannedCalls | None = None) -> Iterator[Bench]:
         """Yield the same bench with the program started on another map; the batch `first` travels with its file."""
         ahead = [first] if first is not None and self.runner.is_callable(first.function) else []
+        self.side_kit = kit
         with self.runner.side_program(kit, ahead) as program:
             bench = Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
             if ahead:
                 bench.planned_calls, bench._first_answers = ahead, flatten_blocks(program.call_batches(ahead))
             yield bench
+        self.side_kit = None  # what fails later fails on the main program
 
 
 def _key(function: str, args: Arguments) -> Key:

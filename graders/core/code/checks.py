@@ -25,7 +25,7 @@ from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.compare.told_apart import text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, PlannedCalls, StudentFault
+from graders.core.contract.program import Answer, KitSettings, PlannedCalls, StudentFault
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value, same_value
 
@@ -68,6 +68,7 @@ class Rejection(Exception):
         self.call = call
         self.sign = sign
         self.neutral = neutral
+        self.kit: KitSettings | None = None  # of a side program, where it was made
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
@@ -121,6 +122,7 @@ def _finding_of_run(check: Check, run: Callable[[], None], bench: Bench) -> Find
     try:
         run()
     except Rejection as rejection:
+        rejection.kit = bench.side_kit
         return _finding(check, rejection)
     except StudentFault as fault:
         inputs = None
@@ -150,10 +152,21 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
         figure=None if figure is None else check.id,
         cause=None if rejection.cause is Outcome.WRONG_ANSWER else rejection.cause,
         neutral=rejection.neutral,
+        kit=_side_settings(rejection.kit),
     )
     return Finding(result, rejection.cause, rejection.slip, figure, rejection.sign)
 
 
+def _side_settings(kit: KitSettings | None) -> dict[str, Any] | None:
+    """Return as JSON the map, range and seed of a side program; None for the main one, whose seed tells them."""
+    if kit is None or "libres" not in kit.parameters:
+        return None
+    settings: dict[str, Any] | None = whole_jsonable(dict(kit.parameters), limit=MAX_KIT_ITEMS)
+    return settings
+
+
+#: Cells of a map, and other settings of a kit, that a verdict holds.
+MAX_KIT_ITEMS = 2000
 _OF_UNREADABLE = "Que renvoie exactement votre fonction, et de quelle forme l'énoncé le demande-t-il ?"
 #: Slips that say more of a failure than the hint of its check, which is about right numbers.
 TELLING_SLIPS = ("nan", "forme", "scalaire", "transposee", "entiers", "hasard", "memoire")

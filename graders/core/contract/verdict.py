@@ -46,7 +46,8 @@ class CheckResult:
 
     `cause` is the outcome of a failed check, where it is no wrong answer; `repeats`, the id of an earlier check that
     failed for the same reason, which is told there; `neutral` is a check without a fault, whose points wait for
-    another one. JSON has these three only where there is something to say.
+    another one; `kit`, the map, range and seed of a check that ran on another map than the others. JSON has these only
+    where there is something to say.
 
     Raises ValueError unless it has all of its points when it passed, and less when it did not.
     """
@@ -63,6 +64,7 @@ class CheckResult:
     cause: Outcome | None = None
     repeats: str | None = None
     neutral: bool = False
+    kit: dict[str, Any] | None = None
 
     def __post_init__(self) -> None:
         if self.passed != (self.points == self.max_points) or not 0 <= self.points <= self.max_points:
@@ -83,6 +85,7 @@ class CheckResult:
             **({"cause": self.cause.value} if self.cause else {}),
             **({"repeats": self.repeats} if self.repeats else {}),
             **({"neutral": True} if self.neutral else {}),
+            **({"kit": self.kit} if self.kit else {}),
         }
 
     @classmethod
@@ -101,6 +104,7 @@ class CheckResult:
                 "cause": _outcome(members, "cause") if members.has("cause") else None,
                 "repeats": members.text("repeats") if members.has("repeats") else None,
                 "neutral": members.flag("neutral") if members.has("neutral") else False,
+                "kit": members.object("kit") if members.has("kit") else None,
             }
         try:
             return cls(**read)
