@@ -123,7 +123,7 @@ def graduated_non_convexity(
 
 def _truncated_weights(u: Floats, mu: float, bound: float) -> Floats:
     """(15), for weights (m,) in [0, 1]."""
-    between = np.sqrt(bound * mu * (mu + 1.0) / np.maximum(u, np.finfo(float).tiny)) - mu
+    between = np.sqrt(bound * mu * (mu + 1.0) / np.maximum(u, mu / (mu + 1.0) * bound)) - mu
     return np.where(u <= mu / (mu + 1.0) * bound, 1.0, np.where(u >= (mu + 1.0) / mu * bound, 0.0, between))
 
 

@@ -10,7 +10,7 @@ from reference.registration.icp import IcpError, IcpResult, Pairing, icp, icp_to
 from reference.registration.kernels import Cauchy, Huber, Kernel, LeastSquares, Tukey
 from reference.registration.normals import normals_by_beams, normals_by_neighbours
 from reference.registration.rigid import ROUNDING, InvalidCloudError, RigidAlignment, kabsch, squared_residual
-from reference.registration.scan_matching import Matching, ScanMatch, match_scans
+from reference.registration.scan_matching import LineCloud, Matching, ScanMatch, match_clouds, match_scans
 
 __all__ = [
     "ROUNDING",
@@ -22,6 +22,7 @@ __all__ = [
     "InvalidCloudError",
     "Kernel",
     "LeastSquares",
+    "LineCloud",
     "Matching",
     "Pairing",
     "RigidAlignment",
@@ -32,6 +33,7 @@ __all__ = [
     "icp",
     "icp_to_lines",
     "kabsch",
+    "match_clouds",
     "match_scans",
     "normals_by_beams",
     "normals_by_neighbours",

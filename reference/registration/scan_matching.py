@@ -1,14 +1,21 @@
-"""The motion between two scans, and how far it can be believed.
+"""The motion between two scans, or from a few scans laid together to one more, and how far it can be believed.
 
 From a guess near the truth, point-to-line ICP suffices; without one, `correlate` looks through a window first. The
 answer comes with its information, for the edge of a pose graph, and with what speaks against it: a direction that the
 walls do not hold, or points that find no counterpart.
 
-Source: Censi, "An ICP variant using a point-to-line metric" (2008).
+The errors of the beams that end on one piece of wall are hardly independent: the map is wrong there, or the wall is
+rough, or somebody stands before it, for all of them alike. So each piece of `patch` metres counts as one measurement,
+however many beams fall on it; and a direction that too few pieces hold has no information at all, rather than little.
+
+Sources: Censi, "An ICP variant using a point-to-line metric" (2008), and "An accurate closed-form estimate of ICP's
+covariance" (2007), for what the covariance of a match leaves out; Zhang, Kaess, Singh, "On Degeneracy of
+Optimization-based State Estimation Problems" (2016), for leaving weak directions out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,39 +26,80 @@ from reference.registration.correlation import Window, correlate
 from reference.registration.icp import IcpError, IcpResult, Pairing, icp_to_lines
 from reference.registration.kernels import Cauchy
 from reference.registration.normals import normals_by_neighbours, plane_cloud
-from reference.registration.observability import Observability, observability
-from reference.se2 import Pose, transform
+from reference.registration.observability import Observability, line_jacobians, observability
+from reference.se2 import Pose, rotation, transform
 from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 MIN_POINTS = 10
+SHORTEST_ARM = 0.1
+STILL = 1e-5
 
 
 @dataclass(frozen=True)
 class Matching:
     """How scans are matched, in metres: pairs farther than `max_distance` are dropped, gaps beyond `scale` count less.
 
-    Points within `near` of the other scan overlap it; `sigma` is the least standard deviation believed of a gap.
+    Points within `near` of the other scan overlap it; `sigma` is the standard deviation believed of the gap of a piece
+    of wall of `patch` metres. A motion that less than the share `weakest` of the pieces hold is free. The window search
+    leaves points beyond `reach` out: they would ask for the finest turns.
     """
 
-    max_distance: float = 0.5
+    max_distance: float = 0.4
     scale: float = 0.05
-    near: float = 0.15
-    sigma: float = 0.01
+    near: float = 0.12
+    sigma: float = 0.03
+    patch: float = 0.5
+    weakest: float = 0.02
+    reach: float = 20.0
 
     def __post_init__(self) -> None:
-        for name in ("max_distance", "scale", "near", "sigma"):
+        for name in ("max_distance", "scale", "near", "sigma", "patch", "weakest", "reach"):
             if not 0.0 < getattr(self, name) < np.inf:
-                raise IcpError(name, f"{getattr(self, name)} is not a positive length")
+                raise IcpError(name, f"{getattr(self, name)} is not a positive number")
+
+
+@dataclass(frozen=True, eq=False)
+class LineCloud:
+    """Points (n, 2) of walls in one frame, and the unit normal (n, 2) of the wall at each; null where it has none."""
+
+    points: Floats
+    normals: Floats
+
+    @classmethod
+    def of_scan(cls, scan: Scan, T_robot_laser: ArrayLike = (0.0, 0.0, 0.0)) -> LineCloud:
+        """The points that a scan shows, in the frame of the robot."""
+        points = transform(T_robot_laser, scan.points())
+        return cls(points, normals_by_neighbours(points) if len(points) >= MIN_POINTS else np.zeros_like(points))
+
+    @classmethod
+    def joined(cls, clouds: Sequence[LineCloud]) -> LineCloud:
+        """All the points of several clouds of one frame."""
+        return cls(np.concatenate([c.points for c in clouds]), np.concatenate([c.normals for c in clouds]))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def seen_from(self, T_a_b: Pose) -> LineCloud:
+        """The cloud of frame b, in frame a."""
+        R = rotation(float(T_a_b[2]))
+        return LineCloud(self.points @ R.T + T_a_b[:2], self.normals @ R.T)
+
+    def thinned(self, cell: float) -> LineCloud:
+        """One point of each square of `cell` metres."""
+        _, first = np.unique(_squares(self.points, cell), return_index=True)
+        return LineCloud(self.points[first], self.normals[first])
 
 
 @dataclass(frozen=True, eq=False)
 class ScanMatch:
     """The pose `T_a_b` of the robot at scan b, seen from scan a.
 
-    `information` (3, 3) of (x, y, theta), in 1/m^2, 1/(m rad), 1/rad^2; `overlap`: the share of the points of each scan
-    that lie near the other, the smaller of the two; `held`: what the walls hold; `icp`: how the search went.
+    `information` (3, 3) of (x, y, theta), in 1/m^2, 1/(m rad), 1/rad^2, positive semidefinite: a motion that the walls
+    do not hold has none. `overlap`: the share of the points of b that lie near a; of `match_scans`, also of a near b,
+    the smaller of the two. `held`: what the walls hold; `icp`: how the search went.
     """
 
     T_a_b: Pose
@@ -73,22 +121,57 @@ def match_scans(
 
     Raises IcpError for a scan of fewer than 10 points, or when nothing of b comes near a.
     """
-    rule = matching or Matching()
-    points_a, points_b = _points("a", a), _points("b", b)
-    guess = correlate(points_b, points_a, T_a_b, window).T_q_p if window else np.asarray(T_a_b, dtype=np.float64)
-    normals = normals_by_neighbours(points_a)
+    rule, clouds = matching or Matching(), (LineCloud.of_scan(a), LineCloud.of_scan(b))
+    for name, cloud in zip("ab", clouds, strict=True):
+        if len(cloud) < MIN_POINTS:
+            raise IcpError(name, f"shows {len(cloud)} points, fewer than {MIN_POINTS}")
+    match = match_clouds(*clouds, T_a_b, matching=rule, window=window)
+    moved = transform(match.T_a_b, clouds[1].points)
+    back = float(np.mean(cKDTree(moved).query(clouds[0].points)[0] <= rule.near))
+    return ScanMatch(match.T_a_b, match.information, min(match.overlap, back), match.held, match.icp)
+
+
+def match_clouds(
+    a: LineCloud, b: LineCloud, T_a_b: ArrayLike, *, matching: Matching | None = None, window: Window | None = None
+) -> ScanMatch:
+    """The pose of cloud b on cloud a, as `match_scans`; a may be many scans laid together.
+
+    Raises IcpError or InvalidCloudError, also when nothing of b comes near a.
+    """
+    rule, guess = matching or Matching(), np.asarray(T_a_b, dtype=np.float64)
+    if window:
+        close = b.points[np.linalg.norm(plane_cloud("b", b.points), axis=1) <= rule.reach]
+        guess = correlate(close, a.points, guess, window).T_q_p
     pairing = Pairing(Cauchy(rule.scale), rule.max_distance)
-    found = icp_to_lines(points_b, points_a, normals, guess, pairing=pairing, tolerance=1e-6)
-    moved = transform(found.T_q_p, points_b)
-    held = observability(moved, found.t_q_p, normals[found.pairs], found.weights)
-    variance = max(found.rmse, rule.sigma) ** 2
-    there, back = (cKDTree(x).query(y)[0] for x, y in ((points_a, moved), (moved, points_a)))
-    overlap = min(float(np.mean(there <= rule.near)), float(np.mean(back <= rule.near)))
-    return ScanMatch(found.T_q_p, held.hessian / variance, overlap, held, found)
+    found = icp_to_lines(b.points, a.points, a.normals, guess, pairing=pairing, tolerance=STILL)
+    moved, normals = transform(found.T_q_p, b.points), a.normals[found.pairs]
+    overlap = float(np.mean(np.linalg.norm(moved - a.points[found.pairs], axis=1) <= rule.near))
+    held = observability(moved, found.t_q_p, normals, found.weights)
+    information = _information(moved, found.t_q_p, normals, found.weights, rule)
+    return ScanMatch(found.T_q_p, information, overlap, held, found)
 
 
-def _points(name: str, scan: Scan) -> Floats:
-    points = scan.points()
-    if len(points) < MIN_POINTS:
-        raise IcpError(name, f"shows {len(points)} points, fewer than {MIN_POINTS}")
-    return plane_cloud(name, points)
+def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: Matching) -> Floats:
+    """The sum (3, 3) of J'J / sigma^2 over the pieces of wall, J the mean square of the points on each; what is weak, 0.
+
+    Lengths are compared with angles by the spread of the points about the robot.
+    """
+    counting = (weights > 0.0) & normals.any(axis=1)
+    J, w = line_jacobians(moved[counting], normals[counting], t_a_b), weights[counting]
+    if not len(J):
+        return np.zeros((3, 3))
+    _, piece, count = np.unique(_squares(moved[counting], rule.patch), return_inverse=True, return_counts=True)
+    arms = np.hypot(*(moved[counting] - t_a_b).T)
+    units = np.array([1.0, 1.0, max(float(np.sqrt(np.mean(arms**2))), SHORTEST_ARM)])
+    scaled = J / units
+    strengths, directions = np.linalg.eigh((scaled * (w / count[piece])[:, None]).T @ scaled)
+    strengths = np.where(strengths < rule.weakest * len(count), 0.0, strengths)
+    whole = (directions * strengths) @ directions.T * np.outer(units, units) / rule.sigma**2
+    return np.asarray((whole + whole.T) / 2.0)
+
+
+def _squares(points: Floats, cell: float) -> Indices:
+    """A number (n,) for the square of `cell` metres in which each point lies."""
+    columns = np.floor(points / cell).astype(np.int64)
+    columns -= columns.min(axis=0, initial=0)
+    return np.asarray(columns[:, 0] * (columns[:, 1].max(initial=0) + 1) + columns[:, 1])
