@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 BRANCHES = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+COST = 0.02
 RADIUS = 3
 _AROUND = range(-RADIUS, RADIUS + 1)
 # Squared distance, and shift in y and x, of the cells around one; the farthest first, the nearest having the last word.
@@ -31,21 +32,31 @@ OFFSETS = sorted(((y * y + x * x, y, x) for y in _AROUND for x in _AROUND if y *
 
 @dataclass(frozen=True)
 class Window:
-    """Where to look: up to `reach` (m) along x and y and `turn` (rad) either way, by cells of `resolution` (m)."""
+    """Where to look: up to `reach` (m) along x and y and `turn` (rad) either way, by cells of `resolution` (m).
+
+    A pose that is one standard deviation away from the guess, `sigma` (m) along an axis or `turn_sigma` (rad), must
+    have a score `COST` higher to be preferred, and k^2 times that for k deviations. Otherwise a scan that shows new
+    walls would be drawn back to where the old ones explain most of it. Without these, all poses are alike.
+    """
 
     reach: float = 1.0
     turn: float = np.pi
     resolution: float = 0.1
+    sigma: float = np.inf
+    turn_sigma: float = np.inf
 
     def __post_init__(self) -> None:
         for name in ("reach", "turn", "resolution"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise IcpError(name, f"{getattr(self, name)} is not a positive number")
+        for name in ("sigma", "turn_sigma"):
+            if not getattr(self, name) > 0.0:
+                raise IcpError(name, f"{getattr(self, name)} is not a standard deviation")
 
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """The best pose of the lattice, its score in [0, 1], and how many scores and bounds were computed."""
+    """The best pose of the lattice, its score, 1 at most, and how many scores and bounds were computed."""
 
     T_q_p: Pose
     score: float
@@ -62,13 +73,18 @@ class Lattice:
     places: Indices
     width: int
     bounds: tuple[Floats, ...]
+    turn_costs: Floats
+    cell_cost: float
 
     def scores(self, height: int, nodes: Indices) -> Floats:
         """For nodes (k, 3) = (turn, shift in y, shift in x), the scores (k,), or their bounds over 2^height cells."""
         places = self.places[nodes[:, 0]]
         places += (nodes[:, 1] * self.width + nodes[:, 2])[:, None]
         # What lies before the first row or behind the last one is read on the border, where there is nothing.
-        return np.asarray(self.bounds[height].ravel().take(places, mode="clip").mean(axis=1))
+        seen = self.bounds[height].ravel().take(places, mode="clip").mean(axis=1)
+        # The shift of a square that is nearest to none.
+        away = np.clip(0, nodes[:, 1:], nodes[:, 1:] + (2**height - 1))
+        return np.asarray(seen - self.turn_costs[nodes[:, 0]] - self.cell_cost * np.sum(away**2, axis=1))
 
 
 def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> Correlation:
@@ -84,17 +100,18 @@ def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> C
     turns = window.turn * np.arange(-count, count + 1) / count
     shift = int(np.ceil(window.reach / window.resolution))
     height = int(np.floor(np.log2(2 * shift + 1)))
-    lattice = build_lattice(p, q, guess, turns, window.resolution, height)
+    lattice = build_lattice(p, q, guess, turns, window, height)
     (turn, dy, dx), score, evaluations = _search(lattice, len(turns), shift, height)
     moved = guess + np.array([dx * window.resolution, dy * window.resolution, turns[turn]])
     return Correlation(np.array([*moved[:2], wrap_angle(float(moved[2]))]), score, evaluations)
 
 
-def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, resolution: float, height: int) -> Lattice:
+def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, window: Window, height: int) -> Lattice:
     """The field of Q on a grid with margins wide enough for every bound, and P at every turn of the guess on it.
 
     Shifts are below 2^height cells either way, and rows so wide that none leads off them.
     """
+    resolution = window.resolution
     c, s = np.cos(guess[2] + turns)[:, None], np.sin(guess[2] + turns)[:, None]
     moved = np.stack([c * p[:, 0] - s * p[:, 1] + guess[0], s * p[:, 0] + c * p[:, 1] + guess[1]], axis=-1)
     cells, marked = np.floor(moved / resolution).astype(np.int64), np.floor(q / resolution).astype(np.int64)
@@ -107,7 +124,9 @@ def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, resolution
     for h in range(height):
         bounds.append(_pooled(bounds[-1], 2**h))
     x, y = np.moveaxis(cells - low, -1, 0)
-    return Lattice(np.clip(y, -2 * side, rows + side) * width + np.clip(x, side, width - side), width, tuple(bounds))
+    places = np.clip(y, -2 * side, rows + side) * width + np.clip(x, side, width - side)
+    costs = COST * (turns / window.turn_sigma) ** 2
+    return Lattice(places, width, tuple(bounds), costs, COST * (resolution / window.sigma) ** 2)
 
 
 def _field(marked: Indices, shape: tuple[int, int]) -> Floats:
@@ -132,7 +151,7 @@ def _search(lattice: Lattice, turns: int, shift: int, height: int) -> tuple[tupl
     roots = np.arange(-shift, shift + 1, 2**height)
     nodes = np.stack(np.meshgrid(np.arange(turns), roots, roots, indexing="ij"), axis=-1).reshape(-1, 3)
     bounds, evaluations = lattice.scores(height, nodes), len(nodes)
-    best, best_score = nodes[0], -1.0
+    best, best_score = nodes[0], -np.inf
     for h in range(height - 1, -2, -1):
         if h >= 0:
             leaf, score = _dive(lattice, nodes[int(np.argmax(bounds))], h, shift)

@@ -21,12 +21,17 @@ MAX_ROUNDNESS = 0.5
 
 
 def normals_by_neighbours(
-    points: ArrayLike, neighbours: int = NEIGHBOURS, *, max_roundness: float = MAX_ROUNDNESS
+    points: ArrayLike,
+    neighbours: int = NEIGHBOURS,
+    *,
+    max_roundness: float = MAX_ROUNDNESS,
+    max_thickness: float = np.inf,
 ) -> Floats:
     """Unit normals (n, 2) of points (n, 2) in any order: across the main axis of each one and its nearest neighbours.
 
-    Where the spread across exceeds `max_roundness` times the spread along, there is no line. Signs are arbitrary.
-    Raises InvalidCloudError for fewer than 3 points or neighbours.
+    Where the spread across exceeds `max_roundness` times the spread along, or `max_thickness` in the unit of the
+    points, there is no line: far neighbours may be of two walls. Signs are arbitrary. Raises InvalidCloudError for
+    fewer than 3 points or neighbours.
     """
     cloud = plane_cloud("points", points)
     if min(neighbours, len(cloud)) < 3:
@@ -37,7 +42,8 @@ def normals_by_neighbours(
     xy = (around[:, :, 0] * around[:, :, 1]).mean(axis=1)
     half_trace, half_gap = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
     along = np.arctan2(xy, (xx - yy) / 2.0) / 2.0
-    straight = half_trace - half_gap <= max_roundness**2 * (half_trace + half_gap)
+    across = half_trace - half_gap
+    straight = (across <= max_roundness**2 * (half_trace + half_gap)) & (across <= max_thickness**2)
     normals = np.stack([-np.sin(along), np.cos(along)], axis=1)
     return np.where((straight & (half_gap > 0.0))[:, None], normals, 0.0)
 

@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MIN_POINTS = 10
+THICKNESS = 0.05
 SHORTEST_ARM = 0.1
 STILL = 1e-5
 
@@ -52,7 +53,7 @@ class Matching:
     near: float = 0.12
     sigma: float = 0.03
     patch: float = 0.5
-    weakest: float = 0.02
+    weakest: float = 0.05
     reach: float = 20.0
 
     def __post_init__(self) -> None:
@@ -72,7 +73,9 @@ class LineCloud:
     def of_scan(cls, scan: Scan, T_robot_laser: ArrayLike = (0.0, 0.0, 0.0)) -> LineCloud:
         """The points that a scan shows, in the frame of the robot."""
         points = transform(T_robot_laser, scan.points())
-        return cls(points, normals_by_neighbours(points) if len(points) >= MIN_POINTS else np.zeros_like(points))
+        if len(points) < MIN_POINTS:
+            return cls(points, np.zeros_like(points))
+        return cls(points, normals_by_neighbours(points, max_thickness=THICKNESS))
 
     @classmethod
     def joined(cls, clouds: Sequence[LineCloud]) -> LineCloud:
@@ -152,9 +155,9 @@ def match_clouds(
 
 
 def _information(moved: Floats, t_a_b: Floats, normals: Floats, weights: Floats, rule: Matching) -> Floats:
-    """The sum (3, 3) of J'J / sigma^2 over the pieces of wall, J the mean square of the points on each; what is weak, 0.
+    """The sum (3, 3) over the pieces of wall of the mean of w J'J / sigma^2 of the points on each, w their weights.
 
-    Lengths are compared with angles by the spread of the points about the robot.
+    What is weak is left out, lengths and angles being compared by the spread of the points about the robot.
     """
     counting = (weights > 0.0) & normals.any(axis=1)
     J, w = line_jacobians(moved[counting], normals[counting], t_a_b), weights[counting]

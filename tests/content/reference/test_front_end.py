@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from reference.front_end import FrontEndError, Settings, Slam, key_poses, slam
+from reference.formats.carmen import LaserLog, parse_flaser
+from reference.front_end import FrontEndError, OdometryNoise, Settings, Slam, slam
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import InverseSensorModel, build_map
-from reference.odometry import DifferentialDrive
-from reference.se2 import relative, wrap_angle
+from reference.odometry import DifferentialDrive, integrate
+from reference.se2 import compose, relative, wrap_angle
 from reference.world.distance_map import distance_to
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan
@@ -40,7 +44,7 @@ def journey(seed: int) -> tuple[GridMap, Run]:
 @cache
 def finished(seed: int) -> Slam:
     _, run = journey(seed)
-    return slam(scans_of(run), run.wheels, run.drive, start=run.truth[0], settings=Settings(tries=2))
+    return slam(scans_of(run), run.odometry, start=run.truth[0], resolution=0.05)
 
 
 def scans_of(run: Run) -> list[Scan]:
@@ -51,12 +55,11 @@ def scans_of(run: Run) -> list[Scan]:
 def test_the_trajectory_is_several_times_better_than_odometry(seed: int) -> None:
     _, run = journey(seed)
     found = finished(seed)
-    before, after = (absolute_trajectory_error(run.truth, p, "first").rmse for p in (run.odometry, found.poses))
+    before, after = (absolute_trajectory_error(run.truth, p, "first").rmse for p in (run.odometry, found.T_map_robot))
     assert before > 0.2
     assert after < before / 10
-    np.testing.assert_allclose(found.odometry, run.odometry, atol=1e-9)
-    np.testing.assert_allclose(found.poses[0], run.truth[0], atol=1e-9)
-    assert found.poses.shape == run.truth.shape
+    np.testing.assert_allclose(found.T_map_robot[0], run.truth[0], atol=1e-9)
+    assert found.T_map_robot.shape == run.truth.shape
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -67,12 +70,13 @@ def test_every_closure_that_counts_is_true(seed: int) -> None:
     for closure in found.closures:
         truth = relative(run.truth[found.keys[closure.i]], run.truth[found.keys[closure.j]])
         gap = closure.match.T_a_b - truth
-        assert np.abs(gap[:2]).max() < 0.05
+        assert np.abs(gap[:2]).max() < 0.1
         assert abs(wrap_angle(float(gap[2]))) < 0.03
         assert not closure.refused
     assert all(closure.refused for closure in found.refused)
-    assert len(found.graph.i) == len(found.keys) - 1 + len(found.links) + len(found.closures)
-    assert found.chi2 < 5 * 3 * len(found.graph.i)
+    assert len(found.links) == len(found.keys) - 1
+    assert len(found.graph.i) == len(found.links) + len(found.closures)
+    assert found.chi2 < 3 * len(found.graph.i)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -103,38 +107,120 @@ def wall_error(place: GridMap, found: GridMap) -> float:
     return float(np.quantile(distances[cells[:, 1], cells[:, 0]], 0.9))
 
 
+@pytest.mark.parametrize("mount", [(0.1, -0.05, 0.3), (-0.2, 0.0, np.pi)])
+def test_half_a_turn_of_a_lidar_mounted_anywhere_is_enough(mount: Any) -> None:
+    """From a lidar at `T_robot_laser` that looks over half a turn, ahead or behind, without a loop to help."""
+    place, run = journey(0)
+    count = 140
+    lidar = Lidar(np.deg2rad(np.arange(-90.0, 90.0, 2.0)), 5.0, 0.01)
+    truth = run.truth[:count]
+    ranges = lidar.read(place, np.array([compose(pose, mount) for pose in truth]), np.random.default_rng(3))
+    scans = [Scan(row, lidar.angles, lidar.max_range) for row in ranges]
+    found = slam(scans, run.odometry[:count], T_robot_laser=mount, start=truth[0], resolution=0.1)
+    before, after = (
+        absolute_trajectory_error(truth, p, "none").rmse for p in (run.odometry[:count], found.T_map_robot)
+    )
+    assert after < min(0.3, before / 3)
+
+
+def test_the_bias_of_the_wheels_is_learned_on_the_way() -> None:
+    """A robot whose right wheel is 4 % too small thinks that it turns left: half of what it misses is known soon."""
+    _, run = journey(0)
+    drive = DifferentialDrive(0.3)
+    wheels = run.wheels[:200] * np.array([1.0, 1.04])
+    odometry = integrate(drive, wheels, run.truth[0])
+    found = slam(scans_of(run)[:201], odometry, start=run.truth[0], resolution=0.1)
+    off = 0.02 / 0.15  # radians too many a metre
+    assert found.bias[0, 2] == pytest.approx(-off, rel=0.3)
+    assert absolute_trajectory_error(run.truth[:201], found.T_map_robot, "none").rmse < 0.1
+
+
 def test_without_a_loop_the_scans_still_help() -> None:
     _, run = journey(0)
-    found = slam(scans_of(run)[:40], run.wheels[:39], run.drive, start=run.truth[0])
+    found = slam(scans_of(run)[:40], run.odometry[:40], start=run.truth[0])
     assert found.closures == ()
-    assert len(found.links) > 3
-    assert np.abs(found.poses - run.truth[:40])[:, :2].max() < 0.1
+    assert all(link.match is not None for link in found.links)
+    assert np.abs(found.T_map_robot - run.truth[:40])[:, :2].max() < 0.1
 
 
 def test_key_poses_are_far_enough_apart() -> None:
-    _, run = journey(1)
-    keys = key_poses(run.odometry, Settings())
-    steps = np.diff(run.odometry[keys], axis=0)
-    far = np.hypot(steps[:, 0], steps[:, 1]) >= 0.4
-    assert np.all(far | (np.abs(wrap_angle(steps[:, 2])) >= 0.6))
-    assert keys[0] == 0
+    found, rule = finished(0), Settings()
+    steps = np.array([link.T_key_robot for link in found.links])
+    far = np.hypot(steps[:, 0], steps[:, 1]) >= rule.key_distance
+    assert np.all(far | (np.abs(steps[:, 2]) >= rule.key_turn))
+    assert found.keys[0] == 0
+    assert np.all(np.diff(found.keys) > 0)
+
+
+@settings(deadline=None, max_examples=15)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_scans_that_show_nothing_of_one_another_are_mapped_by_odometry(seed: int) -> None:
+    """Noise, gaps and empty scans: whatever matches nothing is left to the wheels, and no step fails."""
+    rng = np.random.default_rng(seed)
+    kinds = rng.choice(["noise", "blind", "few", "far"], 12)
+    odometry = np.cumsum(rng.normal(0, [0.3, 0.3, 0.2], (12, 3)), axis=0)
+    scans = [a_strange_scan(kind, rng) for kind in kinds]
+    found = slam(scans, odometry, resolution=0.2)
+    assert np.isfinite(found.T_map_robot).all()
+    if not {"noise", "far"} & set(kinds):
+        np.testing.assert_allclose(
+            relative(odometry[0], odometry[-1]), relative(*found.T_map_robot[[0, -1]]), atol=1e-9
+        )
+
+
+def a_strange_scan(kind: str, rng: np.random.Generator) -> Scan:
+    angles = np.deg2rad(np.arange(-90.0, 90.0, 3.0))
+    readings = {
+        "noise": rng.uniform(0.1, 9.0, len(angles)),
+        "blind": np.full(len(angles), np.nan),
+        "few": np.where(np.arange(len(angles)) < 5, 2.0, np.inf),
+        "far": np.full(len(angles), 7.9),
+    }
+    return Scan.from_sensor(readings[kind], angles, 8.0, 0.2)
+
+
+@cache
+def intel(dataset_text: bytes) -> tuple[LaserLog, Slam]:
+    log = parse_flaser(dataset_text, 40.0)
+    return log, slam(log.scans[:120], log.wheel_poses()[:120], resolution=0.1)
+
+
+def test_the_intel_log_is_mapped_from_the_robot_s_own_odometry(dataset: Callable[[str], bytes]) -> None:
+    """120 scans: the wheels alone end 11 m off; the poses of the log are those of another mapper."""
+    log, found = intel(dataset("laser/intel.gfs.log"))
+    error = absolute_trajectory_error(log.T_odom_robot[:120], found.T_map_robot)
+    assert absolute_trajectory_error(log.T_odom_robot[:120], log.wheel_poses()[:120]).rmse > 5.0
+    assert error.rmse < 0.1
+    assert found.bias[0, 2] > 0.03
+
+
+@pytest.mark.slow
+def test_the_whole_intel_log_is_mapped(dataset: Callable[[str], bytes]) -> None:
+    log = parse_flaser(dataset("laser/intel.gfs.log"), 40.0)
+    found = slam(log.scans, log.wheel_poses(), resolution=0.1)
+    assert absolute_trajectory_error(log.T_odom_robot, found.T_map_robot).rmse < 0.1
+    for closure in found.closures:
+        truth = relative(log.T_odom_robot[found.keys[closure.i]], log.T_odom_robot[found.keys[closure.j]])
+        assert np.hypot(*relative(truth, closure.match.T_a_b)[:2]) < 0.5
 
 
 SCAN = Scan.full_turn(np.ones(20), 5.0)
-DRIVE = DifferentialDrive(0.3, sigma=0.01)
 
 
 @pytest.mark.parametrize(
     ("argument", "call"),
     [
-        ("scans", lambda: slam([SCAN], np.zeros((0, 2)), DRIVE)),
-        ("scans", lambda: slam([SCAN, Scan.full_turn([1.0], 5.0)], np.zeros((1, 2)), DRIVE)),
-        ("scans", lambda: slam([Scan([], [], 5.0)] * 2, np.zeros((1, 2)), DRIVE)),
-        ("wheels", lambda: slam([SCAN, SCAN], np.zeros((2, 2)), DRIVE)),
-        ("wheels", lambda: slam([SCAN, SCAN], [[np.nan, 0]], DRIVE)),
+        ("scans", lambda: slam([SCAN], np.zeros((1, 3)))),
+        ("T_odom_robot", lambda: slam([SCAN, SCAN], np.zeros((3, 3)))),
+        ("T_odom_robot", lambda: slam([SCAN, SCAN], [[0, 0, 0], [np.nan, 0, 0]])),
+        ("T_robot_laser", lambda: slam([SCAN, SCAN], np.zeros((2, 3)), T_robot_laser=(0, 0))),
+        ("start", lambda: slam([SCAN, SCAN], np.zeros((2, 3)), start=(0, 0, np.inf))),
         ("gate", lambda: Settings(gate=0.0)),
         ("min_gap", lambda: Settings(min_gap=1)),
         ("tries", lambda: Settings(tries=0)),
+        ("loop_overlap", lambda: Settings(loop_overlap=1.1)),
+        ("metres", lambda: OdometryNoise(metres=0.0)),
+        ("per_metre", lambda: OdometryNoise(per_metre=-0.1)),
     ],
 )
 def test_what_makes_no_journey_is_refused_by_name(argument: str, call: Any) -> None:

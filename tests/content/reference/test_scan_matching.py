@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.registration import Matching, Window, correlate, match_scans
+from reference.registration import LineCloud, Matching, Window, correlate, match_clouds, match_scans
 from reference.registration.correlation import build_lattice
 from reference.se2 import relative, wrap_angle
 from reference.world.grid_map import GridMap
@@ -43,16 +43,16 @@ def open_poses(world: GridMap, rng: np.random.Generator, apart: float) -> tuple[
 
 
 @settings(deadline=None, max_examples=25)
-@given(seed=seeds)
-def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int) -> None:
+@given(seed=seeds, sigma=st.sampled_from([np.inf, 0.5, 0.05]))
+def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int, sigma: float) -> None:
     rng = np.random.default_rng(seed)
     P, Q = rng.uniform(-1, 1, (9, 2)), rng.uniform(-1, 1, (12, 2))
-    guess, window = rng.uniform(-0.3, 0.3, 3), Window(rng.uniform(0.1, 0.7), 0.4, 0.1)
+    guess, window = rng.uniform(-0.3, 0.3, 3), Window(rng.uniform(0.1, 0.7), 0.4, 0.1, sigma, 2 * sigma)
     found = correlate(P, Q, guess, window)
     shift = int(np.ceil(window.reach / 0.1))
     count = int(np.ceil(0.4 * np.linalg.norm(P, axis=1).max() / 0.1))
     turns = 0.4 * np.arange(-count, count + 1) / count
-    lattice = build_lattice(P, Q, guess, turns, 0.1, int(np.floor(np.log2(2 * shift + 1))))
+    lattice = build_lattice(P, Q, guess, turns, window, int(np.floor(np.log2(2 * shift + 1))))
     shifts = np.arange(-shift, shift + 1)
     every = np.stack(np.meshgrid(np.arange(len(turns)), shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 3)
     scores = lattice.scores(0, every)
@@ -65,7 +65,8 @@ def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int) -> None:
 
 def test_bounds_bound() -> None:
     rng = np.random.default_rng(2)
-    lattice = build_lattice(rng.uniform(-2, 2, (7, 2)), rng.uniform(-2, 2, (7, 2)), np.zeros(3), np.zeros(1), 0.1, 3)
+    clouds, window = rng.uniform(-2, 2, (2, 7, 2)), Window(sigma=0.3)
+    lattice = build_lattice(*clouds, np.zeros(3), np.zeros(1), window, 3)
     for h in (1, 2, 3):
         for dy, dx in rng.integers(-30, 30, (20, 2)):
             inside = [(0, dy + v, dx + u) for v in range(2**h) for u in range(2**h)]
@@ -107,6 +108,66 @@ def test_a_corridor_is_reported() -> None:
     assert match_scans(*scans, [0.0, 0.0, 0.0]).degenerate
 
 
+def test_a_corridor_informs_of_the_other_directions_only() -> None:
+    """Across and in heading the match is sure; along it, where it lands means nothing, and its information says so."""
+    free = np.zeros((30, 600), bool)
+    free[5:25] = True
+    corridor = GridMap.from_free(free, 0.1)
+    rng = np.random.default_rng(1)
+    a, b = (LineCloud.of_scan(look(corridor, [x, 1.5, 0.3], rng, 5.0)) for x in (30.0, 30.3))
+    found = match_clouds(a, b, [0.2, 0.0, 0.0])
+    values, vectors = np.linalg.eigh(found.information)
+    assert abs(values[0]) < 1e-9 * values[2]
+    assert values[1] > 1.0 / 0.03**2
+    along = np.array([np.cos(0.3), -np.sin(0.3)])
+    assert abs(vectors[:2, 0] @ along) > 0.99
+
+
+def test_a_match_is_no_surer_than_it_errs() -> None:
+    """Over many pairs the squared errors, by what the matches claim, are those of three degrees of freedom or less."""
+    squares = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        first, second = open_poses(WORLD, rng, 0.5)
+        clouds = [LineCloud.of_scan(look(WORLD, pose, rng)) for pose in (first, second)]
+        truth = relative(first, second)
+        found = match_clouds(*clouds, truth + rng.uniform(-1, 1, 3) * [0.1, 0.1, 0.05])
+        gap = found.T_a_b - truth
+        gap[2] = wrap_angle(float(gap[2]))
+        squares.append(float(gap @ found.information @ gap))
+    assert 0.05 < np.mean(squares) < 3.0
+    assert np.max(squares) < 16.3  # the quantile 0.999
+
+
+def test_more_beams_on_the_same_walls_make_no_surer_match() -> None:
+    """Walls count, not beams: four times as many beams do not even double the information, whatever the place."""
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        pose, _ = open_poses(WORLD, rng, 0.1)
+        traces = []
+        for beams in (360, 1440):
+            ranges = WORLD.cast_scans([pose], turn_angles(beams), 8.0)[0]
+            cloud = LineCloud.of_scan(Scan.full_turn(ranges, 8.0))
+            traces.append(np.trace(match_clouds(cloud, cloud, np.zeros(3)).information))
+        assert 0.7 < traces[1] / traces[0] < 2.0
+
+
+@settings(deadline=None, max_examples=25)
+@given(seed=seeds, n=st.integers(10, 30), m=st.integers(10, 30))
+def test_unrelated_clouds_match_with_semidefinite_information_or_are_refused(seed: int, n: int, m: int) -> None:
+    rng = np.random.default_rng(seed)
+    scans = [Scan(rng.uniform(0.1, 7.9, k), rng.uniform(-3, 3, k), 8.0) for k in (n, m)]
+    refusal = None
+    try:
+        found = match_scans(*scans, rng.normal(size=3), window=Window(0.5, 0.3) if seed % 2 else None)
+    except InvalidArgumentError as error:
+        refusal = error
+    if refusal is None:
+        values = np.linalg.eigvalsh(found.information)
+        assert values[0] >= -1e-9 * max(values[2], 1.0)
+        assert 0.0 <= found.overlap <= 1.0
+
+
 def test_two_places_that_differ_do_not_overlap() -> None:
     rng = np.random.default_rng(7)
     scans = []
@@ -116,7 +177,7 @@ def test_two_places_that_differ_do_not_overlap() -> None:
     assert match_scans(*scans, np.zeros(3), window=Window(1.0)).overlap < 0.6
 
 
-SCAN = Scan(np.ones(20), turn_angles(20), 5.0)
+SCAN = Scan(np.ones(60), turn_angles(60), 5.0)
 
 
 @pytest.mark.parametrize(
@@ -128,6 +189,8 @@ SCAN = Scan(np.ones(20), turn_angles(20), 5.0)
         ("T_q_p", lambda: correlate([(0, 0)], [(0, 0)], [0, 0], Window())),
         ("P", lambda: correlate([], [(0, 0)], [0, 0, 0], Window())),
         ("reach", lambda: Window(0.0)),
+        ("sigma", lambda: Window(sigma=0.0)),
+        ("patch", lambda: Matching(patch=-1.0)),
         ("sigma", lambda: Matching(sigma=0.0)),
     ],
 )

@@ -1,0 +1,164 @@
+"""The graph of key poses: linked to those before by tracking, and to those of long ago where a place is recognised.
+
+A place is recognised by its walls: the last few scans, laid together, are searched on those around an old key pose, as
+far as the robot may have drifted. Half a turn of a lidar sees one side of a place only; several scans see more. A loop
+that odometry contradicts is refused; those that contradict one another are left to robust optimisation, which doubts
+closures and never tracking.
+
+Sources: Grisetti, Kümmerle, Stachniss, Burgard, "A Tutorial on Graph-Based SLAM" (2010); Bosse and Zlot, "Map Matching
+and Data Association for Large-Scale Two-dimensional Laser Scan-based SLAM" (2008), for maps matched with maps; Yang,
+Antonante, Tzoumas, Carlone, "Graduated Non-Convexity for Robust Spatial Perception" (2020).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.front_end.odometry import difference, disagreement
+from reference.front_end.settings import Settings
+from reference.front_end.tracker import Tracked
+from reference.pose_graph import PoseGraph, edge_chi2, graduated_non_convexity, relative_covariance
+from reference.registration import IcpError, InvalidCloudError, LineCloud, ScanMatch, Window, match_clouds
+from reference.registration.scan_matching import MIN_POINTS
+from reference.se2 import Floats, Pose, compose, relative
+
+Edge = tuple[int, int, Pose, Floats]
+
+ROUGHLY = 1.5
+THIN_MAP, THIN_SCANS = 0.05, 0.1
+TURN_PER_METRE, LEAST_TURN, MOST_TURN = 0.15, 0.1, 0.5
+STRAINED, BELIEVED = 1.0, 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Closure:
+    """A match of key poses i < j, and the squared error (chi-square, 3 degrees) by which odometry disagrees with it.
+
+    `refused`: why it does not count; empty if it does.
+    """
+
+    i: int
+    j: int
+    match: ScanMatch
+    disagreement: float
+    refused: str = ""
+
+    @property
+    def edge(self) -> Edge:
+        return self.i, self.j, self.match.T_a_b, self.match.information
+
+
+class Mapper:
+    """The map as it grows: `T_map_keys`, the `clouds` seen from there, `links` and `closures`, `refused` ones apart."""
+
+    def __init__(self, settings: Settings, T_map_start: Pose, cloud: LineCloud) -> None:
+        self.T_map_keys: list[Pose] = [T_map_start]
+        self.clouds: list[LineCloud] = [cloud]
+        self.links: list[Tracked] = []
+        self.closures: list[Closure] = []
+        self.refused: list[Closure] = []
+        self._believed: list[bool] = []
+        self._settings = settings
+
+    def add(self, cloud: LineCloud, tracked: Tracked) -> None:
+        """Take a tracked scan as the next key pose, and close the loops that it closes."""
+        self.T_map_keys.append(compose(self.T_map_keys[-1], tracked.T_key_robot))
+        self.clouds.append(cloud)
+        self.links.append(tracked)
+        found = [closure for i, reach in self._candidates() if (closure := self._look(i, reach)) is not None]
+        self.refused += [closure for closure in found if closure.refused]
+        accepted = [closure for closure in found if not closure.refused]
+        self.closures += accepted
+        self._believed += [True] * len(accepted)
+        if any(self._strain(closure) > STRAINED for closure in accepted):
+            self._optimise()
+
+    def settle(self) -> None:
+        """Keep the closures that agree with one another and with tracking; refuse the others."""
+        self._optimise()
+        for closure, good in zip(self.closures, self._believed, strict=True):
+            if not good:
+                self.refused.append(replace(closure, refused="the other closures contradict it"))
+        self.closures = self._agreeing()
+        self._believed = [True] * len(self.closures)
+
+    def graph(self) -> PoseGraph:
+        """The graph of the key poses: links first, then the closures that are believed."""
+        return self._graph(self._agreeing())
+
+    def chi2(self) -> float:
+        """The squared error of that graph."""
+        return float(edge_chi2(self.graph(), np.array(self.T_map_keys)).sum())
+
+    def _agreeing(self) -> list[Closure]:
+        return [closure for closure, good in zip(self.closures, self._believed, strict=True) if good]
+
+    def _graph(self, closures: list[Closure]) -> PoseGraph:
+        edges = [(k, k + 1, link.T_key_robot, link.information) for k, link in enumerate(self.links)]
+        edges += [closure.edge for closure in closures]
+        return PoseGraph.from_edges(len(self.T_map_keys), [(i, j, z, (w + w.T) / 2.0) for i, j, z, w in edges])
+
+    def _optimise(self) -> None:
+        """Move the key poses to where links and closures agree best; the closures that then count are believed."""
+        if not self.closures:
+            return
+        graph, links = self._graph(self.closures), len(self.links)
+        doubted = np.arange(len(graph.i)) >= links
+        found = graduated_non_convexity(graph, np.array(self.T_map_keys), suspects=doubted, bound=self._settings.gate)
+        self._believed = (found.weights[links:] >= BELIEVED).tolist()
+        self.T_map_keys = list(found.poses)
+
+    def _candidates(self) -> list[tuple[int, float]]:
+        """Old key poses that the newest one may stand at, the nearest first, and how far each may have drifted away."""
+        rule, j = self._settings, len(self.T_map_keys) - 1
+        past = j - rule.min_gap + 1
+        if past < 1:
+            return []
+        T_here_keys = relative(self.T_map_keys[j], np.array(self.T_map_keys[:past]))
+        since = np.full(past, j) - np.arange(past)
+        if self.closures:
+            since = np.minimum(since, j - self.closures[-1].j + rule.around)
+        reach = np.minimum(rule.reach + rule.drift * since, rule.farthest)
+        away = np.hypot(T_here_keys[:, 0], T_here_keys[:, 1])
+        order = np.argsort(away + np.abs(T_here_keys[:, 2]), kind="stable")
+        chosen: list[int] = []
+        for i in order[away[order] < ROUGHLY + reach[order]].tolist():
+            if len(chosen) < rule.tries and all(abs(i - other) > 2 * rule.around for other in chosen):
+                chosen.append(i)
+        return [(i, float(reach[i])) for i in chosen]
+
+    def _look(self, i: int, reach: float) -> Closure | None:
+        """Search the newest scans around key pose i, and judge what is found; None where nothing is."""
+        rule, j = self._settings, len(self.T_map_keys) - 1
+        old = self._around(i, max(0, i - rule.around), min(i + rule.around, j - rule.min_gap // 2)).thinned(THIN_MAP)
+        new = self._around(j, max(0, j - rule.behind + 1), j).thinned(THIN_SCANS)
+        if min(len(old), len(new)) < MIN_POINTS:
+            return None
+        expected = relative(self.T_map_keys[i], self.T_map_keys[j])
+        window = Window(reach, min(LEAST_TURN + TURN_PER_METRE * reach, MOST_TURN))
+        try:
+            match = match_clouds(old, new, expected, matching=rule.matching, window=window)
+        except (IcpError, InvalidCloudError):
+            return None
+        if match.overlap < rule.loop_overlap:
+            return Closure(i, j, match, np.inf, "the scans have too little in common")
+        gap = difference(match.T_a_b, expected)
+        apart = disagreement(gap, np.zeros((3, 3)), match.information)
+        if apart > rule.gate:  # more than the match alone can err: how far may odometry have drifted?
+            covariance = relative_covariance(self.graph(), np.array(self.T_map_keys), i, j)
+            apart = disagreement(gap, covariance, match.information)
+        return Closure(i, j, match, apart, "odometry contradicts it" if apart > rule.gate else "")
+
+    def _around(self, key: int, first: int, last: int) -> LineCloud:
+        """The clouds of key poses first to last, in the frame of one of them."""
+        T_map_key = self.T_map_keys[key]
+        return LineCloud.joined(
+            [self.clouds[k].seen_from(relative(T_map_key, self.T_map_keys[k])) for k in range(first, last + 1)]
+        )
+
+    def _strain(self, closure: Closure) -> float:
+        """The squared error of a closure as the poses now stand."""
+        gap = difference(closure.match.T_a_b, relative(self.T_map_keys[closure.i], self.T_map_keys[closure.j]))
+        return float(gap @ closure.match.information @ gap)
