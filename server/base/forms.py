@@ -12,26 +12,33 @@ from binascii import a2b_qp
 
 from starlette.types import Scope
 
-from server.base.errors import Invalid
+from server.base.errors import Invalid, TooLarge
 
 URL_ENCODED = b"application/x-www-form-urlencoded"
 #: Bytes of a form above which it is decoded here; above the second, its parts could be too long for their parser.
 LARGE, MAX_BYTES = 4096, 1 << 20
-#: As many as the parser of forms takes.
-MAX_FIELDS = 1000
-TOO_MANY_FIELDS = f"Ce formulaire a plus de {MAX_FIELDS} champs : envoyez-le en plusieurs fois."
+#: Bounds of every form: three fields for each student of the longest list, and some more. A part takes its parser
+#: longer than a field: a form of more fields than `MAX_PARTS` stays as it is.
+MAX_FIELDS, MAX_FILES, MAX_PARTS = 10_000, 10, 1000
+TOO_MANY_FIELDS = (
+    f"Ce formulaire a plus de {MAX_FIELDS:_} champs, ou de {MAX_FILES} fichiers : rien n’en a été lu. Envoyez-le en "
+    "plusieurs fois."
+).replace("_", "\u202f")
 UNREADABLE = "Ce formulaire n’est pas lisible : rechargez la page et recommencez."
 _MALFORMED = re.compile(rb"%(?![0-9A-Fa-f]{2})")
 _NAME = re.compile(rb"[ !#-\[\]-~]*")
 
 
 def decode_large_form(scope: Scope, body: bytes) -> tuple[Scope, bytes]:
-    """Return the request of a large form as one of several parts; any other as it is. Raises Invalid."""
+    """Return the request of a large form as one of several parts; any other as it is. Raises Invalid or TooLarge."""
     kind = next((value for name, value in scope["headers"] if name == b"content-type"), b"")
     if not LARGE < len(body) <= MAX_BYTES or kind.partition(b";")[0].strip().lower() != URL_ENCODED:
         return scope, body
-    if body.count(b"&") >= MAX_FIELDS:
-        raise Invalid(TOO_MANY_FIELDS)
+    fields = body.count(b"&") + 1
+    if fields > MAX_FIELDS:
+        raise TooLarge(TOO_MANY_FIELDS)
+    if fields > MAX_PARTS:
+        return scope, body
     boundary = secrets.token_hex(16).encode()
     parts = [_part(boundary, *pair.partition(b"=")) for pair in body.split(b"&") if pair]
     whole = b"".join((*parts, b"--", boundary, b"--\r\n"))

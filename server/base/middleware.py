@@ -266,7 +266,7 @@ class BoundedBody:
         record_arrival()
         try:
             scope, body = decode_large_form(scope, body)
-        except Invalid as error:
+        except (Invalid, TooLarge) as error:
             return await self._refuse(Request(scope), error)(scope, receive, send)
         await self._app(scope, _resend(body, receive), send)
 

@@ -8,6 +8,7 @@ what stays damaged is told with its line (`damaged_word`).
 from __future__ import annotations
 
 import codecs
+import itertools
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
@@ -45,6 +46,8 @@ SYMBOLS = frozenset("‚ƒ„…†‡ˆ‰‹•˜™›¡¢£¤¥¦§¨©¬®�
 APOSTROPHES, ELIDED = "‘´", re.compile(r"(?:\w|qu|jusqu)", re.IGNORECASE)
 #: Before a capital within a name: McDonald, DeWitt.
 JOINED = re.compile(r"(?:mc|mac|o|d|l|de|du|la|le|st|van|von|fitz|saint|ben|el|al)", re.IGNORECASE)
+#: Characters of a word that are judged, and words with accents of a list that are repaired: more than names have.
+LONGEST_WORD, MAX_REPAIRED = 80, 8_000
 WORD = re.compile(r"\S+")
 #: Letters whose two or three bytes of UTF-8 are looked for where they were read as single bytes.
 REPAIRED = re.compile("[\u00a0-\u017f\u0218-\u021b\u0300-\u036f\u2010-\u2026\u20ac]+")
@@ -165,7 +168,7 @@ def score_text(text: str) -> float:
 
 @lru_cache(maxsize=8192)
 def _score_word(word: str) -> float:
-    total = 0.0
+    total, word = 0.0, word[:LONGEST_WORD]
     for place, sign in enumerate(word):
         if sign.isascii():
             continue
@@ -209,8 +212,10 @@ def _letter_fits(word: str, place: int) -> bool:
 
 
 def _letters_before(word: str, place: int) -> str:
-    start = re.search(r"[^\W\d_]*$", word[:place])
-    return start[0] if start else ""
+    start = place
+    while start and word[start - 1].isalpha():
+        start -= 1
+    return word[start:place]
 
 
 def damaged_word(text: str) -> str:
@@ -221,6 +226,8 @@ def damaged_word(text: str) -> str:
 def is_damaged(word: str) -> bool:
     if word.isascii():
         return False
+    if len(word) > LONGEST_WORD:
+        return "\ufffd" in word or _has_controls(word)
     return (
         "\ufffd" in word
         or _has_controls(word)
@@ -232,10 +239,11 @@ def is_damaged(word: str) -> bool:
 def _repair(text: str, encoding: str) -> DecodedText:
     """Repair damaged words of a text in UTF-8 or UTF-16."""
     repaired: dict[str, str] = {}
+    judged = itertools.count()
 
     def replace(match: re.Match[str]) -> str:
         word = match[0]
-        if word.isascii() or not is_damaged(word):
+        if word.isascii() or len(word) > LONGEST_WORD or next(judged) >= MAX_REPAIRED or not is_damaged(word):
             return word
         better = repair_word(word)
         if better != word and len(repaired) < 1000:

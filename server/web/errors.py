@@ -15,12 +15,13 @@ from starlette.responses import Response
 
 from server.base.app_services import get_service
 from server.base.errors import Invalid, ServiceError, StorageFull, TooLarge, Unavailable
+from server.base.forms import TOO_MANY_FIELDS
 from server.base.http import TITLES, error_document, error_location, problem_document, problem_response
 from server.base.middleware import SECURITY_HEADERS, route_path
 from server.database import Database, is_storage_full, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
-from server.web.form_identity import FORM_LIMITS, FormRefusal, referring_page, refusal_context, refusal_members
+from server.web.form_identity import FormRefusal, referring_page, refusal_context, refusal_members
 from server.web.rendering import render_page
 
 log = logging.getLogger(__name__)
@@ -35,10 +36,6 @@ FULL = (
     "quelques minutes ; prévenez la personne qui administre ce serveur."
 )
 FULL_SECONDS = 60
-TOO_MANY_FIELDS = (
-    f"Ce formulaire a plus de {FORM_LIMITS['max_fields']:_} champs, ou de {FORM_LIMITS['max_files']} fichiers : rien "
-    "n’en a été lu. Envoyez-le en plusieurs fois."
-).replace("_", "\u202f")
 
 
 def error_response(request: Request, error: ServiceError, account: Account | None = None) -> Response:

@@ -23,6 +23,7 @@ from starlette.datastructures import FormData
 from server.base import root_path
 from server.base.app_services import get_service
 from server.base.errors import Conflict
+from server.base.forms import MAX_FIELDS, MAX_FILES
 from server.base.http import SAFE_METHODS, local_path, session_token
 from server.database import Database
 from server.identity.dependencies import load_session_account
@@ -62,8 +63,7 @@ class FormLimits(TypedDict):
     max_files: int
 
 
-#: Bounds of every form: three fields for each student of the longest list, and some more.
-FORM_LIMITS: FormLimits = {"max_fields": 10_000, "max_files": 10}
+FORM_LIMITS: FormLimits = {"max_fields": MAX_FIELDS, "max_files": MAX_FILES}
 
 
 class FormRefusal(Conflict):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import time
 from contextlib import suppress
 
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from server.base.errors import Invalid
 from server.classes import folding, sheets
 from server.classes.codes import LETTERS, format_code, new_code, parse_code
+from server.classes.encodings import decode_text
 from server.classes.models import NAME_LENGTH
 from server.classes.roster import COLUMNS, read_roster
 from server.classes.roster_line import RosterLine
@@ -137,3 +139,18 @@ def test_a_code_is_read_however_it_is_typed(between: list[str]) -> None:
 def test_what_can_be_no_code_is_none(text: str) -> None:
     assert parse_code(text) is None
     assert len(set(LETTERS)) == 20
+
+
+@pytest.mark.parametrize("word", ["é", "É", "ﬃ", "한", "Ã©", "aÉ", "a1´"])
+def test_a_word_without_an_end_is_read_in_linear_time(word: str) -> None:
+    """Each letter was compared with all that follow it."""
+
+    def seconds(size: int) -> float:
+        content, best = (word * (size // len(word))).encode(), float("inf")
+        for _ in range(3):
+            began = time.process_time()
+            decode_text(content)
+            best = min(best, time.process_time() - began)
+        return best
+
+    assert seconds(40_000) <= 8 * max(seconds(10_000), 0.005)
