@@ -59,7 +59,7 @@ def test_the_first_answer_is_kept_and_shown_again(site: Site) -> None:
 def test_each_seance_of_lessons_and_the_telemeter_ask_questions_of_the_quiz(course: Course) -> None:
     module = course.modules["l20"]
     asked = {lesson.slug: lesson.questions for lesson in module.lessons if lesson.questions}
-    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2", "recherche", "telemetre"}
+    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2", "recherche", "telemetre", "rayons"}
     assert all(name.startswith("verification/") for names in asked.values() for name in names)
     every = [name for names in asked.values() for name in names]
     assert len(set(every)) == len(every) == 29

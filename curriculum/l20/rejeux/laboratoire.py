@@ -142,6 +142,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
             *(legend_of_loops(accepted) if shown else []),
         ],
         period=0.25,
+        begin_at_end=True,
         panels=("Les fonctions du TP", "Le SLAM du journal"),
     )
 

@@ -227,7 +227,7 @@ def test_what_is_measured_outside_tables() -> None:
     assert cells == pytest.approx(4.0, abs=0.1)
     assert says("seances/localiser", "2,8 cases en moyenne et en visite quatre")
     assert singles.farther_by_steps() == pytest.approx(12.0, abs=0.5)
-    assert says("cours/telemetre", "12 % des cases libres")
+    assert says("cours/rayons", "12 % des cases libres")
 
 
 @pytest.mark.slow
@@ -242,9 +242,9 @@ def test_a_passer_by_in_the_scan_that_icp_registers() -> None:
 @pytest.mark.slow
 def test_a_field_is_quicker_than_rays_and_must_be_fine() -> None:
     assert 4.0 < singles.faster_by_field() < 100.0
-    assert says("cours/telemetre", "de dix à trente fois plus vite")
+    assert says("cours/rayons", "de dix à trente fois plus vite")
     (coarse, _), (middle, off), (fine, near) = (singles.by_field(fineness) for fineness in (1, 2, 8))
     assert coarse <= 3
     assert (middle, fine) == (pytest.approx(15, abs=2), pytest.approx(17, abs=2))
     assert (off, near) == (pytest.approx(0.22, abs=0.06), pytest.approx(0.08, abs=0.03))
-    assert says("cours/telemetre", "15 fois sur une grille deux fois plus fine, et 17 fois", "de 0,22 à 0,08 case")
+    assert says("cours/rayons", "15 fois sur une grille deux fois plus fine, et 17 fois", "de 0,22 à 0,08 case")
