@@ -10,14 +10,15 @@ from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.requests import ClientDisconnect, Request
+from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
 from server.base.arrival import record_arrival
+from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.counters import VISITS
-from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
+from server.base.errors import Forbidden, Invalid, LengthRequired, Overloaded, ServiceError, TooLarge
 from server.base.forms import decode_large_form
 from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
@@ -48,6 +49,9 @@ UNKNOWN_LENGTH = (
     "(« Transfer-Encoding: chunked »)."
 )
 CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
+#: Bytes above which a body waits for its turn: hardly a program is as long. How many wait; seconds of a turn at most.
+LARGE_BODY, MAX_WAITING_BODIES, TURN_SECONDS = 32 * 1024, 1000, 0.1
+CROWDED = "Beaucoup de grands envois arrivent en ce moment : réessayez dans quelques secondes."
 #: Who asks there watches the service, and is no visitor.
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
@@ -242,51 +246,89 @@ def _is_forged(scope: Scope) -> bool:
 class BoundedBody:
     """Refuses a body of more than `most` bytes before anything reads it whole, and one whose length is not announced.
 
+    Large ones are handed on in turn, one at a time for each address: they are parsed on the loop. A turn ends as its
+    answer begins, or after TURN_SECONDS: then it waits for something else.
+
     A body in chunks may have pieces of one byte: each is parsed in Python on the loop that serves everybody. The
     connection is closed by the refusal. Browsers, curl and proxies that buffer announce lengths.
     """
 
     def __init__(self, app: ASGIApp, most: int, refuse: Refuse) -> None:
         self._app, self._most, self._refuse = app, most, refuse
+        self._turns = FairLimiter(1, MAX_WAITING_BODIES, reserve=2)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
-            return await self._refuse(Request(scope), LengthRequired(UNKNOWN_LENGTH))(scope, receive, send)
-        if scope["method"] in SAFE_METHODS:
-            return await self._app(scope, receive, send)
         try:
-            body = await self._read(scope, receive)
-        except ClientDisconnect:  # half a request is no request: nobody reads this answer
-            return await self._refuse(Request(scope), Invalid(CUT_OFF))(scope, receive, send)
-        if body is None:
-            error = TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
+            scope, receive, end_turn = await self._prepare(scope, receive)
+        except ServiceError as error:
             return await self._refuse(Request(scope), error)(scope, receive, send)
-        record_arrival()
-        try:
-            scope, body = decode_large_form(scope, body)
-        except (Invalid, TooLarge) as error:
-            return await self._refuse(Request(scope), error)(scope, receive, send)
-        await self._app(scope, _resend(body, receive), send)
 
-    async def _read(self, scope: Scope, receive: Receive) -> bytes | None:
-        """Return the body; None for one that is too long, at once where its length is announced."""
+        async def send_and_end_turn(message: Message) -> None:
+            end_turn()
+            await send(message)
+
+        try:
+            await self._app(scope, receive, send if end_turn is _end_nothing else send_and_end_turn)
+        finally:
+            end_turn()
+
+    async def _prepare(self, scope: Scope, receive: Receive) -> tuple[Scope, Receive, Callable[[], None]]:
+        """Return the request with its whole body, and what ends its turn. Raises ServiceError."""
+        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
+            raise LengthRequired(UNKNOWN_LENGTH)
+        if scope["method"] in SAFE_METHODS:
+            return scope, receive, _end_nothing
+        body = await self._read(scope, receive)
+        record_arrival()
+        scope, body = decode_large_form(scope, body)
+        is_large = len(body) > LARGE_BODY
+        end_turn = await self._begin_turn(str((scope.get("client") or ("",))[0])) if is_large else _end_nothing
+        return scope, _resend(body, receive), end_turn
+
+    async def _begin_turn(self, flow: str) -> Callable[[], None]:
+        """Wait for a turn, and return what ends it. Raises Overloaded."""
+        try:
+            await self._turns.acquire(flow)
+        except LimiterFullError:
+            raise Overloaded(CROWDED, retry_after=5) from None
+        held = True
+
+        def end() -> None:
+            nonlocal held
+            if held:
+                held = False
+                timer.cancel()
+                self._turns.release(flow)
+
+        timer = asyncio.get_running_loop().call_later(TURN_SECONDS, end)
+        return end
+
+    async def _read(self, scope: Scope, receive: Receive) -> bytes:
+        """Return the body. Raises TooLarge, at once where its length is announced, and Invalid for half a request."""
         announced = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
         if announced.isdigit() and int(announced) > self._most:
-            return None
-        chunks, size, more = [], 0, True
+            raise self._too_large()
+        chunks, size, more = list[bytes](), 0, True
         while more:
             message = await receive()
             if message["type"] == "http.disconnect":
-                raise ClientDisconnect
+                raise Invalid(CUT_OFF)  # nobody reads this answer
             chunk = message.get("body", b"")
             size += len(chunk)
             if size > self._most:
-                return None
+                raise self._too_large()
             chunks.append(chunk)
             more = message.get("more_body", False)
         return b"".join(chunks)
+
+    def _too_large(self) -> TooLarge:
+        return TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
+
+
+def _end_nothing() -> None:
+    """End no turn."""
 
 
 def _resend(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:

@@ -19,7 +19,7 @@ from urllib.parse import urlencode, urlsplit
 
 FORM = "application/x-www-form-urlencoded"
 #: Of the attacker's processes: one's own machine is not the attacked one.
-NICE = 5
+NICE = 19
 SECONDS = 20.0
 #: Seconds between two tries of what was refused or has failed at once.
 PAUSE = 0.02

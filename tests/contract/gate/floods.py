@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
+from server.sandbox import Policy
 from tests.contract.gate.attacker import Attacker
+from tests.support.live import PROJECT
 
 ALL = frozenset({"page", "verdict", "cell", "steps", "board", "figure", "login"})
 #: Of what takes no grader nor helper.
@@ -231,7 +233,14 @@ def program(*lines: str) -> Callable[[Attacker], object]:
 
 def _all_functions(*lines: str) -> str:
     body = "\n    ".join(lines)
-    return f"import os, sys\ndef f(*a):\n    {body}\ncomposer = inverser = transformer = normaliser = f\n"
+    return f"import os, sys\ndef f(*a):\n    {body}\nramener = composer = inverse = relatif = f\n"
+
+
+def hostile(name: str) -> Callable[[Attacker], object]:
+    """Return the act of sending a program of `tests/hostile/juge`, which attacks who reads its answers."""
+    limits = {key: value for key, value in asdict(Policy()).items() if isinstance(value, int)}
+    text = (PROJECT / "tests" / "hostile" / "juge" / name).read_text(encoding="utf-8")
+    return program(f"LIMITES = {limits}", text, "ramener = composer = inverse = relatif = repondre")
 
 
 def cells(code: str) -> Callable[[Attacker], object]:
@@ -328,6 +337,10 @@ _ROWS = [
     Flood("floods of files", program(DISK), ALL, 4),
     Flood("deep recursion", program(_all_functions("return f(*a)")), ALL, 4),
     Flood("huge answers", program(_all_functions("return [0.0] * 10**6")), ALL, 4),
+    Flood("answers of lists of arrays", hostile("output_limit/liste_de_tableaux.py"), ALL, 4),
+    Flood("answers of dictionaries", hostile("output_limit/dictionnaires_de_dictionnaires.py"), ALL, 4),
+    Flood("prints beside wrong answers", hostile("wrong_answer/affichage_enorme.py"), ALL, 4),
+    Flood("counterexamples without end", hostile("wrong_answer/simplification_sans_fin.py"), ALL, 4),
     Flood("long lines", program("x = " + "1+" * 20_000 + "1"), ALL, 4),
     Flood("deep brackets", program("x = " + "(" * 20_000), ALL, 4),
     Flood("endless cells", cells("while True:\n    pass"), ALL, 20, fast=True),

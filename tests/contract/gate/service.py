@@ -87,6 +87,7 @@ def several_machines(folder: Path, database_url: str, nats_url: str) -> Iterator
     with ExitStack() as stack:
         machines = []
         for name in ("one", "other"):
+            (folder / name).mkdir()
             machines.append(Live(folder / name / "data", **values))
             stack.callback(end, machines[-1])
         log = stack.enter_context((folder / "workers.log").open("ab"))
