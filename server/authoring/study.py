@@ -23,7 +23,7 @@ from graders.core.code.stored_answers import same_answers
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.told_apart import text_pair
-from server.behaviour import repository
+from server.behaviour import place_queries, repository
 from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
 from server.behaviour.fingerprints import tighten_limits
 from server.behaviour.schemas import GroupDescription
@@ -40,6 +40,7 @@ class UnexplainedGroup:
     """A group: in how many attempts, by how many students, how it fails, what a teacher calls it if one does.
 
     `source` is its shortest program, `names` those of its author; `version` is the exercise's, when it was asked.
+    `changes` are the kinds of changes that mend its programs, each with how many.
     """
 
     group_id: str
@@ -51,6 +52,7 @@ class UnexplainedGroup:
     description: GroupDescription | None
     source: bytes
     names: tuple[str, ...]
+    changes: tuple[tuple[str, int], ...] = ()
 
 
 class MisconceptionWriteError(Exception):
@@ -58,12 +60,19 @@ class MisconceptionWriteError(Exception):
 
 
 def load_unexplained_groups(db: Session, exercise: str, most: int) -> list[UnexplainedGroup]:
-    """The most frequent first."""
-    return [
+    """The most frequent first, then those that the same change mends."""
+    groups = [
         found
         for row in repository.list_unexplained_groups(db, exercise, most)
         if (found := _load_group(db, *row)) is not None
     ]
+    first = {change: place for place, change in reversed(list(enumerate(map(usual_change, groups)))) if change}
+    return sorted(groups, key=lambda group: first.get(usual_change(group), groups.index(group)))
+
+
+def usual_change(found: UnexplainedGroup) -> str:
+    """Return the kind of change that mends most programs of a group; "" where none is known."""
+    return found.changes[0][0] if found.changes else ""
 
 
 def _load_group(db: Session, group_id: str, attempts: int, students: int) -> UnexplainedGroup | None:
@@ -81,6 +90,7 @@ def _load_group(db: Session, group_id: str, attempts: int, students: int) -> Une
         GroupDescription(name.title, name.explanation, name.question) if name else None,
         program[0],
         tuple(word for name in program[1] for word in re.findall(r"[^\W_]+", name)),
+        tuple(place_queries.list_changes(db, group_id)),
     )
 
 

@@ -18,6 +18,8 @@ from sqlalchemy.orm import Session
 
 from graders.core.code.behaviour import Behaviour, BehaviourObserver
 from graders.core.code.grading import CodeGrader
+from graders.core.code.mending import time_limit
+from graders.core.code.places import FoundPlace, find_place
 from graders.core.code.stored_answers import (
     deserialize_answers,
     projection,
@@ -26,9 +28,10 @@ from graders.core.code.stored_answers import (
     structure_hash,
 )
 from graders.core.contract.program import Programs
+from graders.core.contract.verdict import Verdict
 from server.behaviour import repository
 from server.behaviour.models import BehaviourGroup
-from server.behaviour.schemas import FingerprintRequest, ObservedBehaviour
+from server.behaviour.schemas import FingerprintRequest, Observation, ObservedBehaviour
 from server.course import reuse
 from server.course.models import Course
 from server.database import Database, utc_now
@@ -52,9 +55,14 @@ COMMIT_DELAY = timedelta(minutes=2)
 #: Limits of an observation, tighter than those of a grading, as nobody waits for it.
 CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
+#: Limits of a search of places: seconds in all, then of this thread's processor time and of one process of variants.
+SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS, SEARCH_CPU_SECONDS = 60.0, 8.0, 5.0
+SEARCH_SOURCE_BYTES, SEARCH_SESSION_BYTES, SEARCH_SESSION_ITEMS = 256 << 10, 64 << 20, 2_000_000
 
 #: Starts programs under a policy, with the files that they may import.
 StartProgram = Callable[[Policy, Sequence[LibraryFile]], Programs]
+#: Finds the places of a program's mistakes, as `find_place` does.
+PlaceFinder = Callable[[CodeGrader, str, Verdict, Programs, Callable[[], bool]], FoundPlace | None]
 
 
 def tighten_limits(policy: Policy) -> Policy:
@@ -65,6 +73,19 @@ def tighten_limits(policy: Policy) -> Policy:
         wall_seconds=min(policy.wall_seconds, WALL_SECONDS),
         judging_seconds=min(policy.judging_seconds, JUDGING_SECONDS),
         session_bytes=min(policy.session_bytes, SESSION_BYTES),
+    )
+
+
+def search_limits(policy: Policy) -> Policy:
+    """Return the policy of an exercise with what many changed programs in one process need."""
+    return replace(
+        policy,
+        cpu_seconds=max(policy.cpu_seconds, SEARCH_CPU_SECONDS),
+        wall_seconds=max(policy.wall_seconds, SEARCH_SECONDS),
+        source_bytes=SEARCH_SOURCE_BYTES,
+        session_bytes=SEARCH_SESSION_BYTES,
+        session_items=SEARCH_SESSION_ITEMS,
+        judging_seconds=SEARCH_SECONDS,
     )
 
 
@@ -129,8 +150,8 @@ class FingerprintSweeper:
 class FingerprintTask:
     """Implements the port `server.queue.interfaces.Task`."""
 
-    def __init__(self, course: Course, queue: Queue, start: StartProgram) -> None:
-        self._course, self._queue, self._start = course, queue, start
+    def __init__(self, course: Course, queue: Queue, start: StartProgram, find: PlaceFinder = find_place) -> None:
+        self._course, self._queue, self._start, self._find = course, queue, start, find
         self._versions = observable_versions(course)
         self._observers: dict[str, BehaviourObserver] = {}
         self.give_up = give_up
@@ -149,12 +170,29 @@ class FingerprintTask:
             tested=importable_files.load_tested_exercises(db, self._course, submission),
         )
 
-    def run(self, request: FingerprintRequest) -> Behaviour:
+    def run(self, request: FingerprintRequest) -> Observation:
         exercise = self._course.exercises[request.exercise]
         library = reuse.shelves(self._course, request.exercise, request.own, request.tested)
-        return self._observer(request.exercise).observe(
+        behaviour = self._observer(request.exercise).observe(
             request.source, self._start(tighten_limits(exercise.policy), library)
         )
+        return Observation(behaviour, self._place(request, library))
+
+    def _place(self, request: FingerprintRequest, library: Sequence[LibraryFile]) -> FoundPlace | None:
+        """Return the places of the mistakes that the verdict does not name for certain; None after an error of ours."""
+        exercise = self._course.exercises[request.exercise]
+        assert isinstance(exercise.grader, CodeGrader), "only attempts at exercises of code are read"
+        try:
+            verdict, source = Verdict.from_json(request.verdict), request.source.decode()
+            programs = self._start(search_limits(exercise.policy), library)
+            return self._find(
+                exercise.grader, source, verdict, programs, time_limit(SEARCH_SECONDS, SEARCH_PROCESSOR_SECONDS)
+            )
+        except UnicodeDecodeError:
+            return None
+        except Exception:
+            log.exception("grading %s: the places of its mistakes could not be searched", request.grading_id)
+            return None
 
     def _observer(self, exercise_id: str) -> BehaviourObserver:
         if exercise_id not in self._observers:
@@ -163,13 +201,12 @@ class FingerprintTask:
             self._observers[exercise_id] = BehaviourObserver(exercise.grader, exercise.version)
         return self._observers[exercise_id]
 
-    def record(self, db: Session, request: FingerprintRequest, result: Behaviour) -> None:
-        """Store the group of the program, and queue the next observation."""
+    def record(self, db: Session, request: FingerprintRequest, result: Observation) -> None:
+        """Store the group of the program and the places of its mistakes, and queue the next observation."""
         if repository.lock_grading(db, request.grading_id):
-            observed = observed_behaviour(request, result)
-            repository.add_fingerprint(
-                db, request.grading_id, None if observed is None else find_or_create_group(db, observed)
-            )
+            observed = observed_behaviour(request, result.behaviour)
+            group = None if observed is None else find_or_create_group(db, observed)
+            repository.add_fingerprint(db, request.grading_id, group, result.place)
         next_grading = repository.find_grading_to_observe(db, self._versions, request.since)
         if next_grading is not None:
             queue_fingerprint(db, self._queue, next_grading, request.since)

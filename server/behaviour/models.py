@@ -13,6 +13,7 @@ GROUP_LENGTH = 16
 TITLE_LENGTH = 200
 EXPLANATION_LENGTH = 4000
 QUESTION_LENGTH = 1000
+CHANGES_LENGTH = 200
 
 
 class BehaviourGroup(Base):
@@ -38,13 +39,19 @@ class BehaviourGroup(Base):
 
 
 class Fingerprint(Base):
-    """The group of a graded program; no group where nothing was observed, or it could not be."""
+    """The group of a graded program; no group where nothing was observed, or it could not be.
+
+    `place` is the diagnosis of where its mistakes are, as `graders.core.contract.verdict.Diagnosis` writes it, and
+    `changes` the kinds of the changes that mend it; None where none was found.
+    """
 
     __tablename__ = "fingerprint"
 
     grading_id: Mapped[UUID] = mapped_column(ForeignKey("grading.id", ondelete="CASCADE"), primary_key=True)
     group_id: Mapped[str | None] = mapped_column(ForeignKey("behaviour_group.id", ondelete="CASCADE"), index=True)
     made_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    place: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    changes: Mapped[str | None] = mapped_column(String(CHANGES_LENGTH))
 
 
 class BehaviourName(Base):

@@ -1,15 +1,17 @@
 """Queries on groups of behaviour. Lists never read a source, nor the answers of a group."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, Select, and_, func, select, tuple_
+from sqlalchemy import ColumnElement, Row, Select, and_, func, null, select, tuple_
 from sqlalchemy.orm import Session, undefer
 
+from graders.core.code.places import FoundPlace
 from graders.core.code.stored_answers import PROJECTION_TOLERANCE
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
-from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
+from server.behaviour.models import CHANGES_LENGTH, BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import FingerprintRequest, GroupMember
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.database import upsert_statement, utc_now
@@ -65,13 +67,23 @@ def find_grading_to_observe(db: Session, versions: Mapping[str, str], since: dat
 def load_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
     """Load what an observation needs; None where the grading is gone, or has its fingerprint."""
     query = (
-        select(Grading.id, Submission.exercise, Grading.exercise_version, Submission.source, Submission.digest)
+        select(
+            Grading.id,
+            Submission.exercise,
+            Grading.exercise_version,
+            Submission.source,
+            Submission.digest,
+            Grading.verdict,
+        )
         .join(Submission, Submission.id == Grading.submission_id)
         .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
         .where(Grading.id == grading_id, Fingerprint.grading_id.is_(None))
     )
     row = db.execute(query).one_or_none()
-    return None if row is None else FingerprintRequest(*row, since)
+    if row is None:
+        return None
+    request = FingerprintRequest(row.id, row.exercise, row.exercise_version, row.source, row.digest, since)
+    return replace(request, verdict=row.verdict)
 
 
 def load_submission(db: Session, grading_id: UUID) -> Submission:
@@ -86,9 +98,15 @@ def lock_grading(db: Session, grading_id: UUID) -> bool:
     return db.execute(query).first() is not None
 
 
-def add_fingerprint(db: Session, grading_id: UUID, group_id: str | None) -> None:
+def add_fingerprint(db: Session, grading_id: UUID, group_id: str | None, place: FoundPlace | None = None) -> None:
     """Add a fingerprint, unless there is one already."""
-    row = {"grading_id": grading_id, "group_id": group_id, "made_at": utc_now()}
+    row = {
+        "grading_id": grading_id,
+        "group_id": group_id,
+        "made_at": utc_now(),
+        "place": null() if place is None else place.diagnosis.to_json(),
+        "changes": None if place is None else place.changes[:CHANGES_LENGTH],
+    }
     db.execute(upsert_statement(db, Fingerprint).on_conflict_do_nothing(), row)
 
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
+from graders.core.code.behaviour import Behaviour
+from graders.core.code.places import FoundPlace
 from graders.core.code.stored_answers import StoredAnswer
 from server.behaviour.models import BehaviourGroup, BehaviourName
 from server.course.reuse import Own
@@ -33,8 +36,17 @@ class FingerprintRequest:
     source: bytes
     digest: str
     since: datetime
+    verdict: dict[str, Any] = field(default_factory=dict)
     own: Own = field(default_factory=dict)
     tested: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Observation:
+    """How a program behaves, and the places of its mistakes, if any were found."""
+
+    behaviour: Behaviour
+    place: FoundPlace | None = None
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,19 @@ import re
 import unicodedata
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from datetime import timedelta
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.code.places import is_worth_searching, join_place
 from graders.core.contract.bounds import limit_size
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import TEACHER, Diagnosis, Verdict
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
-from server.behaviour import repository
+from server.behaviour import place_queries, repository
 from server.behaviour.models import (
     EXPLANATION_LENGTH,
     QUESTION_LENGTH,
@@ -31,28 +33,46 @@ from server.text.lines import tidy_line
 
 UNKNOWN = "Ce groupe d’essais n’existe pas dans cette classe."
 MAX_LINES = 200
+#: How long a page looks for the places of mistakes after a verdict.
+SEARCH_PATIENCE = timedelta(minutes=2)
 LINE_END = re.compile("\r\n|\r|\n")
 EMPTY = "{what} ne peut pas être vide."
 TOO_LONG = "{what} est trop long : {length} caractères, {most} au plus."
 
 
 def load_verdict(db: Session, attempt: Attempt) -> Verdict | None:
-    """Return the counting verdict as the account may see it; without a known misconception, with the teacher's name for
-    its group as diagnosis.
+    """Return the counting verdict as the account may see it, with the places of its mistakes that were found since.
 
-    The stored verdict never changes: the name is joined when it is read.
+    Without a known misconception, its diagnosis is the teacher's name for its group. The stored verdict never changes:
+    names and places are joined when it is read.
     """
     if attempt.grading is None:
         return None
     verdict = attempt.verdict
     if verdict is None or attempt.feedback.diagnosis is not None:
         return verdict
-    if verdict.diagnosis is not None or verdict.outcome not in repository.OBSERVABLE_OUTCOMES:
+    if verdict.outcome not in repository.OBSERVABLE_OUTCOMES:
         return verdict
-    name = repository.load_name_of_grading(db, attempt.submission.account_id, attempt.grading.id)
-    if name is None:
+    diagnosis = verdict.diagnosis
+    if diagnosis is None:
+        name = repository.load_name_of_grading(db, attempt.submission.account_id, attempt.grading.id)
+        diagnosis = None if name is None else _diagnosis(*name)
+    place = place_queries.load_place(db, attempt.grading.id)
+    if place is not None:
+        diagnosis = join_place(diagnosis, Diagnosis.from_json(place))
+    if diagnosis is verdict.diagnosis:
         return verdict
-    return limit_size(Judgement(replace(verdict, diagnosis=_diagnosis(*name)))).verdict
+    return limit_size(Judgement(replace(verdict, diagnosis=diagnosis))).verdict
+
+
+def is_search_pending(db: Session, attempt: Attempt) -> bool:
+    """Whether the places of a program's mistakes may still be found, soon after its verdict."""
+    grading, verdict = attempt.grading, attempt.verdict
+    if grading is None or verdict is None or attempt.feedback.diagnosis is not None:
+        return False
+    is_recent = utc_now() - grading.finished_at < SEARCH_PATIENCE
+    is_searched = verdict.outcome in repository.OBSERVABLE_OUTCOMES and is_worth_searching(verdict)
+    return is_recent and is_searched and not place_queries.has_fingerprint(db, grading.id)
 
 
 def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Diagnosis:

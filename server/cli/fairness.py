@@ -3,7 +3,8 @@
 `DIR/<slug>/right/*.py` must get full marks, `DIR/<slug>/wrong/*.py` must not; the first line of each file says, as a
 comment, what it does or what its mistake is. Each is graded in the real sandbox on several seeds: points that change
 with the seed are a fault, unless the program draws by itself (the kit's generator has another seed in each grading, and
-one of its own has none): those are counted apart, known by their name, `hasard`.
+one of its own has none): those are counted apart, known by their name, `hasard`. Names are those that a student
+reads in the end: the places that are searched after the verdict are joined on the first seed.
 
 Whether a name is the right one is judged by whoever reads the last table, and kept in the file's second line:
 `# nom: identifiant, …`, the names that would be right, or `# nom: aucun`, none would be.
@@ -13,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from graders.core.code.prober import CHANCE
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
+from server.behaviour.fingerprints import SEARCH_PROCESSOR_SECONDS
 from server.cli import CannotRun
 from server.cli.report import number
 from server.course import Course, Exercise
@@ -153,7 +155,8 @@ def grade_on_seeds(grader: SandboxGrader, submission: Submission, seeds: int) ->
     verdicts = [
         grader.grade(submission.exercise.id, source, seed).verdict for seed in range(FIRST_SEED, FIRST_SEED + seeds)
     ]
-    return GradedProgram(submission, verdicts)
+    diagnosis = grader.find_place(submission.exercise.id, source, verdicts[0], seconds=SEARCH_PROCESSOR_SECONDS)
+    return GradedProgram(submission, [replace(verdicts[0], diagnosis=diagnosis), *verdicts[1:]])
 
 
 def line(finding: GradedProgram) -> str:

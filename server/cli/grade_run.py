@@ -4,6 +4,7 @@ import json
 import secrets
 from argparse import Namespace
 from concurrent.futures import Future
+from dataclasses import replace
 from pathlib import Path
 
 from graders.core.contract.bounds import limit_size
@@ -17,6 +18,9 @@ from server.course.models import SEED_BITS
 from server.course.reuse import NOTHING_OWN, Own
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
+
+#: Processor seconds of the search for the places of mistakes that have no certain name.
+SEARCH_SECONDS = 4.0
 
 
 def grade_answers(arguments: Namespace, source: bytes) -> int | None:
@@ -36,7 +40,9 @@ def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], pr
         require_safe_sandbox(probing)
         wall_cache.save()
     grader = SandboxGrader(course, sandbox.result())
-    return _report(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
+    judgement = grader.grade(arguments.exercise, source, _seed(arguments), own=own)
+    diagnosis = grader.find_place(arguments.exercise, source, judgement.verdict, own=own, seconds=SEARCH_SECONDS)
+    return _report(arguments, replace(judgement, verdict=replace(judgement.verdict, diagnosis=diagnosis)))
 
 
 def ask(arguments: Namespace) -> int:

@@ -48,6 +48,8 @@ def _tell(found: UnexplainedGroup, exercise: Exercise, grader: SandboxGrader, *,
     name = f" — « {found.description.title} », dit un enseignant" if found.description else ""
     older = "" if found.version == exercise.version else " (d’une autre version de l’exercice)"
     print(f"{found.group_id} : {study.describe_frequency(found)}{older}{name}")
+    for change, count in found.changes:
+        print(f"  réparé en changeant : {change} ({count} essai{'s' * (count > 1)})")
     for line in study.describe_counterexample(found):
         print(f"  {line}")
     print("".join(f"    {line}\n" for line in program.splitlines()))

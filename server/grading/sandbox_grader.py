@@ -11,13 +11,17 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from uuid import UUID
 
+from graders.core.code.grading import CodeGrader
+from graders.core.code.mending import time_limit
+from graders.core.code.places import find_place, join_place
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Block, KitSettings, PlannedCalls, Reply, StudentFault
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import internal_error_verdict
+from graders.core.contract.verdict import Diagnosis, Verdict, internal_error_verdict
 from server import sandbox
+from server.behaviour.fingerprints import SEARCH_SECONDS, search_limits
 from server.course import reuse
 from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
@@ -201,6 +205,18 @@ class SandboxGrader:
         library = reuse.shelves(self._course, exercise_id, own, tested)
         asked = [function.name for function in self._course.exercises[exercise_id].functions]
         return SandboxPrograms(self._sandbox, policy, library, asked)
+
+    def find_place(
+        self, exercise_id: str, source: bytes, verdict: Verdict, *, own: Own = NOTHING_OWN, seconds: float
+    ) -> Diagnosis | None:
+        """Return the verdict's diagnosis with the places of the mistakes, searched for so many seconds of processor."""
+        exercise = self._course.exercises[exercise_id]
+        if not isinstance(exercise.grader, CodeGrader):
+            return verdict.diagnosis
+        programs = self.programs(exercise_id, search_limits(exercise.policy), own)
+        spent = time_limit(SEARCH_SECONDS, seconds)
+        found = find_place(exercise.grader, source.decode("utf-8", "replace"), verdict, programs, spent)
+        return verdict.diagnosis if found is None else join_place(verdict.diagnosis, found.diagnosis)
 
     def grade(
         self,

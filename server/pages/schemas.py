@@ -71,7 +71,7 @@ class WorkView:
 
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
     attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
-    would read their question about it.
+    would read their question about it; `searched`: the places of its mistakes may still be found.
     """
 
     id: str
@@ -85,6 +85,7 @@ class WorkView:
     again: bool
     marks: tuple[MarkView, ...]
     progress: Progress | None = None
+    searched: bool = False
     asks: bool = False
     regraded: RegradedView | None = None
     held: str = ""

@@ -280,7 +280,7 @@ def _work(
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
         world=_world(exercise, verdict),
     )
-    return replace(work, verdict=view)
+    return replace(work, verdict=view, searched=behaviour.is_search_pending(reader.db, attempt))
 
 
 def _world(exercise: Exercise, verdict: Verdict) -> verdicts.World:

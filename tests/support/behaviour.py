@@ -11,7 +11,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
 from server.base.settings import Settings
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask, StartProgram
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask, PlaceFinder, StartProgram
 from server.behaviour.models import Fingerprint
 from server.course import Course
 from server.database import Database, utc_now
@@ -66,10 +66,14 @@ def sent(database: Database, account: Account, code: str, verdict: Verdict | Non
 
 
 def asking_worker(
-    database: Database, settings: Settings, course: Course | None = None, start: StartProgram = lambda *_: LOCAL
+    database: Database,
+    settings: Settings,
+    course: Course | None = None,
+    start: StartProgram = lambda *_: LOCAL,
+    find: PlaceFinder = lambda *_: None,
 ) -> Worker:
-    """A worker to be stepped by hand."""
-    task = FingerprintTask(course or the_course(), QUIET, start)
+    """A worker to be stepped by hand, which searches no places of mistakes."""
+    task = FingerprintTask(course or the_course(), QUIET, start, find)
     return Worker(database, QUIET, settings, {FINGERPRINT: task})
 
 

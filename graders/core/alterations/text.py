@@ -32,6 +32,7 @@ class ProgramText:
         self._lines = [0, *(match.end() for match in re.finditer(b"\n", self.raw))]
         self._parents = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
         self.imported = _imported(self.tree)
+        self._variables: dict[ast.AST, list[str]] = {}
 
     def span(self, node: ast.AST) -> tuple[int, int]:
         """Return the byte range of a node, without parentheses around it."""
@@ -55,6 +56,17 @@ class ProgramText:
             if isinstance(node, _FUNCTIONS):
                 return node.name
         return ""
+
+    def variables(self, node: ast.AST) -> list[str]:
+        """Return the names of the variables of the function around a node, those of the top level outside of one."""
+        while node is not self.tree and not isinstance(node, _FUNCTIONS):
+            node = self.parent(node)
+        if node not in self._variables:
+            parameters = [part.arg for part in ast.walk(node) if isinstance(part, ast.arg)]
+            names = [part.id for part in ast.walk(node) if isinstance(part, ast.Name)]
+            stored = {part.id for part in ast.walk(node) if isinstance(part, ast.Name) and _is_stored(part)}
+            self._variables[node] = list(dict.fromkeys([*parameters, *(name for name in names if name in stored)]))
+        return self._variables[node]
 
     def token(self, left: ast.AST, right: ast.AST, spelled: str) -> tuple[int, int]:
         """Return the byte range of an operator between its operands; `spelled` has one space between words."""
@@ -96,6 +108,10 @@ def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
         for child in value if isinstance(value, list) else [value]:
             if isinstance(child, ast.AST):
                 yield name, child
+
+
+def _is_stored(node: ast.Name) -> bool:
+    return isinstance(node.ctx, ast.Store)
 
 
 def _is_text(node: ast.AST) -> bool:

@@ -104,9 +104,8 @@ def _defaults(
         }
         for parameter, wanted in _default_values(asked[name]).items():
             if parameter in parameters and parameter not in given:
-                missed = tuple(
-                    check for check, said in messages.items() if "missing" in said and f"'{parameter}'" in said
-                )
+                told = re.compile(rf"appel de {name} :[^.]*\b{parameter}\b")
+                missed = tuple(check for check, said in messages.items() if told.search(said))
                 if missed:
                     yield Fact(_no_default(name, parameter, wanted), missed)
             elif parameter in given and _number(given[parameter]) not in (None, _number(wanted)):

@@ -23,7 +23,7 @@ from graders.core.code.mutations import Model, Mutant
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, read_answer, same_probe_answer
 from graders.core.code.runner import Runner
-from graders.core.code.stateless import is_stateless
+from graders.core.code.stateless import is_stateless, may_keep_state
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
 from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault, flatten_blocks
@@ -156,6 +156,8 @@ class Prober:
             differs = [
                 _answers_differ(probes, answers) for probes, answers in zip(probes_of_kit, results, strict=False)
             ]
+            if not any(differs) and may_keep_state(runner.source):
+                differs = self._differ_in_reverse(runner, indices, results, deadline)
             repeated: Sequence[list[ProbeAnswer]] = ()
             if any(differs):
                 repeated = _probe_side_program(
@@ -169,6 +171,23 @@ class Prober:
                 if len(answers) > len(probes_of_kit[k].calls):
                     again = repeated[k] if repeated and differs[k] else ()
                     yield indices[k], answers[:-1], _state_slip(answers, again)
+
+    def _differ_in_reverse(
+        self, runner: Runner, indices: Sequence[int], results: Sequence[Sequence[ProbeAnswer]], deadline: float
+    ) -> list[bool]:
+        """Whether a fresh launch that is asked the same in reverse order answers otherwise, for each probed function.
+
+        A memory that the repeated first call does not show, as one with an incomplete key, depends on the order.
+        """
+        probed = [self.probes[index] for index in indices]
+        batches = [PlannedCalls(probes.function, tuple(reversed(probes.calls))) for probes in probed]
+        backwards = _probe_side_program(runner, probed, batches, probed[0].kit, deadline)
+        return [
+            not probes.random
+            and len(answers) > len(probes.calls) == len(again)
+            and not all(map(same_probe_answer, answers, reversed(again)))
+            for probes, answers, again in zip(probed, results, backwards, strict=False)
+        ]
 
     def _select_probes(self, functions: Collection[str], alone: Collection[str]) -> Sequence[tuple[int, Probes]]:
         return [

@@ -82,6 +82,10 @@ class Runner:
         self.stdout = ""
 
     @property
+    def source(self) -> bytes:
+        return self._source
+
+    @property
     def observations(self) -> list[Observation]:
         """All observations so far, in order."""
         deferred, self._deferred = self._deferred, []

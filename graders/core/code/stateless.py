@@ -64,6 +64,8 @@ _ATTRIBUTES = frozenset(
     swapaxes tan tanh tau tile tolist trace transpose trunc var vdot vstack where zeros zeros_like
     """.split()  # noqa: SIM905
 )
+#: Values that a program may change in place.
+_MUTABLE = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.Call)
 #: A keyword argument by which numpy leaves a part of its result uninitialised.
 _UNWRITTEN = "where"
 
@@ -86,6 +88,37 @@ def is_stateless(source: bytes, kit_names: Mapping[str, Any]) -> bool:
         shared |= bound
     functions = [statement for statement in tree.body if isinstance(statement, ast.FunctionDef)]
     return all(_is_harmless(function, shared, hidden) for function in functions)
+
+
+def may_keep_state(source: bytes) -> bool:
+    """Whether the text of a program shows where it may keep something from one call to the next.
+
+    That is a global variable that a function sets, a mutable value at the top level or as a default, an attribute of a
+    function, a decorator.
+    """
+    try:
+        tree = ast.parse(source[:MAX_SOURCE])
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    names = {function.name for function in functions}
+    kept = [statement.value for statement in tree.body if isinstance(statement, ast.Assign | ast.AnnAssign)]
+    defaults = [default for function in functions for default in function.args.defaults]
+    return (
+        any(isinstance(node, ast.Global | ast.Nonlocal) for node in ast.walk(tree))
+        or any(isinstance(value, _MUTABLE) for value in [*kept, *defaults])
+        or any(function.decorator_list for function in functions)
+        or any(_sets_attribute(node, names) for node in ast.walk(tree))
+    )
+
+
+def _sets_attribute(node: ast.AST, names: Collection[str]) -> bool:
+    return (
+        isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Store)
+        and isinstance(node.value, ast.Name)
+        and node.value.id in names
+    )
 
 
 def _bound(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.grading import CodeGrader
+from graders.core.code.facts import find_facts
+from graders.core.contract.findings import Finding
 from graders.core.contract.local import LOCAL
-from graders.core.contract.verdict import Diagnosis
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult
 from tests.support.shipped import CODE
 
-GAIN, COHERENCE, BOUCLES = "l19/gain", "l19/coherence", "l20/boucles"
-
-
-def diagnosed(exercise: str, *changes: tuple[str, str]) -> Diagnosis | None:
-    """Return the diagnosis of the solution with these changes."""
-    grader = CODE[exercise]
-    assert isinstance(grader, CodeGrader)
-    source = grader.solution
-    for old, new in changes:
-        assert old in source
-        source = source.replace(old, new)
-    return grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
+GAIN, COHERENCE = "l19/gain", "l19/coherence"
 
 
 GAIN_RIGHT = """
@@ -74,6 +65,28 @@ def test_a_fact_is_told_without_a_name(old: str, new: str, identity: str, title:
     assert found.title == title
 
 
+@pytest.mark.parametrize(
+    ("defined", "message", "cause", "identity"),
+    [
+        ("niveau", "Il manque à l’appel de bande : niveau. [TypeError]", Outcome.RUNTIME_ERROR, "defaut_manquant"),
+        ("niveau", "Il manque à l’appel de bande : N. [TypeError]", Outcome.RUNTIME_ERROR, None),
+        ("niveau=0.9", "Faux.", Outcome.WRONG_ANSWER, "defaut_different"),
+        ("niveau=19 / 20", "Faux.", Outcome.WRONG_ANSWER, None),
+        ("niveau=None", "Faux.", Outcome.WRONG_ANSWER, None),
+        ("niveau=0.950", "Faux.", Outcome.WRONG_ANSWER, None),
+    ],
+)
+def test_a_default_value_is_told(defined: str, message: str, cause: Outcome, identity: str | None) -> None:
+    check = next(check for check in CODE[COHERENCE].checks if check.functions == ("bande",))
+    finding = Finding(CheckResult(check.id, check.title, False, 0, check.points, message), cause)
+    source = f"def bande(n, N, {defined}):\n    return 0, 1\n".encode()
+    facts = find_facts([(check, finding)], source, CODE[COHERENCE].solution, ())
+    assert [fact.slip.id for fact in facts] == ([identity] if identity else [])
+    assert all(fact.checks == (check.id,) for fact in facts)
+    told = ["La valeur par défaut de niveau manque"]
+    assert not find_facts([(check, finding)], source, CODE[COHERENCE].solution, told)
+
+
 def test_a_right_program_has_no_facts() -> None:
     verdict = CODE[GAIN].grade(GAIN_RIGHT.encode(), LOCAL, seed=3, version="v").verdict
     assert (verdict.points, verdict.diagnosis) == (20, None)
@@ -90,3 +103,23 @@ def test_a_name_tells_what_it_leaves_unexplained() -> None:
     explained = {check for checks in found.diagnosis.explains for check in checks}
     assert explained
     assert explained < {check.id for check in found.checks if not check.passed}
+
+
+def test_a_memory_with_an_incomplete_key_is_told() -> None:
+    """The first call, repeated last, gets the same answer; the same calls in reverse order do not."""
+    source = """
+deja = {}
+
+def predire(m, v, u, q):
+    return m + u, v + q
+
+def corriger(m, v, z, r):
+    cle = r > 1
+    if cle not in deja:
+        K = v / (v + r)
+        deja[cle] = m + K * (z - m), (1 - K) * v
+    return deja[cle]
+"""
+    found = CODE["l19/predire_corriger"].grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
+    assert found is not None
+    assert found.id == "memoire"

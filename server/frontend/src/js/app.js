@@ -4,7 +4,7 @@ import { setUpCountdowns } from "./countdown.js";
 import { setUpColumnMarks } from "./columns.js";
 import { noteAccount } from "./drafts.js";
 import { setUpFieldCopies } from "./fields.js";
-import { followToVerdict } from "./follow.js";
+import { followPlace, followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
 import { followProgress } from "./progress.js";
 import { setUpTheme, showTheme } from "./themes.js";
@@ -93,4 +93,5 @@ if (waiting && waiting.dataset.status !== "done") {
   followToVerdict({ events: waiting.dataset.events, verdict: waiting.dataset.verdict });
 }
 
+followPlace();
 followProgress();

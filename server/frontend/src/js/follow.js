@@ -63,6 +63,26 @@ export async function refresh(url) {
   return true;
 }
 
+// After a verdict, the place of a mistake may be found: its diagnosis then comes by itself, and nothing else moves.
+const LATER_SECONDS = [3, 5, 8, 14, 30, 60];
+
+export async function followPlace() {
+  for (const seconds of LATER_SECONDS) {
+    const place = document.querySelector("[data-part=verdict][data-later]");
+    if (!place) return;
+    await new Promise((wake) => setTimeout(wake, 1000 * seconds));
+    const verdict = (await fetchFragment(place.dataset.later))?.querySelector("[data-part=verdict]");
+    if (!verdict || !place.isConnected) continue;
+    if (!("later" in verdict.dataset)) delete place.dataset.later;
+    const [now, before] = [verdict, place].map((part) => part.querySelector(".diagnosis"));
+    if (!now || now.textContent === before?.textContent) continue;
+    document.adoptNode(now);
+    if (before) before.replaceWith(now);
+    else (place.querySelector("#titre-verifications")?.parentElement ?? place.lastElementChild).before(now);
+    announce(now.querySelector("h3")?.textContent ?? "");
+  }
+}
+
 // A hint that was open stays open; the folds of a verdict are another verdict's.
 function put(part, old) {
   if (part.dataset.part !== "verdict") {
@@ -105,6 +125,7 @@ export async function followToVerdict(address) {
   }
   const place = document.querySelector("[data-part=verdict]");
   announce(place?.dataset.announce ?? "");
+  followPlace();
   if (place && place.getBoundingClientRect().top > window.innerHeight * 0.6) reveal(place, "start");
 }
 

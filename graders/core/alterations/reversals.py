@@ -1,0 +1,209 @@
+"""Further changes of a student's program that may mend it: what mistakes do, undone.
+
+The rules of the other modules make mistakes of right programs, and many of them are their own reversal. These add what
+is missing in a wrong program: a copy, a type, an axis, an order, a square root, another variable.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Iterator
+
+from graders.core.alterations.calls import words
+from graders.core.alterations.expressions import name_of
+from graders.core.alterations.text import Change, ProgramText
+
+#: Functions that make arrays, and may be asked for whole or short numbers.
+_MAKERS = words("array zeros ones full empty zeros_like ones_like full_like asarray arange")
+#: Functions that reduce an array along an axis.
+_REDUCERS = words(
+    "sum mean max min argmin argmax median prod cumsum any all std var norm argsort sort amin amax unique"
+)
+_SHORT_TYPES = words("int int32 int64 float32 float16 single half bool i i4 i8 f4 f2")
+#: Simple statements that may change places.
+_SIMPLE = (ast.Assign, ast.AugAssign, ast.Expr)
+_MAX_VARIABLES, _MAX_EXCHANGED = 14, 5
+
+
+def copies(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """A copy of an argument, or of what is kept."""
+    if isinstance(node, ast.Assign) and isinstance(node.value, ast.Name | ast.Subscript):
+        yield text.replaced(node.value, f"np.array({text.source_of(node.value)}, dtype=float)", "copie")
+    if isinstance(node, ast.Call) and name_of(node) == "append" and len(node.args) == 1:
+        argument = node.args[0]
+        if isinstance(argument, ast.Name):
+            yield text.replaced(argument, f"np.array({argument.id})", "copie")
+
+
+def types(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """Whole or short numbers where real numbers are kept."""
+    if not isinstance(node, ast.Call):
+        return
+    for keyword in node.keywords:
+        if keyword.arg == "dtype":
+            yield text.replaced(keyword.value, "float", "type")
+    if name_of(node) in ("astype",) and node.args:
+        yield text.replaced(node.args[0], "float", "type")
+    if name_of(node) in _MAKERS and not any(keyword.arg == "dtype" for keyword in node.keywords):
+        end = text.span(node)[1]
+        if len(node.args) == 2 and text.source_of(node.args[1]).split(".")[-1].strip("'\"") in _SHORT_TYPES:
+            yield text.replaced(node.args[1], "float", "type")
+        elif node.args:
+            yield Change(end - 1, end, ", dtype=float)", "type")
+    if name_of(node) in ("int", "round", "float32", "float16", "rint", "trunc") and node.args:
+        yield text.replaced(node, f"({text.source_of(node.args[0])})", "arrondi")
+
+
+def axes(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """An axis where none is named, or the other one; a reduction that is missing or too many."""
+    if not isinstance(node, ast.Call) or name_of(node) not in _REDUCERS:
+        return
+    named = next((keyword for keyword in node.keywords if keyword.arg == "axis"), None)
+    end = text.span(node)[1]
+    separator = ", " if node.args or node.keywords else ""
+    if named is None and text.source_of(node).endswith(")"):
+        for axis in (0, 1, -1):
+            yield Change(end - 1, end, f"{separator}axis={axis})", "axe")
+    elif named is not None:
+        for other in ("0", "1", "2", "None"):
+            if text.source_of(named.value) != other:
+                yield text.replaced(named.value, other, "axe")
+
+
+def orders(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """Two neighbouring lines in the other order; a line moved before its block, or to the end of it."""
+    for name in ("body", "orelse"):
+        block = getattr(node, name, None)
+        if not isinstance(block, list):
+            continue
+        for first, second in itertools.pairwise(block):
+            if isinstance(first, _SIMPLE) and isinstance(second, _SIMPLE):
+                yield text.swapped(first, second, "ordre des lignes")
+        if isinstance(node, ast.For | ast.While) and name == "body" and len(block) > 1:
+            yield from _dedented(text, node, block[-1])
+    if isinstance(node, ast.FunctionDef | ast.For | ast.While | ast.If):
+        yield from _indented(text, node)
+
+
+def _dedented(text: ProgramText, loop: ast.stmt, last: ast.stmt) -> Iterator[Change]:
+    """The last line of a loop's block, after the loop."""
+    if isinstance(last, ast.Return | ast.Assign | ast.AugAssign | ast.Expr | ast.If) and not loop.orelse:  # type: ignore[attr-defined]
+        start, end = text.span(last)
+        begin = start - last.col_offset
+        lines = text.slice(begin, end).split("\n")
+        shift = last.col_offset - loop.col_offset
+        if all(line[:shift].isspace() or not line for line in lines):
+            yield Change(begin, end, "\n".join(line[shift:] for line in lines), "indentation")
+
+
+def _indented(text: ProgramText, node: ast.stmt) -> Iterator[Change]:
+    """The line after a loop, at the end of its block."""
+    block = node.body  # type: ignore[attr-defined]
+    for loop, after in itertools.pairwise(block):
+        if isinstance(loop, ast.For | ast.While) and isinstance(after, _SIMPLE):
+            inner = loop.body[0].col_offset - after.col_offset
+            start, end = text.span(after)
+            begin = start - after.col_offset
+            lines = text.slice(begin, end).split("\n")
+            yield Change(begin, end, "\n".join(" " * inner + line for line in lines), "indentation")
+
+
+def variables(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """Another variable of the same function."""
+    if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load) or node.id in text.imported:
+        return
+    if isinstance(text.parent(node), ast.Call) and text.parent(node).func is node:  # type: ignore[attr-defined]
+        return
+    for other in text.variables(node)[:_MAX_VARIABLES]:
+        if other != node.id:
+            yield text.replaced(node, other, "variable")
+
+
+def exchanges(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """Two variables in each other's place, wherever a statement or an expression reads them."""
+    if not isinstance(node, ast.BinOp | ast.Tuple | ast.List | ast.Compare):
+        return
+    read = [part for part in ast.walk(node) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)]
+    names = list(dict.fromkeys(part.id for part in read if part.id in text.variables(node)))
+    begin, end = text.span(node)
+    for first, other in itertools.combinations(names[:_MAX_EXCHANGED], 2):
+        pieces, last = [], begin
+        for part in sorted((p for p in read if p.id in (first, other)), key=text.span):
+            start, stop = text.span(part)
+            pieces += [text.slice(last, start), other if part.id == first else first]
+            last = stop
+        yield Change(begin, end, "".join([*pieces, text.slice(last, end)]), "variables échangées")
+
+
+def factors(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """A sign, a half, a double, a square, a square root, an inverse, an absolute value, a transpose."""
+    if not isinstance(node, ast.expr) or isinstance(getattr(node, "ctx", None), ast.Store):
+        return
+    parent = text.parent(node)
+    if not isinstance(node, ast.Name | ast.Call | ast.BinOp | ast.Subscript | ast.Attribute | ast.Constant):
+        return
+    if isinstance(parent, ast.Attribute | ast.Subscript | ast.keyword | ast.Expr) or (
+        isinstance(parent, ast.Call) and parent.func is node
+    ):
+        return
+    if isinstance(node, ast.Constant) and not isinstance(node.value, int | float):
+        return
+    here = text.source_of(node)
+    is_whole = isinstance(parent, ast.Assign | ast.AugAssign | ast.Return | ast.Tuple | ast.List | ast.Call)
+    for before, after, operator in (("-(", ")", "signe"), ("(", ") ** 2", "carré"), ("(", ") ** 0.5", "racine"),
+                                    ("2 * (", ")", "facteur"), ("(", ") / 2", "facteur"), ("1 / (", ")", "inverse"),
+                                    ("np.abs(", ")", "valeur absolue")):  # fmt: skip
+        yield text.replaced(node, f"({before}{here}{after})", operator)
+    if is_whole or isinstance(node, ast.Name):
+        yield text.replaced(node, f"({here}).T", "transposée")
+        yield text.replaced(node, f"np.linalg.inv({here})", "inverse")
+    if is_whole:
+        yield text.replaced(node, f"np.arctan2(np.sin({here}), np.cos({here}))", "angle")
+
+
+def additions(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """A term or a factor more: another variable of the function."""
+    if not isinstance(node, ast.BinOp | ast.Call | ast.Name | ast.Subscript):
+        return
+    parent = text.parent(node)
+    is_factor = isinstance(node, ast.Name) and isinstance(parent, ast.BinOp)
+    if not is_factor and not isinstance(parent, ast.Assign | ast.AugAssign | ast.Return | ast.Tuple | ast.List):
+        return
+    if isinstance(getattr(node, "ctx", None), ast.Store):
+        return
+    here = text.source_of(node)
+    for other in text.variables(node)[:_MAX_VARIABLES]:
+        for sign in "*/" if is_factor else "+-*/@":
+            yield text.replaced(node, f"({here}) {sign} {other}", "terme ou facteur manquant")
+
+
+def tests(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """A statement that is not made under a condition; `while` for `if`; `else` for a second `if`."""
+    if isinstance(node, ast.If) and not node.orelse:
+        start = text.span(node)[0]
+        if text.slice(start, start + 2) == "if":
+            yield Change(start, start + 2, "while", "if ou while")
+    if isinstance(node, ast.While):
+        start = text.span(node)[0]
+        yield Change(start, start + 5, "if", "if ou while")
+    if isinstance(node, ast.If):
+        start = text.span(node)[0]
+        if text.slice(start, start + 4) == "elif":
+            yield Change(start, start + 4, "if", "elif ou if")
+
+
+def augments(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """« += » for « = »."""
+    if (
+        isinstance(node, ast.Assign)
+        and len(node.targets) == 1
+        and isinstance(node.targets[0], ast.Subscript | ast.Name)
+    ):
+        start, end = text.token(node.targets[0], node.value, "=")
+        for sign in "+-":
+            yield Change(start, end, f"{sign}=", "affectation")
+
+
+LIKELY = (copies, types, axes, orders, tests, augments)
+UNLIKELY = (variables, exchanges, factors, additions)

@@ -1,0 +1,153 @@
+"""Changes of a student's program at one place that may mend it: mistakes of the catalogue undone, then any other.
+
+A change proves nothing: `mending` runs the changed programs.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from graders.core.alterations import alterations, reversals
+from graders.core.alterations.text import Change, ProgramText
+from graders.core.code.mutations import Model
+from graders.core.code.repairs import MAX_SOURCE, find_repairs
+from graders.core.code.variants import NOTE
+
+#: Changes of one program; repairs of one mistake of the catalogue.
+MAX_CHANGES, MAX_REPAIRS = 2500, 25
+#: The call by which each loop of a changed program counts its turns.
+TURN = "_tour()"
+_LIKELY = (*alterations.RULES, *reversals.LIKELY)
+
+
+@dataclass(frozen=True)
+class ProgramChange:
+    """A changed program and the first changed line of the original.
+
+    In `counted` its loops count their turns. `operator` says what kind of thing was changed, `mistake` is the id of the
+    undone mistake of the catalogue, if any.
+    """
+
+    text: str
+    counted: str
+    line: int
+    operator: str
+    mistake: str = ""
+
+
+def find_changes(
+    source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool]
+) -> list[ProgramChange]:
+    """Return the changes of a program that may mend these functions, the likeliest first; none of one too long."""
+    if len(source) > MAX_SOURCE:
+        return []
+    try:
+        text = ProgramText(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return []
+    changes: dict[str, ProgramChange] = {}
+    for change in itertools.islice(
+        itertools.chain(_undone_mistakes(source, functions, model, spent), _other_changes(text, functions)),
+        MAX_CHANGES,
+    ):
+        changes.setdefault(change.text, change)
+    return list(changes.values())
+
+
+def _undone_mistakes(
+    source: str, functions: Sequence[str], model: Model | None, spent: Callable[[], bool]
+) -> Iterator[ProgramChange]:
+    for mistake in dict.fromkeys(edit.id for edit in model.edits) if model else ():
+        repairs = find_repairs(model, mistake, functions, source, spent) if model else iter(())
+        for repair in itertools.islice(repairs, MAX_REPAIRS):
+            yield ProgramChange(repair.text, count_turns(repair.text), repair.lines[0], "", mistake)
+
+
+def _other_changes(text: ProgramText, functions: Sequence[str]) -> Iterator[ProgramChange]:
+    nodes = sorted(_reached_nodes(text, functions), key=lambda node: getattr(node, "lineno", 0))
+    counters = turn_counters(text)
+    for rules in (_LIKELY, reversals.UNLIKELY):
+        for node in nodes:
+            for rule in rules:
+                for change in rule(text, node):
+                    line = text.raw.count(b"\n", 0, change.start) + 1
+                    yield ProgramChange(text.apply(change), _counted(text, change, counters), line, change.operator)
+
+
+def _reached_nodes(text: ProgramText, functions: Sequence[str]) -> Iterator[ast.AST]:
+    """Yield the nodes of these functions, of those that they call, and of the top level."""
+    defined = {node.name: node for node in text.tree.body if isinstance(node, ast.FunctionDef)}
+    reached, waiting = set[str](), [name for name in functions if name in defined]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            names = {node.id for node in ast.walk(defined[name]) if isinstance(node, ast.Name)}
+            waiting += names & defined.keys() - reached
+    others = {node for name, node in defined.items() if name not in reached}
+    left_out = {part for node in others for part in ast.walk(node)}
+    yield from (node for node in text.nodes() if node not in left_out)
+
+
+def turn_counters(text: ProgramText) -> list[tuple[int, bytes]]:
+    """Return where the loops of a program count their turns: byte offsets and texts, in order."""
+    counters = []
+    for node in ast.walk(text.tree):
+        if isinstance(node, ast.For | ast.While):
+            first = node.body[0]
+            start = text.span(first)[0]
+            is_simple = not isinstance(
+                first, ast.If | ast.For | ast.While | ast.With | ast.Try | ast.FunctionDef | ast.ClassDef | ast.Match
+            )
+            end = "; " if is_simple else "\n" + " " * first.col_offset
+            counters.append((start, f"{TURN}{end}".encode()))
+    return sorted(counters)
+
+
+def noted_line(source: str, line: int) -> tuple[str, list[str]] | None:
+    """Return a program that notes its variables where a line begins, and the variables that the line reads or sets.
+
+    None where no simple statement begins there.
+    """
+    try:
+        text = ProgramText(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+    statement = next(
+        (
+            node
+            for node in ast.walk(text.tree)
+            if isinstance(node, ast.Assign | ast.AugAssign | ast.Return | ast.Expr) and node.lineno == line
+        ),
+        None,
+    )
+    if statement is None:
+        return None
+    start = text.span(statement)[0]
+    counters = [*turn_counters(text), (start, f"{NOTE}; ".encode())]
+    read = sorted((node for node in ast.walk(statement) if isinstance(node, ast.Name)), key=text.span)
+    names = [node.id for node in read]
+    known = [name for name in dict.fromkeys(names) if name in text.variables(statement)]
+    return _counted(text, Change(0, 0, "", ""), sorted(counters)), known
+
+
+def count_turns(source: str) -> str:
+    """Return a program whose loops count their turns; as it is where it does not parse."""
+    try:
+        text = ProgramText(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return source
+    return _counted(text, Change(0, 0, "", ""), turn_counters(text))
+
+
+def _counted(text: ProgramText, change: Change, counters: Sequence[tuple[int, bytes]]) -> str:
+    """Return a changed program whose loops count their turns, but for those within the change."""
+    pieces, last = [], 0
+    kept = [(at, at, added) for at, added in counters if not change.start < at < change.end]
+    for start, end, new in sorted([*kept, (change.start, change.end, change.text.encode())], key=lambda edit: edit[:2]):
+        pieces += [text.raw[last:start], new]
+        last = end
+    return b"".join([*pieces, text.raw[last:]]).decode()

@@ -1,0 +1,264 @@
+"""Search for the place of a mistake in the student's own program: changed there, it passes checks that it fails.
+
+Most changes are ruled out by the probes, of many changed programs in one launch (`variants`); those that mend some
+wrong answer and break none are run through the checks. Two changes are found one after the other: the first must mend
+something alone. No change is ever shown: it proves where the mistake is, and how much it costs.
+"""
+
+from __future__ import annotations
+
+import ast
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graders.core.code.bench import Bench
+from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
+from graders.core.code.checks import Check
+from graders.core.code.grading import NO_SHRINKING, CodeGrader
+from graders.core.code.mutants import NO_ANSWER
+from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, read_answer, same_probe_answer
+from graders.core.code.runner import Runner
+from graders.core.code.running import run_check
+from graders.core.code.variants import VariantCaller
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Programs, StudentFault
+from graders.core.contract.streams import stream
+from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array
+from graders.core.contract.verdict import Diagnosis
+
+#: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
+MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
+#: Changes after which another one is searched.
+MAX_BEGUN = 2
+#: Changed programs that answer in one exchange, between two looks at the time.
+SLICE = 200
+
+
+@dataclass(frozen=True)
+class MendingStep:
+    """A change, the ids of the checks that it mends, and the other changes of as much effect at other places."""
+
+    change: ProgramChange
+    mended: frozenset[str]
+    rivals: tuple[ProgramChange, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mending:
+    """The steps found, the ids of the checks that still fail after them, and a name: that of what the last step mends,
+    where another one comes before it and the mended program has that name for certain."""
+
+    steps: tuple[MendingStep, ...]
+    left: frozenset[str]
+    last_name: Diagnosis | None = None
+
+    @property
+    def mended(self) -> frozenset[str]:
+        """The ids of the checks that pass after all steps."""
+        return frozenset().union(*(step.mended for step in self.steps))
+
+
+class OutOfTimeError(Exception):
+    """The search has spent its time."""
+
+
+class MendingSearch:
+    """Searches in one program of an exercise, on the inputs of one seed, until the time is `spent`."""
+
+    def __init__(self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool]) -> None:
+        self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
+        self._caller = VariantCaller(programs)
+        self.tried = 0
+
+    def search(self, source: str) -> Mending | None:
+        """Return the changes that mend checks of a failed program; None where there is none."""
+        if not _parses(source):
+            return None
+        failed = self._failed_checks(source)
+        if not failed or (len(failed) == len(self._grader.checks) and not self._loads(source)):
+            return None
+        left = frozenset(check.id for check in failed)
+        try:
+            steps = self._steps(source, left, MAX_STEPS)
+        except OutOfTimeError:
+            return None
+        if not steps:
+            return None
+        last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 else None
+        return Mending(tuple(steps), left.difference(*(step.mended for step in steps)), last_name)
+
+    def _certain_name(self, source: str) -> Diagnosis | None:
+        verdict = self._grader.grade(source.encode(), self._programs, seed=self._seed, version="").verdict
+        return verdict.diagnosis if verdict.diagnosis and verdict.diagnosis.certain else None
+
+    def values_at(self, source: str, line: int, function: str, arguments: Arguments) -> list[tuple[str, float]]:
+        """Return the numbers that a line reads when a call first comes to it."""
+        noted = noted_line(source, line)
+        if noted is None:
+            return []
+        return self._caller.look(noted[0], function, arguments, noted[1], self._grader.kit(stream(self._seed, "kit")))
+
+    def _loads(self, source: str) -> bool:
+        try:
+            self._programs.open(source.encode(), self._grader.kit(stream(self._seed, "kit"))).close()
+        except StudentFault:
+            return False
+        return True
+
+    def _steps(self, source: str, failed: frozenset[str], most: int) -> list[MendingStep]:
+        """Return at most `most` changes, one after the other, that mend as many of the failed checks as possible.
+
+        A change of which no check passes counts where the next one mends more than it would alone.
+        """
+        functions = sorted({name for check in self._grader.checks if check.id in failed for name in check.functions})
+        model = self._grader.prober.model if self._grader.prober else None
+        changes = find_changes(source, functions, model, self._spent)
+        self.tried += len(changes)
+        tried: list[tuple[ProgramChange, frozenset[str]]] = []
+        for change in self._screened(source, changes, functions)[:MAX_VERIFIED]:
+            left = frozenset(check.id for check in self._failed_checks(change.text))
+            if left <= failed:
+                tried.append((change, left))
+            if not left:
+                break
+        tried.sort(key=lambda pair: len(pair[1]))
+        if not tried:
+            return []
+        best, left = tried[0]
+        alike = tuple(change for change, other in tried[1:] if other == left)
+        steps = [MendingStep(best, failed - left, alike)] if left < failed else []
+        if most == 1 or not left:
+            return steps
+        for change, other in tried[:MAX_BEGUN]:
+            further = self._steps(change.text, other, most - 1)
+            if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
+                steps, left = [MendingStep(change, failed - other), *further], failed - mended
+        return steps
+
+    def _screened(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
+        """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first."""
+        prober = self._grader.prober
+        gains: dict[int, float] = {}
+        for index, probes in enumerate(prober.probes if prober else ()):
+            if probes.function not in functions or probes.random:
+                continue
+            everything = range(len(probes.calls))
+            before = self._agreements(index, [count_turns(source)], everything)[0]
+            wrong = [k for k in everything if not before[k].all()]
+            for k in wrong[:MAX_PIVOTS]:
+                left = [number for number in range(len(changes)) if number not in gains]
+                texts = [changes[number].counted for number in left]
+                pivots = self._agreements(index, texts, [k])
+                hits = [
+                    number for number, (after,) in zip(left, pivots, strict=True) if _is_better([before[k]], [after])
+                ]
+                answers = self._agreements(index, [changes[number].counted for number in hits], everything)
+                for number, after in zip(hits, answers, strict=True):
+                    if _is_better(before, after):
+                        gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
+        order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
+        return [changes[number] for number in order]
+
+    def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
+        """Return, for each program and probe among `indices`, which numbers of its answer are right.
+
+        They are those of the style in which most are right.
+        """
+        assert self._grader.prober is not None
+        probes = self._grader.prober.probes[index]
+        rights = self._grader.prober.right_answers_by_style(index)
+        calls = [probes.calls[k] for k in indices]
+        agreements = []
+        for begin in range(0, len(texts), SLICE):
+            if self._spent():
+                raise OutOfTimeError
+            for answers in self._caller.answers(texts[begin : begin + SLICE], probes.function, calls, probes.kit):
+                read = [read_answer(args, answer, probes.read) for args, answer in zip(calls, answers, strict=False)]
+                read += [NO_ANSWER] * (len(calls) - len(read))
+                in_each_style = [
+                    [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
+                    for right in rights
+                ]
+                agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
+        return agreements
+
+    def _failed_checks(self, source: str) -> list[Check]:
+        """Return the checks that a program fails, without shrinking; all of them where it does not load."""
+        if self._spent():
+            raise OutOfTimeError
+        grader = self._grader
+        kit = grader.kit(stream(self._seed, "kit"))
+        runner = Runner(self._programs, source.encode(), kit, budget=NO_SHRINKING)
+        failed = []
+        try:
+            _ = runner.program
+            for check in grader.checks:
+                finding = run_check(check, Bench(check.id, runner, stream(self._seed, check.id), kit))
+                if not finding.passed:
+                    failed.append(check)
+                    runner.failed.add(check.id)
+                    if finding.cause is Outcome.TIMEOUT:
+                        return [*failed, *grader.checks[len(failed) :]]
+        except StudentFault:
+            return list(grader.checks)
+        finally:
+            runner.close()
+        return failed
+
+
+def _parses(source: str) -> bool:
+    try:
+        ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return True
+
+
+def _right_numbers(probes: Probes, answer: ProbeAnswer, right: ProbeAnswer) -> NDArray[np.bool_]:
+    """Return which numbers of an answer are right: one mark where it is not compared number by number."""
+    whole = probes.same(answer, right)
+    mine, wanted = _leaves(answer), _leaves(right)
+    if probes.same is not same_probe_answer or wanted is None:
+        return np.array([whole])
+    if whole or mine is None or mine.size != wanted.size:
+        return np.full(max(1, wanted.size), whole)
+    return np.asarray(np.abs(mine - wanted) <= TOLERANCE * np.maximum(1.0, np.abs(wanted)))
+
+
+def _leaves(value: ProbeAnswer) -> Floats | None:
+    """Return the numbers of an answer in one row; None where it holds anything else."""
+    if isinstance(value, list | tuple):
+        parts = [_leaves(part) for part in value]
+        return np.concatenate(parts) if parts and all(part is not None for part in parts) else None  # type: ignore[arg-type]
+    if isinstance(value, ProbeFault | str) or value is None:
+        return None
+    try:
+        return read_array(value).ravel()
+    except UnreadableError:
+        return None
+
+
+def _is_better(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> bool:
+    """Whether more numbers are right, and none is no longer."""
+    if any(len(old) != len(new) for old, new in zip(before, after, strict=True)):
+        return all(new.all() or not old.any() for old, new in zip(before, after, strict=True)) and any(
+            new.all() and not old.all() for old, new in zip(before, after, strict=True)
+        )
+    return all(bool((new >= old).all()) for old, new in zip(before, after, strict=True)) and any(
+        bool(new.sum() > old.sum()) for old, new in zip(before, after, strict=True)
+    )
+
+
+def _gain(before: Sequence[NDArray[np.bool_]], after: Sequence[NDArray[np.bool_]]) -> float:
+    """Return how many answers are mended; the part of the numbers where one is mended in part."""
+    return sum(float(new.mean()) - float(old.mean()) for old, new in zip(before, after, strict=True))
+
+
+def time_limit(seconds: float, processor_seconds: float) -> Callable[[], bool]:
+    """Return whether so many seconds have passed since this call, or so many of this thread's processor time."""
+    deadline, processor_deadline = time.monotonic() + seconds, time.thread_time() + processor_seconds
+    return lambda: time.monotonic() > deadline or time.thread_time() > processor_deadline

@@ -1,0 +1,187 @@
+"""Words for the places of mistakes that `mending` has found: the line, what it shows there, and a question.
+
+They never tell the change that mends the program: the line and the kind of thing to look at are the student's to read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from graders.core.code.changes import ProgramChange
+from graders.core.code.diagnosis import combine_diagnoses, tell_remainder
+from graders.core.code.grading import CodeGrader
+from graders.core.code.mending import Mending, MendingSearch, MendingStep
+from graders.core.compare import words as render
+from graders.core.compare.slips import Slip
+from graders.core.contract.program import Programs
+from graders.core.contract.values import Arguments
+from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
+
+PLACE = "lieu"
+#: Characters of a line that is quoted; lines of one mistake, and values, that are told.
+MAX_LINE, MAX_LINES, MAX_VALUES = 90, 3, 2
+
+
+@dataclass(frozen=True)
+class FoundPlace:
+    """The places of a program's mistakes in words, and the kinds of the changes that mend it, for authors."""
+
+    diagnosis: Diagnosis
+    changes: str
+
+
+@dataclass(frozen=True)
+class Aspect:
+    """What to look at on a line: a noun, and a question."""
+
+    noun: str
+    question: str
+
+
+_OPERATION = Aspect("une opération", "Est-ce bien l'opération qu'il faut faire ici ?")
+_SUPERFLUOUS = Aspect("un terme ou un facteur de trop", "Chaque terme de cette ligne figure-t-il dans la formule ?")
+_MISSING = Aspect("un terme ou un facteur qui manque", "Que dit la formule de l'énoncé, et que manque-t-il ici ?")
+_ORDER = Aspect("un ordre", "Dans quel ordre ces valeurs doivent-elles venir ?")
+_NUMBER = Aspect("un nombre", "D'où vient le nombre qui est écrit là ?")
+_AXIS = Aspect("un axe", "Cette opération va-t-elle d'une ligne à l'autre du tableau, ou d'une colonne à l'autre ?")
+_BOUND = Aspect("un indice ou une borne", "Quel est ici le premier indice atteint ? Et le dernier ?")
+_CONDITION = Aspect("une condition", "Dans quels cas cette condition est-elle vraie ? Et à l'égalité ?")
+_SIGN = Aspect("un signe", "De quel signe doit être chaque terme de cette ligne ?")
+_SHAPE = Aspect("la forme du calcul", "Est-ce cette valeur, ou une autre que l'on en tire, qu'il faut employer ici ?")
+_CALL = Aspect("un appel de fonction", "Que fait la fonction appelée ici à ce qu'on lui donne ?")
+_VARIABLE = Aspect("une variable", "Est-ce bien cette variable-là qu'il faut lire ici ?")
+_STORED = Aspect("ce que la ligne range", "Que devient l'ancienne valeur quand cette ligne est exécutée ?")
+_SHARED = Aspect("un tableau qui a deux noms", "Ces deux noms désignent-ils deux tableaux, ou le même ?")
+_TYPE = Aspect("le type des nombres", "Quels nombres ce tableau peut-il contenir ?")
+_MOMENT = Aspect("la place de cette ligne", "Combien de fois cette ligne est-elle exécutée, et à quel moment ?")
+
+#: The aspect of a line that each kind of change looks at.
+ASPECTS: Mapping[str, Aspect] = {
+    "opérateur": _OPERATION, "terme oublié": _SUPERFLUOUS, "terme ou facteur manquant": _MISSING,
+    "opérandes échangés": _ORDER, "ordre du produit": _ORDER, "ordre": _ORDER, "arguments échangés": _ORDER,
+    "ordre de la composition": _ORDER, "ligne et colonne": _ORDER, "constante": _NUMBER, "axe": _AXIS,
+    "indice décalé": _BOUND, "intervalle décalé": _BOUND, "comparaison": _CONDITION, "borne oubliée": _CONDITION,
+    "condition": _CONDITION, "condition oubliée": _CONDITION, "et, ou": _CONDITION, "if ou while": _CONDITION,
+    "elif ou if": _CONDITION, "branche": _CONDITION, "signe": _SIGN, "signe ou négation oubliés": _SIGN,
+    "rotation transposée": _SIGN, "carré": _SHAPE, "racine": _SHAPE, "facteur": _SHAPE, "inverse": _SHAPE,
+    "valeur absolue": _SHAPE, "transposée": _SHAPE, "angle": _SHAPE, "degrés": _SHAPE, "arrondi": _CALL,
+    "normalisation oubliée": _CALL, "appel oublié": _CALL, "argument oublié": _CALL, "fonction voisine": _CALL,
+    "variable": _VARIABLE, "variables échangées": _VARIABLE, "affectation": _STORED, "instruction oubliée": _STORED,
+    "saut": _STORED, "copie": _SHARED, "type": _TYPE, "ordre des lignes": _MOMENT, "indentation": _MOMENT,
+}  # fmt: skip
+_ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
+
+
+def is_worth_searching(verdict: Verdict) -> bool:
+    """Whether a verdict leaves something to be found: no name, one that is not certain, or checks without one."""
+    failed = {check.id for check in verdict.checks if not check.passed}
+    if not failed or (len(failed) == len(verdict.checks) and verdict.load_error):
+        return False
+    named = verdict.diagnosis
+    if named is None:
+        return True
+    return not named.certain or not failed <= {check for checks in named.explains for check in checks}
+
+
+def describe_mending(
+    mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str] | None = None
+) -> Diagnosis:
+    """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
+    titles = {check.id: check.title for check in checks}
+    told = [_described(step, mending, source, titles, values or {}) for step in mending.steps]
+    diagnosis = combine_diagnoses((), (), told)
+    explanation = diagnosis.explanation
+    if mending.last_name is not None:
+        named = mending.last_name
+        explanation += f"\n\nCe qui reste, une fois l'autre ligne écrite autrement : {named.title}. {named.explanation}"
+    explains = tuple(tuple(sorted(step.mended or mending.mended)) for step in mending.steps)
+    return tell_remainder(Diagnosis(diagnosis.id, diagnosis.title, explanation, None, explains), checks)
+
+
+def find_place(
+    grader: CodeGrader, source: str, verdict: Verdict, programs: Programs, spent: Callable[[], bool]
+) -> FoundPlace | None:
+    """Search the places of a failed program's mistakes; None where it is not worth it, or none is found."""
+    if not is_worth_searching(verdict):
+        return None
+    search = MendingSearch(grader, programs, verdict.seed, spent)
+    mending = search.search(source)
+    if mending is None:
+        return None
+    values = {}
+    call = _example_call(grader, verdict)
+    if call is not None:
+        line, (title, function, arguments) = mending.steps[0].change.line, call
+        if words := _value_words(search.values_at(source, line, function, arguments)):
+            values[line] = f"Dans l'exemple de « {title} », {words}."
+    operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps)
+    return FoundPlace(describe_mending(mending, source, verdict.checks, values), operators)
+
+
+def _example_call(grader: CodeGrader, verdict: Verdict) -> tuple[str, str, Arguments] | None:
+    """Return the title of a failed check whose counterexample is one call, its function and its arguments."""
+    checks = {check.id: check for check in grader.checks if check.reports_call and len(check.functions) == 1}
+    for result in verdict.checks:
+        if not result.passed and result.counterexample is not None and result.id in checks:
+            inputs = result.counterexample.inputs.values()
+            arguments = tuple(np.array(value, dtype=float) if _is_array(value) else value for value in inputs)
+            return result.title, checks[result.id].functions[0], arguments
+    return None
+
+
+def _is_array(value: Any) -> bool:
+    try:
+        return isinstance(value, list) and np.array(value, dtype=float).size > 0
+    except (ValueError, TypeError):
+        return False
+
+
+def _value_words(values: Sequence[tuple[str, float]]) -> str:
+    told = [f"{name} y vaut {render.text(value)}" for name, value in values if math.isfinite(value)]
+    return " et ".join(told[:MAX_VALUES])
+
+
+def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
+    """Return a verdict's diagnosis with the places that were found since."""
+    if diagnosis is None:
+        return place
+    told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {place.explanation}"
+    return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
+
+
+def _described(
+    step: MendingStep, mending: Mending, source: str, titles: Mapping[str, str], values: Mapping[int, str]
+) -> Slip:
+    line = step.change.line
+    lines = sorted({line, *(rival.line for rival in step.rivals)})
+    aspect = _aspect((step.change, *step.rivals))
+    title = "Tout se joue" if len(mending.steps) == 1 and not mending.left else "Une erreur se trouve"
+    title += f" ligne {' ou '.join(map(str, lines[:MAX_LINES]))}"
+    where = f"Ligne {line} : « {_quoted(source, line)} »."
+    seen = f" {values[line]}" if line in values else ""
+    look = f" Regardez-y {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
+    return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles)}{look}", aspect.question)
+
+
+def _proof(step: MendingStep, mending: Mending, titles: Mapping[str, str]) -> str:
+    if not step.mended:
+        return "Écrite autrement, avec l'autre ligne en cause, elle fait réussir ce qui échoue."
+    names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(step.mended))
+    if len(mending.steps) == 1 and not mending.left:
+        return "Écrite autrement, cette seule ligne fait réussir tout ce qui échoue."
+    return f"Écrite autrement, cette seule ligne fait réussir {names}."
+
+
+def _aspect(changes: Sequence[ProgramChange]) -> Aspect:
+    aspects = {ASPECTS.get(change.operator, _ANY) for change in changes}
+    return aspects.pop() if len(aspects) == 1 else _ANY
+
+
+def _quoted(source: str, line: int) -> str:
+    text = source.splitlines()[line - 1].strip() if line <= len(source.splitlines()) else ""
+    return text if len(text) <= MAX_LINE else f"{text[: MAX_LINE - 1]}…"

@@ -1,0 +1,99 @@
+"""The place of a mistake in the student's own program: what is found, in how many steps, and in which words."""
+
+from __future__ import annotations
+
+import pytest
+
+from graders.core.code.changes import count_turns, find_changes, noted_line
+from graders.core.code.mending import Mending, MendingSearch
+from graders.core.code.places import describe_mending, find_place, is_worth_searching, join_place
+from graders.core.contract.local import LOCAL
+from graders.core.contract.verdict import Diagnosis, Verdict
+from tests.support.shipped import CODE
+
+EXERCISE = "l19/predire_corriger"
+PROGRAM = """
+def predire(m, v, u, q):
+    return m + u, v + q
+
+def corriger(m, v, z, r):
+    a = 1 / v
+    b = 1 / r
+    moyenne = (a * m + b * z) / (a + b)
+    return moyenne, 1 / (a + b)
+"""
+
+
+def verdict_of(source: str) -> Verdict:
+    return CODE[EXERCISE].grade(source.encode(), LOCAL, seed=3, version="v").verdict
+
+
+def mending_of(source: str) -> Mending | None:
+    return MendingSearch(CODE[EXERCISE], LOCAL, 3, lambda: False).search(source)
+
+
+def test_the_line_and_the_kind_of_thing_are_told_and_never_the_change() -> None:
+    source = PROGRAM.replace("a = 1 / v", "a = 1 // v")
+    verdict = verdict_of(source)
+    found = find_place(CODE[EXERCISE], source, verdict, LOCAL, lambda: False)
+    assert found is not None
+    assert found.diagnosis.title == "Tout se joue ligne 6"
+    assert "« a = 1 // v »" in found.diagnosis.explanation
+    assert "v y vaut" in found.diagnosis.explanation
+    assert "1 / v" not in found.diagnosis.explanation
+    assert set(found.diagnosis.explains[0]) == {check.id for check in verdict.checks if not check.passed}
+
+
+def test_two_changes_are_found_one_after_the_other() -> None:
+    source = PROGRAM.replace("a = 1 / v", "a = 1 // v").replace("m + u, v + q", "m + u, v + q + m * 1e-3")
+    mending = mending_of(source)
+    assert mending is not None
+    assert sorted(step.change.line for step in mending.steps) == [3, 6]
+    assert mending.left == frozenset()
+    words = describe_mending(mending, source, verdict_of(source).checks)
+    assert "Une erreur se trouve ligne 6" in words.title
+    assert "Une erreur se trouve ligne 3" in words.title.replace("une erreur", "Une erreur")
+
+
+def test_a_right_program_has_no_place_and_one_that_does_not_load_neither() -> None:
+    assert mending_of(PROGRAM) is None
+    assert mending_of("def predire(\n") is None
+
+
+def test_nothing_is_searched_where_a_certain_name_explains_all() -> None:
+    certain = verdict_of(PROGRAM.replace("v + q", "v - q"))
+    assert certain.diagnosis is not None
+    assert certain.diagnosis.certain
+    assert not is_worth_searching(certain)
+    assert is_worth_searching(verdict_of(PROGRAM.replace("1 / v", "1 // v")))
+
+
+@pytest.mark.parametrize("loop", ["while True:\n        if v > 0: pass", "for k in iter(int, 1): pass"])
+def test_a_changed_program_that_no_longer_ends_costs_nothing(loop: str) -> None:
+    """The turns of each loop are counted, whatever stands first in its block."""
+    counted = count_turns(f"def f(v):\n    {loop}\n")
+    assert counted.count("_tour()") == 1
+    compile(counted, "solution.py", "exec")
+
+
+def test_the_changes_of_other_functions_are_left_out() -> None:
+    lines = {change.line for change in find_changes(PROGRAM, ["predire"], None, lambda: False)}
+    assert lines == {3}
+
+
+def test_a_line_notes_what_it_reads() -> None:
+    noted = noted_line(PROGRAM, 8)
+    assert noted is not None
+    assert noted[1] == ["moyenne", "a", "m", "b", "z"]
+    assert noted_line(PROGRAM, 5) is None
+
+
+def test_a_place_is_joined_to_a_name() -> None:
+    place = Diagnosis("lieu", "Tout se joue ligne 6", "Ligne 6 : « a ».\n\nQue vaut a ?")
+    assert join_place(None, place) is place
+    joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), place)
+    assert (joined.id, joined.title) == ("x", "Un nom")
+    assert (
+        joined.explanation
+        == "Pourquoi.\n\nDans votre programme : tout se joue ligne 6. Ligne 6 : « a ».\n\nQue vaut a ?"
+    )
