@@ -315,6 +315,7 @@ def _decoded_run(run: str, encoding: str) -> str:
     return letter if REPAIRED.fullmatch(letter) else run
 
 
+@lru_cache(maxsize=4096)
 def _byte_of(sign: str, encoding: str) -> int:
     return (
         ord(sign) if encoding == "cp1252" and 0x80 <= ord(sign) <= 0x9F else sign.encode(encoding, errors="replace")[0]

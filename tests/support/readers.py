@@ -1,0 +1,313 @@
+"""The readers of strangers' bytes, and the inputs of routes that each of them reads.
+
+An input is named by its kind and its name: `form:texte`, `query:q`, `body:NewRun.code`; or `raw:<module>.<function>`,
+for a function that reads of a request what no parameter tells. Numbers, UUIDs, dates and choices are read by pydantic.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+from urllib.parse import parse_qsl
+
+from pydantic import TypeAdapter
+from starlette.datastructures import FormData
+from starlette.requests import Request
+
+from graders.core.answers.numbers import read_number
+from graders.typography import french, unaccented
+from server.api.assignment_schemas import AssignmentIn
+from server.api.column_schemas import ColumnIn, TypedMarksIn
+from server.api.schemas import NewSubmission
+from server.base.forms import decode_large_form
+from server.base.http import accepted_encodings, local_path, session_token, visitor_key
+from server.base.http_protocol import MAX_HEAD_BYTES
+from server.base.root_path import with_external_paths
+from server.base.school_time import parse_field
+from server.base.validation import encode_bounded, parse_uuid
+from server.board.extracts import anonymise_extract, extract_function
+from server.classes.codes import parse_code
+from server.classes.encodings import read_again
+from server.classes.roster import read_roster
+from server.classes.schemas import validate_class_name, validate_guest_name
+from server.classes.sheets import read_rows, to_csv
+from server.comments.difference import diff_lines, split_lines
+from server.comments.models import TEXT_LENGTH
+from server.comments.schemas import validate_text
+from server.comments.side_by_side import compare_side_by_side
+from server.desk.assignments.forms import parse_assignment, parse_exemption
+from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
+from server.identity.secrets import digest, read_token
+from server.marks.cells import ascii_slug, french_csv, plain_csv
+from server.marks.typed import parse_comment, parse_mark
+from server.reading import search
+from server.sandbox.foreign_characters import find_foreign_characters
+from server.sandbox.policy import Policy
+from server.sandbox.sources import import_set_of_program, require_text
+from server.steps.calls import MAX_CHARACTERS, parse_call
+from server.submissions.service import code_digest
+from server.text.lines import require_line, tidy_lines
+from server.text.python_colours import colour_lines
+from server.text.said import said
+from server.web.form_identity import decode_fields, name_account_in_forms
+from server.web.form_version import version_of
+from server.web.rendering import sentence, ticks
+from tests.support.quick import the_course
+from tests.support.shapes import JSON, MARKDOWN, PROGRAMS, TEXTS, Shape
+
+#: The longest that each may be: a request's body, its head, a program, a message, a text of a verdict.
+BODY, HEAD, CODE, MESSAGE, SENTENCE = 512 * 1024, MAX_HEAD_BYTES, 64 * 1024, TEXT_LENGTH, 4000
+ANYTHING: Mapping[str, Shape] = {**TEXTS, **MARKDOWN, **PROGRAMS, **JSON}
+
+
+@dataclass(frozen=True)
+class Reader:
+    """It reads a text of at most `longest` characters; `inputs` are where strangers give it one."""
+
+    name: str
+    read: Callable[[str], object]
+    longest: int
+    shapes: Mapping[str, Shape]
+    inputs: str = ""
+
+
+def _form(names: str, read: Callable[[FormData], object]) -> Callable[[str], object]:
+    return lambda text: read(FormData([(name, text) for name in names.split()]))
+
+
+def _encoded(read: Callable[[bytes], object]) -> Callable[[str], object]:
+    return lambda text: read(text.encode("utf-8", "replace"))
+
+
+def _body(model: Any) -> Callable[[str], object]:
+    """As FastAPI reads it: as JSON, then as each of the model's fields."""
+    adapter = TypeAdapter(model)
+
+    def read(text: str) -> None:
+        value = json.loads(text)
+        for body in (value, *({name: value} for name in model.model_fields)):
+            try:
+                adapter.validate_python(body)
+            except ValueError as error:
+                error.errors()  # type: ignore[attr-defined]
+
+    return read
+
+
+def _cookie(text: str) -> object:
+    headers = [(name, text.encode("utf-8", "replace")) for name in (b"cookie", b"accept-encoding")]
+    return session_token(Request({"type": "http", "headers": headers}))
+
+
+def _large_form(text: str) -> object:
+    scope = {"headers": [(b"content-type", b"application/x-www-form-urlencoded")]}
+    return decode_large_form(scope, text.encode("utf-8", "replace"))
+
+
+@cache
+def _index() -> search.Index:
+    return search.prepare(the_course().modules["l20"])
+
+
+#: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
+IDENTITIES = """
+    path:aid path:assignment_id path:check path:class_id path:code path:column_id path:eid path:file path:group
+    path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
+    path:token path:version
+    query:change query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
+    query:encoding query:erreur query:erreurs query:exercice query:format query:genre query:groupe query:reprendre
+    query:mur query:student query:sujet query:tri query:verification query:version
+    header:Idempotency-Key header:last-event-id
+    form:absence form:action form:approbation form:attendu form:bonus form:choix form:confirme form:defi form:devoir
+    form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
+    form:derniere form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
+    form:sans_reponse form:semaines form:verification form:version
+    body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
+    body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
+"""
+
+READERS: tuple[Reader, ...] = (
+    Reader("an identity", lambda text: parse_uuid(text, "inconnu"), BODY, TEXTS, IDENTITIES),
+    Reader(
+        "a line",
+        lambda text: require_line(text, 200, "Trop long."),
+        BODY,
+        TEXTS,
+        "form:title form:titre body:ColumnIn.title body:ColumnChange.title body:AssignmentIn.title "
+        "body:AssignmentChange.title body:NewName.title body:ExceptionIn.group",
+    ),
+    Reader(
+        "lines",
+        tidy_lines,
+        BODY,
+        TEXTS,
+        "form:explanation form:question form:motif body:NewName.explanation body:NewName.question "
+        "body:ExceptionIn.reason body:NewMark.reason body:NewDecision.reason",
+    ),
+    Reader(
+        "a new account's name", lambda text: validate_new_account(text, "a@b.fr", "x" * 12), BODY, TEXTS, "form:name"
+    ),
+    Reader("a login", lambda text: validate_new_account("Ada", text, "x" * 12), BODY, TEXTS, "form:login"),
+    Reader(
+        "a password",
+        lambda text: validate_new_password(text, login="ada", name="Ada"),
+        BODY,
+        TEXTS,
+        "form:password form:new_password body:Proof.password",
+    ),
+    Reader("a token's label", validate_token_label, BODY, TEXTS, "form:label"),
+    Reader("a token", lambda text: digest(read_token(text)), HEAD, TEXTS, "query:code"),
+    Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
+    Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
+    Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
+    Reader("a message", validate_text, BODY, TEXTS, "form:texte body:NewComment.text"),
+    Reader("a message that is shown", said, MESSAGE, {**TEXTS, **MARKDOWN}),
+    Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
+    Reader("a form that comes back", decode_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),
+    Reader("a mark", lambda text: parse_mark(text, 20.0), BODY, TEXTS, "form:points form:sur form:coefficient"),
+    Reader("a comment on a mark", parse_comment, BODY, TEXTS, "body:TypedMarkIn.comment"),
+    Reader("a moment", lambda text: parse_field(text, "la date"), BODY, TEXTS, "form:date form:rentree"),
+    Reader(
+        "an assignment's form",
+        _form("title opens_at due_at closes_at late weight exercice mode", lambda form: parse_assignment(form, None)),
+        BODY,
+        TEXTS,
+        "raw:server.desk.assignments.forms.checked_exercises raw:server.desk.assignments.forms.field_text "
+        "raw:server.desk.assignments.routes.create_assignment raw:server.desk.assignments.routes.update_assignment",
+    ),
+    Reader(
+        "an exemption's form",
+        _form("eleve groupe opens_at due_at closes_at time_factor reason", parse_exemption),
+        BODY,
+        TEXTS,
+        "raw:server.desk.assignments.forms.parse_exemption "
+        "raw:server.desk.assignments.forms.submitted_exemption_values",
+    ),
+    Reader("a search", lambda text: _index().find(text), HEAD, TEXTS, "query:q"),
+    Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
+    Reader(
+        "a list read again",
+        lambda text: read_again(text, "cp1252", "utf-8"),
+        BODY,
+        TEXTS,
+        "raw:server.desk.people.list_import._field raw:server.desk.people.list_import.read_list_form "
+        "raw:server.desk.people.management.import_list",
+    ),
+    Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
+    Reader("a call", parse_call, MAX_CHARACTERS, {**TEXTS, **PROGRAMS}, "body:CallBody.call"),
+    Reader(
+        "a program",
+        lambda text: code_digest(encode_bounded(text, CODE).decode()),
+        BODY,
+        {**TEXTS, **PROGRAMS},
+        "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CellBody.code raw:server.pages.routes._code "
+        "raw:server.pages.routes.save raw:server.pages.routes.submit",
+    ),
+    Reader("a program in colours", colour_lines, CODE, {**TEXTS, **PROGRAMS}),
+    Reader("a program before it is opened", _encoded(lambda code: require_text(code, Policy())), CODE, ANYTHING),
+    Reader("a program's imports", _encoded(lambda code: import_set_of_program(code, None)), CODE, PROGRAMS),
+    Reader(
+        "a program's foreign characters",
+        lambda text: (require_text(text.encode(), Policy()), find_foreign_characters(text.split("\n"))),
+        CODE,
+        PROGRAMS,
+    ),
+    Reader(
+        "a program beside another", lambda text: compare_side_by_side(text, f"{text[5:]}a"), CODE, {**TEXTS, **PROGRAMS}
+    ),
+    Reader(
+        "a program that has changed",
+        lambda text: diff_lines(split_lines(text), split_lines(text[::-1])),
+        CODE,
+        {**TEXTS, **PROGRAMS},
+    ),
+    Reader(
+        "an extract",
+        lambda text: anonymise_extract(extract_function(f"def f(a):\n    {text}", ["f"]), frozenset({"ada"})),
+        CODE,
+        {**TEXTS, **PROGRAMS},
+    ),
+    Reader(
+        "an answer",
+        read_number,
+        CODE,
+        {**TEXTS, **PROGRAMS},
+        "body:NewSubmission.answers raw:server.pages.answers._placed raw:server.pages.answers._text "
+        "raw:server.pages.answers._ticked",
+    ),
+    Reader("a sentence of a verdict", lambda text: (ticks(text), sentence(text), french(text)), SENTENCE, TEXTS),
+    Reader("a name to file by", lambda text: (unaccented(text), ascii_slug(text, "x")), SENTENCE, TEXTS),
+    Reader(
+        "a cell of an export",
+        lambda text: (*french_csv([text], [[text]]), *plain_csv([text], [[text]])),
+        SENTENCE,
+        TEXTS,
+    ),
+    Reader(
+        "a page",
+        lambda text: name_account_in_forms(with_external_paths(html.escape(text)), "x"),
+        BODY,
+        TEXTS,
+    ),
+    Reader(
+        "a form's version",
+        lambda text: version_of({"a": text}),
+        BODY,
+        TEXTS,
+        "raw:server.pages.form_state.base_version raw:server.pages.form_state.require_same_tests "
+        "raw:server.web.form_version.require_version raw:server.web.form_identity.typed_fields",
+    ),
+    Reader(
+        "a column's form",
+        lambda text: (parse_mark(text, 20.0), parse_comment(text)),
+        BODY,
+        TEXTS,
+        "raw:server.desk.marks.column_routes._save_column raw:server.desk.marks.column_routes._save_marks "
+        "raw:server.desk.marks.column_routes.change_column raw:server.desk.marks.column_views.read_marks "
+        "raw:server.desk.marks.routes.change_mark",
+    ),
+    Reader(
+        "a large form",
+        _large_form,
+        BODY,
+        TEXTS,
+        "raw:server.base.forms.decode_large_form raw:server.web.form_identity.read_form "
+        "raw:server.web.form_identity.require_same_account",
+    ),
+    Reader(
+        "a query string",
+        lambda text: parse_qsl(text, keep_blank_values=True),
+        HEAD,
+        TEXTS,
+        "raw:server.replays.routes._respond",
+    ),
+    Reader("the body of a submission", _body(NewSubmission), BODY, JSON),
+    Reader("the body of an assignment", _body(AssignmentIn), BODY, JSON),
+    Reader("the body of a column", _body(ColumnIn), BODY, JSON),
+    Reader("the body of marks", _body(TypedMarksIn), BODY, JSON),
+    Reader(
+        "a header",
+        lambda text: (_cookie(text), accepted_encodings(text), visitor_key(text)),
+        HEAD,
+        TEXTS,
+        """
+        raw:server.api.routes.Api.matches raw:server.base.http._cookie_value raw:server.base.http.problem_document
+        raw:server.base.middleware.AcceptEncoding.__call__ raw:server.base.middleware.BoundedBody.__call__
+        raw:server.base.middleware.BoundedBody._read raw:server.base.middleware.RequestLog.__call__
+        raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
+        raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
+        raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
+        raw:server.desk.people.management._render_settings raw:server.desk.requests.redirect_to_login
+        raw:server.health.routes.metrics raw:server.pages.comments.read raw:server.pages.drawn.film
+        raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
+        raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
+        raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here
+        raw:server.web.rendering._modules raw:server.web.rendering._tagged_response
+        raw:server.web.rendering.render_page raw:server.web.rendering.with_etag
+        """,
+    ),
+)
