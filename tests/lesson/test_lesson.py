@@ -214,3 +214,41 @@ def test_only_staff_run_a_lesson(site: Site, course: Course, martin: Person, mad
         assert text_of(stranger.browser(site), f"/classes/{made.id}/{path}", 404)
     assert student.browser(site).post(f"/classes/{made.id}/seance", data={"action": "terminer"}).status_code == 403
     assert student.browser(site).get(f"/classes/{made.id}").status_code == 200, "a student's own page"
+
+
+def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    browser, href = martin.browser(site), f"/classes/{made.id}"
+    students = stuck_students(site, made, 6)
+    now = utc_now()
+    idle, absent = seated(site.database, made, 1, now)[0], seated(site.database, made, 1)[0]
+    failing = seated(site.database, made, 4, now)
+    store(site.database, [Sent(student, EXERCISE, now - timedelta(minutes=2), 0.1) for student in failing])
+    with site.database.write() as db:
+        plan = LessonPlan((EXERCISE,))
+        lesson = service.start_lesson(db, course, made, martin.account.id, plan, now - timedelta(minutes=30))
+    ended = browser.post(f"{href}/seance", data={"action": "terminer"})
+    assert ended.headers["location"] == f"{href}/seance/{lesson.id}"
+    text = text_of(browser, f"{href}/seance/{lesson.id}")
+    parts = {
+        name: text.split(f'id="{name}"')[1].split("</section>")[0]
+        for name in ("voir", "expliquer", "enonces", "rien", "progres")
+    }
+    assert all(f"/eleves/{student}/{EXERCISE}" in parts["voir"] for student in students[:6])
+    assert "3 essais ratés sans progrès" in parts["voir"]
+    assert "6 élèves" in parts["expliquer"]
+    for lead in (f"/erreurs/{EXERCISE}/{WRONG}/projeter", "/soumissions/", "/mots?exercice=", "Relire «"):
+        assert lead in parts["expliquer"], "each line leads to its doing"
+    assert "1 sur 11 ont réussi" in parts["enonces"]
+    assert "4 échouent pour une raison non identifiée" in parts["enonces"]
+    present, unseen = parts["rien"].split("Non connectés")
+    assert str(idle) in present
+    assert str(absent) in unseen
+    assert parts["progres"].count("<li>") == 1
+    week = text_of(browser, f"{href}/semaine")
+    assert 'id="expliquer"' in week
+    assert f"{href}/seance/{lesson.id}" in text_of(browser, f"{href}/seance")
+    other = new_class(site.database, martin.account)
+    assert text_of(browser, f"/classes/{other.id}/seance/{lesson.id}", 404)
+    assert text_of(browser, f"/classes/{other.id}/semaine", 200)

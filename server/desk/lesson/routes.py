@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base import root_path
-from server.base.errors import Conflict, Invalid
+from server.base.errors import Conflict, Invalid, NotFound
 from server.base.validation import parse_uuid
 from server.board.dependencies import LiveBoardsOf
 from server.board.schemas import Board
@@ -23,11 +23,12 @@ from server.course.dependencies import CourseOf
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
+from server.desk.lesson.review import review_page
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.lesson import service
+from server.lesson import repository, service
 from server.lesson.models import Afterwards
 from server.lesson.service import LessonPlan
 from server.rights import service as rights
@@ -43,6 +44,7 @@ router = APIRouter(include_in_schema=False)
 
 SIGN_OF_LIFE = ":\n\n"
 ENDED = "ended"
+NO_SUCH_LESSON = "Cette séance n’existe pas."
 Names = Annotated[list[str], Form()]
 
 
@@ -96,7 +98,8 @@ def run_lesson(
         elif action == "modifier":
             service.change_lesson(reader.db, reader.course, school_class, account.id, plan, now)
         elif action == "terminer":
-            service.end_lesson(reader.db, school_class, account.id, now)
+            ended = service.end_lesson(reader.db, school_class, account.id, now)
+            return redirect(f"{href}/{ended.id}")
         elif action == "vu":
             student, _, exercise = eleve.partition(" ")
             service.visit_student(reader.db, school_class, parse_uuid(student, NOT_A_MEMBER), exercise, now)
@@ -182,3 +185,27 @@ async def _event_stream(boards: AsyncIterator[Board | None], watcher: LessonWatc
         changed = {name: root_path.with_external_paths(html) for name, html in parts.items() if sent.get(name) != html}
         sent = parts
         yield format_sse("parts", json.dumps(changed)) if changed else SIGN_OF_LIFE
+
+
+@router.get("/classes/{class_id}/seance/{lesson_id}")
+def review_lesson(request: Request, class_id: str, lesson_id: str, reader: CurrentReader) -> Response:
+    """Say what a lesson leaves to do."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    identity = parse_uuid(lesson_id, NO_SUCH_LESSON)
+    lesson = repository.find_lesson(reader.db, access.school_class.id, identity)
+    if lesson is None:
+        raise NotFound(NO_SUCH_LESSON)
+    view = review_page(reader.db, reader.course, access, utc_now(), lesson)
+    return render_page(request, "classes/lesson_review.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/semaine")
+def review_week(request: Request, class_id: str, reader: CurrentReader) -> Response:
+    """Say what the last seven days leave to do."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
+    view = review_page(reader.db, reader.course, access, utc_now(), None)
+    return render_page(request, "classes/lesson_review.html", reader.account, page=view)

@@ -153,14 +153,14 @@ def _stuck_row(
         sign=row.sign,
         failures=row.failures,
         attempts=len(attempts),
-        mistake="" if diagnosis is None else _mistake_title(progress.course, row.exercise, diagnosis),
+        mistake="" if diagnosis is None else mistake_title(progress.course, row.exercise, diagnosis),
         change=changes.get((row.account, row.exercise)),
         work_href=work_href(links.href, row.account, row.exercise),
         helper="" if helper == names[row.account] else helper,
     )
 
 
-def _mistake_title(course: Course, exercise: str, misconception: str) -> str:
+def mistake_title(course: Course, exercise: str, misconception: str) -> str:
     return find_misconception(course, exercise, misconception).diagnosis.title
 
 
@@ -169,7 +169,7 @@ def _mistake_row(
 ) -> MistakeRow:
     href = misconception_href(links.href, mistake.exercise, mistake.id)
     return MistakeRow(
-        title=_mistake_title(progress.course, mistake.exercise, mistake.id),
+        title=mistake_title(progress.course, mistake.exercise, mistake.id),
         exercise=links.title(mistake.exercise),
         names=tuple(names[account] for account in mistake.students),
         still=len(mistake.still),

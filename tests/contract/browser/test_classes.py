@@ -195,6 +195,6 @@ def test_what_is_said_of_work(visit: NewVisit) -> None:
     page.goto(f"{home}/questions")
     expect(page.locator(".questions li")).to_contain_text("Ada Lovelace")
     check(martin, "questions")
-    page.get_by_role("link", name="Écrire aux élèves concernés").click()
+    page.get_by_role("link", name="Écrire à plusieurs élèves").click()
     page.get_by_role("button", name="Choisir").click()
     check(martin, "a word to say")

@@ -32,6 +32,7 @@ from server.gradebook.schemas import GradingResult
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
+from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn, Override
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
@@ -197,7 +198,8 @@ class Stage:
             db.flush()
             self._grade(db)
             self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
-            db.add(self.regrade)
+            self.lesson = LiveLesson(class_id=self.made.id, exercises=[EXERCISE], started_at=utc_now())
+            db.add_all((self.regrade, self.lesson))
             db.refresh(self.sent)
             self.group = uuid4().hex[:10]
             db.add(
@@ -247,6 +249,7 @@ class Stage:
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
+            "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],
             "column_id": str(self.column.id),

@@ -1,0 +1,160 @@
+"""The review of a lesson or of a week: whom to see, what to explain again, which exercise is at fault. Pure.
+
+Numbers are of students, each counted once; no share is given, as classes are small.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from graders.core.contract.outcomes import Outcome
+from server.board.attempts import Pair, is_unexplained
+from server.board.progress import ClassProgress
+from server.board.stuck import failures_without_progress
+from server.gradebook.histories import Attempts, AttemptsByPair
+
+#: Different failures without progress at the end of the period, from which a student is to be seen.
+MIN_FAILURES = 3
+MAX_TO_SEE, MAX_TO_EXPLAIN = 8, 5
+#: Students who still make a mistake, from which it is to be explained to the class.
+MIN_STILL = 3
+#: An exercise is at fault where so many have tried it and a third of them fail for a reason that the course does not
+#: know, or three quarters have not solved it.
+MIN_TRIED = 8
+UNEXPLAINED_SHARE, UNSOLVED_SHARE = 1 / 3, 3 / 4
+
+
+@dataclass(frozen=True)
+class StudentToSee:
+    """A student who ended the period without progress: `failures` different ones; `mistake` is that of the last."""
+
+    account: UUID
+    exercise: str
+    failures: int
+    mistake: str | None
+
+
+@dataclass(frozen=True)
+class MistakeToExplain:
+    """A misconception that `still` have at the end of the period; `example` is the submission of one of them."""
+
+    exercise: str
+    id: str
+    still: tuple[UUID, ...]
+    example: UUID
+
+
+@dataclass(frozen=True)
+class ExerciseAtFault:
+    """An exercise that its students can hardly be blamed for: numbers of students at the end of the period."""
+
+    exercise: str
+    tried: int
+    solved: int
+    unexplained: int
+
+
+@dataclass(frozen=True)
+class OvercomeMistake:
+    """A misconception that these students had in the period and have overcome in it."""
+
+    exercise: str
+    id: str
+    students: tuple[UUID, ...]
+
+
+@dataclass(frozen=True)
+class LessonReview:
+    """The review of a period. `idle` have sent nothing although they were there; `absent` were not seen."""
+
+    to_see: tuple[StudentToSee, ...]
+    to_explain: tuple[MistakeToExplain, ...]
+    at_fault: tuple[ExerciseAtFault, ...]
+    idle: tuple[UUID, ...]
+    absent: tuple[UUID, ...]
+    overcome: tuple[OvercomeMistake, ...]
+
+
+def build_review(progress: ClassProgress, exercises: Collection[str], since: datetime, until: datetime) -> LessonReview:
+    """Review what was sent to these exercises in a period. `progress` is as of `until` or later."""
+    period = _attempts_in(progress.attempts, exercises, since, until)
+    active = {account for account, _ in period}
+    others = [student for student in progress.students if student.id not in active]
+    seen = {student.id for student in others if student.seen_at is not None and student.seen_at >= since}
+    return LessonReview(
+        to_see=_students_to_see(period)[:MAX_TO_SEE],
+        to_explain=_mistakes_to_explain(period)[:MAX_TO_EXPLAIN],
+        at_fault=_exercises_at_fault(period, exercises),
+        idle=tuple(student.id for student in others if student.id in seen),
+        absent=tuple(student.id for student in others if student.id not in seen),
+        overcome=_overcome_mistakes(period),
+    )
+
+
+def _attempts_in(
+    attempts: AttemptsByPair, exercises: Collection[str], since: datetime, until: datetime
+) -> Mapping[Pair, Attempts]:
+    """Return the attempts until the end of the period, of the pairs with some in it."""
+    wanted = frozenset(exercises)
+    sent = {
+        pair: tuple(attempt for attempt in series if attempt.sent_at <= until)
+        for pair, series in attempts.items()
+        if pair[1] in wanted
+    }
+    return {pair: series for pair, series in sent.items() if series and series[-1].sent_at >= since}
+
+
+def _is_solved(attempts: Attempts) -> bool:
+    return any(attempt.outcome == Outcome.OK for attempt in attempts)
+
+
+def _students_to_see(period: Mapping[Pair, Attempts]) -> tuple[StudentToSee, ...]:
+    """Return the students without progress, each at the exercise where they failed most."""
+    worst: dict[UUID, StudentToSee] = {}
+    for (account, exercise), series in period.items():
+        failures = 0 if _is_solved(series) else len({attempt.digest for attempt in failures_without_progress(series)})
+        known = worst.get(account)
+        if failures >= MIN_FAILURES and (known is None or failures > known.failures):
+            worst[account] = StudentToSee(account, exercise, failures, series[-1].diagnosis)
+    return tuple(sorted(worst.values(), key=lambda row: (-row.failures, str(row.account))))
+
+
+def _mistakes_to_explain(period: Mapping[Pair, Attempts]) -> tuple[MistakeToExplain, ...]:
+    still: dict[tuple[str, str], list[Attempts]] = defaultdict(list)
+    for (_, exercise), series in period.items():
+        diagnosis = series[-1].diagnosis
+        if diagnosis is not None:
+            still[exercise, diagnosis].append(series)
+    rows = [
+        MistakeToExplain(*key, tuple(series[-1].account_id for series in own), own[0][-1].id)
+        for key, own in still.items()
+        if len(own) >= MIN_STILL
+    ]
+    return tuple(sorted(rows, key=lambda row: (-len(row.still), row.exercise, row.id)))
+
+
+def _exercises_at_fault(period: Mapping[Pair, Attempts], exercises: Collection[str]) -> tuple[ExerciseAtFault, ...]:
+    rows = []
+    for exercise in exercises:
+        own = [series for (_, name), series in period.items() if name == exercise]
+        solved, unexplained = sum(map(_is_solved, own)), sum(map(is_unexplained, own))
+        is_at_fault = unexplained >= UNEXPLAINED_SHARE * len(own) or len(own) - solved >= UNSOLVED_SHARE * len(own)
+        if len(own) >= MIN_TRIED and is_at_fault:
+            rows.append(ExerciseAtFault(exercise, len(own), solved, unexplained))
+    return tuple(rows)
+
+
+def _overcome_mistakes(period: Mapping[Pair, Attempts]) -> tuple[OvercomeMistake, ...]:
+    """Return the misconceptions that an attempt showed, and the latest attempt, a better one, shows no more."""
+    overcame: dict[tuple[str, str], list[UUID]] = defaultdict(list)
+    for (account, exercise), series in period.items():
+        for misconception in {attempt.diagnosis for attempt in series if attempt.diagnosis is not None}:
+            first = next(attempt for attempt in series if attempt.diagnosis == misconception)
+            if series[-1].diagnosis != misconception and series[-1].score > first.score:
+                overcame[exercise, misconception].append(account)
+    rows: Sequence[OvercomeMistake] = [OvercomeMistake(*key, tuple(own)) for key, own in overcame.items()]
+    return tuple(sorted(rows, key=lambda row: (-len(row.students), row.exercise, row.id)))

@@ -1,0 +1,174 @@
+"""« Demain matin »: the review of a lesson or of a week, each line with what to do about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from urllib.parse import urlencode
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.board.lesson_review import LessonReview, build_review
+from server.board.service import load_progress
+from server.course import Course
+from server.desk.board.links import BoardLinks, misconception_href
+from server.desk.lesson.views import mistake_title
+from server.desk.schemas import ClassHead
+from server.desk.views import class_head, class_href
+from server.lesson.models import LiveLesson
+from server.lesson.service import end_of
+from server.rights.models import Right
+from server.rights.service import ClassAccess
+from server.web.views import lesson_href
+
+WEEK = timedelta(days=7)
+
+Link = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class SeeRow:
+    """A student to see; `mistake` is empty where none is known."""
+
+    name: str
+    href: str
+    exercise: str
+    failures: int
+    mistake: str
+
+
+@dataclass(frozen=True)
+class ExplainRow:
+    """A mistake to explain again: `example` shows its figure and counterexample, `lesson` is what to read again."""
+
+    title: str
+    href: str
+    exercise: str
+    people: tuple[Link, ...]
+    example: str
+    message: str
+    lesson: Link | None
+
+
+@dataclass(frozen=True)
+class FaultRow:
+    """An exercise whose statement is to be looked at; `unexplained` students fail for an unknown reason."""
+
+    title: str
+    href: str
+    tried: int
+    solved: int
+    unexplained: int
+
+
+@dataclass(frozen=True)
+class OvercomeRow:
+    title: str
+    exercise: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ReviewPage:
+    """The review of a period; `lesson`: of one lesson, else of a week."""
+
+    head: ClassHead
+    is_lesson: bool
+    since: datetime
+    until: datetime
+    exercises: tuple[str, ...]
+    to_see: tuple[SeeRow, ...]
+    to_explain: tuple[ExplainRow, ...]
+    at_fault: tuple[FaultRow, ...]
+    idle: tuple[Link, ...]
+    absent: tuple[Link, ...]
+    overcome: tuple[OvercomeRow, ...]
+    assign_href: str
+
+    @property
+    def is_empty(self) -> bool:
+        return not (self.to_see or self.to_explain or self.at_fault or self.idle or self.overcome)
+
+
+def review_page(
+    db: Session, course: Course, access: ClassAccess, now: datetime, lesson: LiveLesson | None
+) -> ReviewPage:
+    """Build the review of a lesson, or of the last seven days."""
+    school_class = access.school_class
+    progress = load_progress(db, course, school_class, now)
+    exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
+    since = now - WEEK if lesson is None else lesson.started_at
+    until = now if lesson is None else min(now, end_of(lesson))
+    review = build_review(progress, exercises, since, until)
+    links = BoardLinks(course, class_href(school_class), progress.students)
+    names = {student.id: student.name for student in progress.students}
+
+    def person(account: UUID) -> Link:
+        return names[account], f"{links.href}/eleves/{account}"
+
+    return ReviewPage(
+        head=class_head(course, access, "/seance"),
+        is_lesson=lesson is not None,
+        since=since,
+        until=until,
+        exercises=() if lesson is None else tuple(links.title(name) for name in exercises),
+        to_see=tuple(
+            SeeRow(
+                names[row.account],
+                f"{links.href}/eleves/{row.account}/{row.exercise}",
+                links.title(row.exercise),
+                row.failures,
+                "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
+            )
+            for row in review.to_see
+        ),
+        to_explain=_explain_rows(course, links, review, may_write=access.has(Right.comment)),
+        at_fault=tuple(
+            FaultRow(
+                links.title(row.exercise), links.exercise_href(row.exercise), row.tried, row.solved, row.unexplained
+            )
+            for row in review.at_fault
+        ),
+        idle=tuple(map(person, review.idle)),
+        absent=tuple(map(person, review.absent)),
+        overcome=tuple(
+            OvercomeRow(
+                mistake_title(course, row.exercise, row.id),
+                links.title(row.exercise),
+                tuple(names[account] for account in row.students),
+            )
+            for row in review.overcome
+        ),
+        assign_href=f"{links.href}/devoirs/nouveau" if access.has(Right.manage_assignments) else "",
+    )
+
+
+def _explain_rows(
+    course: Course, links: BoardLinks, review: LessonReview, *, may_write: bool
+) -> tuple[ExplainRow, ...]:
+    rows = []
+    for row in review.to_explain:
+        query = urlencode({"exercice": row.exercise, "erreur": row.id})
+        rows.append(
+            ExplainRow(
+                title=mistake_title(course, row.exercise, row.id),
+                href=misconception_href(links.href, row.exercise, row.id),
+                exercise=links.title(row.exercise),
+                people=links.people(row.still, row.exercise),
+                example=f"/soumissions/{row.example}",
+                message=f"{links.href}/mots?{query}#ecrire" if may_write else "",
+                lesson=_lesson_to_read(course, row.exercise),
+            )
+        )
+    return tuple(rows)
+
+
+def _lesson_to_read(course: Course, exercise: str) -> Link | None:
+    """Return title and address of the lesson that an exercise follows."""
+    served = course.exercises.get(exercise)
+    if served is None:
+        return None
+    lessons = course.modules[served.module].lessons
+    lesson = next((lesson for lesson in lessons if lesson.slug == served.seance), None)
+    return None if lesson is None else (lesson.title, lesson_href(lesson))
