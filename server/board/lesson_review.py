@@ -19,7 +19,7 @@ from server.gradebook.histories import Attempts, AttemptsByPair
 
 #: Different failures without progress at the end of the period, from which a student is to be seen.
 MIN_FAILURES = 3
-MAX_TO_SEE, MAX_TO_EXPLAIN = 8, 5
+MAX_TO_SEE, MAX_TO_EXPLAIN, MAX_OVERCOME = 8, 5, 8
 #: Students who still make a mistake, from which it is to be explained to the class.
 MIN_STILL = 3
 #: An exercise is at fault where so many have tried it and a third of them fail for a reason that the course does not
@@ -91,7 +91,7 @@ def build_review(progress: ClassProgress, exercises: Collection[str], since: dat
         at_fault=_exercises_at_fault(period, exercises),
         idle=tuple(student.id for student in others if student.id in seen),
         absent=tuple(student.id for student in others if student.id not in seen),
-        overcome=_overcome_mistakes(period),
+        overcome=_overcome_mistakes(period)[:MAX_OVERCOME],
     )
 
 

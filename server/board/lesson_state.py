@@ -136,7 +136,8 @@ def pair_helpers(
     progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID]
 ) -> Mapping[UUID, UUID]:
     """Give each stuck student a helper of their own who has finished: at best one who overcame the same mistake."""
-    free, pairs = list(finished), {}
+    helpless = {row.account for row in stuck}
+    free, pairs = [account for account in finished if account not in helpless], {}
     for row in stuck:
         attempts = progress.attempts.get((row.account, row.exercise), ())
         mistake = attempts[-1].diagnosis if attempts else None
