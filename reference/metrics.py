@@ -5,7 +5,7 @@ dimension d; pose k of the estimate is compared with pose k of the truth. Length
 
 Sources: Sturm, Engelhard, Endres, Burgard, Cremers, "A Benchmark for the Evaluation of RGB-D SLAM Systems" (2012), for
 the two errors; Umeyama, "Least-squares estimation of transformation parameters between two point patterns" (1991), for
-the alignment; Kümmerle et al., "On measuring the accuracy of SLAM algorithms" (2009), for what the relative one tells.
+the alignment; Kümmerle et al., "On measuring the accuracy of SLAM algorithms" (2009), for relations measured by hand.
 The numbers are those of evo, the tool of Michael Grupp that most papers quote.
 """
 
@@ -63,6 +63,11 @@ class Errors:
     @property
     def max(self) -> float:
         return float(np.max(self.values))
+
+    @property
+    def squared(self) -> Errors:
+        """The squares of the errors: their mean and deviation are quoted beside those of the errors."""
+        return Errors(self.values**2)
 
     @property
     def sse(self) -> float:
@@ -131,6 +136,28 @@ def relative_pose_error(
     E = _between(_motions(true, pairs), _motions(estimated, pairs))
     lengths = np.linalg.norm(_positions(E), axis=1)
     return RelativeError(pairs, Errors(lengths), Errors(_angles(E[:, :-1, :-1])))
+
+
+def relation_error(poses: ArrayLike, pairs: ArrayLike, T_i_j: ArrayLike) -> RelativeError:
+    """The errors of the poses by relations between some of them, which somebody has measured by hand.
+
+    `pairs` (m, 2): which poses; `T_i_j` (m, 3) or (m, d + 1, d + 1): the true pose of the second seen from the first.
+    No frame is laid on another: where a map is bent counts there, and not for all that comes after. With Z a relation
+    and P the estimate,
+
+        E = Z_ij^-1 (P_i^-1 P_j),  errors |trans E| and |angle E|                        (Kümmerle et al., eq. 3 and 4)
+
+    whose means and deviations are the published figures of Freiburg's benchmark, with or without `squared`. Raises
+    MetricError, also where there is no relation.
+    """
+    estimated, true = _matrices("poses", poses), _matrices("T_i_j", T_i_j)
+    which = np.asarray(pairs)
+    if which.shape != (len(true), 2) or which.dtype.kind not in "iu" or true.shape[1:] != estimated.shape[1:]:
+        raise MetricError("pairs", f"of shape {which.shape} are not two poses (m, 2) for each of {len(true)} relations")
+    if np.any((which < 0) | (which >= len(estimated))):
+        raise MetricError("pairs", f"name a pose that is none of the {len(estimated)}")
+    E = _between(true, _motions(estimated, which))
+    return RelativeError(which, Errors(np.linalg.norm(_positions(E), axis=1)), Errors(_angles(E[:, :-1, :-1])))
 
 
 def matching_times(truth: ArrayLike, estimate: ArrayLike, max_difference: float = 0.01) -> Integers:

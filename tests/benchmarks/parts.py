@@ -189,6 +189,12 @@ def maps(wanted: Wanted) -> list[Row]:
     return rows(20_000 if wanted.quick else 100_000, wanted.data)
 
 
+def mapping(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_slam import rows
+
+    return rows(wanted.data)
+
+
 def casting(wanted: Wanted) -> list[Row]:
     from tests.benchmarks.bench_raycast import rows
 
@@ -245,6 +251,7 @@ PARTS = (
     Part("install", install, patience=900.0, slow=True),
     Part("pose graph", pose_graph),
     Part("maps", maps, patience=600.0),
+    Part("slam", mapping),
     Part("casting", casting),
     Part("filters", filters),
     Part("suite", suite, patience=3600.0, minutes=True),

@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
+from reference.formats.relations import RelationsError, parse_relations
 from reference.formats.trajectory_files import read_kitti
-from reference.metrics import MetricError, absolute_trajectory_error, matching_times, relative_pose_error
+from reference.metrics import (
+    MetricError,
+    absolute_trajectory_error,
+    matching_times,
+    relation_error,
+    relative_pose_error,
+)
 from reference.se2 import compose, relative, to_matrix
 
 seeds = st.integers(0, 2**32 - 1)
@@ -206,3 +213,60 @@ def test_what_cannot_be_compared_is_named(argument: str, call: Any) -> None:
 def test_metres_are_counted_along_the_path() -> None:
     assert relative_pose_error(LINE, LINE, 2.0, "metres").pairs.tolist() == [[0, 2], [2, 4]]
     assert relative_pose_error(LINE, LINE, 1.5, "metres").pairs.tolist() == [[0, 2], [2, 4]]
+
+
+@given(seed=seeds, n=st.integers(2, 12), m=st.integers(1, 20))
+def test_errors_by_relations_are_those_of_the_definition(seed: int, n: int, m: int) -> None:
+    """By homogeneous matrices, one relation at a time; wherever the estimate lies, and none where it is right."""
+    rng = np.random.default_rng(seed)
+    estimate, moved = path(rng, n), rng.normal(size=3)
+    pairs, Z = rng.integers(0, n, (m, 2)), rng.normal(size=(m, 3))
+    found = relation_error(compose(moved, estimate), pairs, Z)
+    for k, (i, j) in enumerate(pairs):
+        E = np.linalg.inv(to_matrix(Z[k])) @ np.linalg.inv(to_matrix(estimate[i])) @ to_matrix(estimate[j])
+        assert found.translation.values[k] == pytest.approx(np.hypot(E[0, 2], E[1, 2]), abs=1e-9)
+        assert found.rotation.values[k] == pytest.approx(abs(math.atan2(E[1, 0], E[0, 0])), abs=1e-9)
+    assert found.translation.squared.mean == pytest.approx(np.mean(found.translation.values**2))
+    right = relation_error(estimate, pairs, relative(estimate[pairs[:, 0]], estimate[pairs[:, 1]]))
+    assert max(right.translation.max, right.rotation.max) < 1e-7
+    matrices = relation_error(to_matrix(estimate), pairs, to_matrix(Z))
+    np.testing.assert_allclose(matrices.translation.values, found.translation.values, atol=1e-9)
+
+
+@given(
+    st.lists(st.integers(0, 40), min_size=0, max_size=12, unique=True),
+    st.lists(st.tuples(st.integers(0, 40), st.integers(0, 40)), max_size=10),
+)
+def test_relations_are_paired_with_the_scans_of_their_times(stamps: Any, told: Any) -> None:
+    text = "".join(f"{a / 8} {b / 8} 1 2 0 0 0 {k / 10}\n" for k, (a, b) in enumerate(told))
+    relations = parse_relations("# relations\n\n" + text)
+    pairs, T = relations.between([stamp / 8 for stamp in stamps])
+    wanted = [(stamps.index(a), stamps.index(b), k / 10) for k, (a, b) in enumerate(told) if {a, b} <= set(stamps)]
+    assert len(relations) == len(told)
+    assert [(i, j, theta) for (i, j), theta in zip(pairs.tolist(), T[:, 2].tolist(), strict=True)] == wanted
+
+
+NO_RELATIONS = ["1 2 3", "1 2 0 0 0 0 0 x", "1 2 0 0 0 0 0 nan", "1 2 0 0 0.5 0 0 0", "1 2 3 4 0 0 0 0 9"]
+
+
+@pytest.mark.parametrize("line", NO_RELATIONS)
+def test_a_line_that_is_no_relation_is_named(line: str) -> None:
+    with pytest.raises(RelationsError, match="line 2"):
+        parse_relations(f"1 2 0 0 0 0 0 0\n{line}\n")
+
+
+@pytest.mark.parametrize(
+    ("argument", "call"),
+    [
+        ("pairs", lambda: relation_error(np.zeros((2, 3)), [(0, 2)], np.zeros((1, 3)))),
+        ("pairs", lambda: relation_error(np.zeros((2, 3)), [(0, -1)], np.zeros((1, 3)))),
+        ("pairs", lambda: relation_error(np.zeros((2, 3)), [(0.0, 1.0)], np.zeros((1, 3)))),
+        ("pairs", lambda: relation_error(np.zeros((2, 3)), [(0, 1)], np.zeros((2, 3)))),
+        ("T_i_j", lambda: relation_error(np.zeros((2, 3)), np.zeros((0, 2), int), np.zeros((0, 3)))),
+        ("poses", lambda: relation_error([], [(0, 1)], np.zeros((1, 3)))),
+    ],
+)
+def test_what_has_no_errors_by_relations_is_named(argument: str, call: Any) -> None:
+    with pytest.raises(MetricError) as caught:
+        call()
+    assert caught.value.argument == argument
