@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graders.core.contract.values import Floats
 from graders.l20 import parcours
@@ -65,6 +66,18 @@ class Matched:
     shares: Floats
 
 
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """The whole log. `clouds`, `truth` (n, 3) as `Indoor` has them; `mapped` (n, 3): what the front end of `reference`
+    makes of the scans and the robot's odometry, with default settings. `closures` (c, 2): pairs of scans it closed.
+    """
+
+    clouds: Sequence[Floats]
+    truth: Floats
+    mapped: Floats
+    closures: NDArray[np.int64]
+
+
 @cache
 def simulated() -> Simulated:
     run = parcours.journey()
@@ -87,6 +100,16 @@ def matched_indoor() -> Matched:
         closures = np.asarray(log["closures"], dtype=np.float64)
         first, matches = (np.asarray(log[name], dtype=np.float64) for name in ("first", "matches"))
     return Matched(first, matches, closures[:, :3], closures[:, 3])
+
+
+@cache
+def whole_log() -> Whole:
+    with np.load(LOG) as log:
+        ranges, poses = log["centimetres"] / 100.0, np.asarray(log["poses"], dtype=np.float64)
+        mapped = np.asarray(log["mapped"], dtype=np.float64)
+        closures = np.asarray(log["mapped_closures"], dtype=np.int64)
+    clouds = [Scan.from_sensor(scan, beam_angles(len(scan)), REACH).points() for scan in ranges]
+    return Whole(clouds, relative(poses[0], poses), mapped, closures)
 
 
 def cloud(scan: Floats) -> Floats:

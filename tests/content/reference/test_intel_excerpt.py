@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 from graders.l20.tp_slam import journeys
-from reference.formats.carmen import parse_flaser
+from reference.formats.carmen import beam_angles, parse_flaser
+from reference.front_end import slam
+from reference.metrics import absolute_trajectory_error
 from reference.se2 import relative
+from reference.world.scan import Scan
 
 
 def test_the_excerpt_is_that_of_the_log(dataset: Callable[[str], bytes]) -> None:
@@ -35,3 +39,15 @@ def test_the_odometry_is_what_the_log_counts_from_scan_to_scan(dataset: Callable
         found = relative(kept["odometry"][:-1], kept["odometry"][1:])
     assert len(found) == 909
     np.testing.assert_allclose(found, steps, atol=3e-5)
+
+
+@pytest.mark.slow
+def test_the_poses_that_are_shown_are_those_of_our_front_end() -> None:
+    """Some minutes, with default settings; to within what its tuning may change."""
+    log = journeys.whole_log()
+    with np.load(journeys.LOG) as kept:
+        ranges, odometry = kept["centimetres"] / 100.0, kept["odometry"]
+    scans = [Scan.from_sensor(row, beam_angles(180), 40.0) for row in ranges]
+    found = slam(scans, odometry)
+    assert absolute_trajectory_error(found.T_map_robot, log.mapped).rmse < 0.3
+    assert absolute_trajectory_error(log.truth, log.mapped).rmse == pytest.approx(0.39, abs=0.01)

@@ -47,3 +47,13 @@ def test_the_map_of_the_log_grows_beside_ours() -> None:
     assert theirs["until"][-1] == len(unpacked(theirs["at"]))
     ours = [next(layer for layer in frame["layers"] if layer["kind"] == "points") for frame in body["frames"]]
     assert [len(unpacked(layer["at"])) for layer in ours] == theirs["until"]
+
+
+def test_the_whole_log_is_mapped_beside_its_own_map() -> None:
+    body = scene("laboratoire", trajet="entier")
+    assert body["panels"] == ["Notre SLAM complet", "Le SLAM du journal"]
+    assert body["frames"][-1]["caption"].startswith("Scan 910")
+    assert error(trajet="entier") == pytest.approx(0.39, abs=0.005)
+    (drawn,) = [layer for layer in body["layers"] if layer["kind"] == "segments"]
+    assert drawn["until"][0] == 0
+    assert np.all(np.diff(drawn["until"]) >= 0)
