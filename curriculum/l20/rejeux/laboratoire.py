@@ -80,6 +80,7 @@ THIN, STRIDE = 4, 2
 MATCH, WHEELS, LOOP = (0.02, 0.02, 0.01), (0.03, 0.03, 0.05), (0.03, 0.03, 0.015)
 TRUE = 0.5
 OURS, THEIRS = 0, 1
+PANELS = ("Notre carte", "Celle du journal")
 #: Du journal entier : un point sur neuf, un scan sur cinq.
 WHOLE_THIN, WHOLE_STRIDE = 9, 5
 
@@ -168,7 +169,7 @@ def whole() -> Replay:
         ],
         period=0.12,
         begin_at_end=True,
-        panels=("Notre SLAM complet", "Le SLAM du journal"),
+        panels=PANELS,
     )
 
 
@@ -208,7 +209,7 @@ def practical_work(values: Values) -> Replay:
         ],
         period=0.25,
         begin_at_end=True,
-        panels=("Les fonctions du TP", "Le SLAM du journal"),
+        panels=PANELS,
     )
 
 

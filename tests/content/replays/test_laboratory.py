@@ -41,7 +41,7 @@ def test_loops_are_drawn_as_they_are_met() -> None:
 
 def test_the_map_of_the_log_grows_beside_ours() -> None:
     body = scene("laboratoire")
-    assert body["panels"] == ["Les fonctions du TP", "Le SLAM du journal"]
+    assert body["panels"] == ["Notre carte", "Celle du journal"]
     theirs = next(layer for layer in body["layers"] if layer["kind"] == "points")
     assert np.all(np.diff(theirs["until"]) > 0)
     assert theirs["until"][-1] == len(unpacked(theirs["at"]))
@@ -51,7 +51,7 @@ def test_the_map_of_the_log_grows_beside_ours() -> None:
 
 def test_the_whole_log_is_mapped_beside_its_own_map() -> None:
     body = scene("laboratoire", trajet="entier")
-    assert body["panels"] == ["Notre SLAM complet", "Le SLAM du journal"]
+    assert body["panels"] == ["Notre carte", "Celle du journal"]
     assert body["frames"][-1]["caption"].startswith("Scan 910")
     assert error(trajet="entier") == pytest.approx(0.39, abs=0.005)
     (drawn,) = [layer for layer in body["layers"] if layer["kind"] == "segments"]
