@@ -3,6 +3,7 @@
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.cells.routes import router as cells_router
+from server.client.routes import router as client_router
 from server.desk.assignments.exemption_routes import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
@@ -65,6 +66,7 @@ ROUTERS = (
     exemptions_router,
     own_router,
     offline_router,
+    client_router,
     cells_router,
     steps_router,
     replays_router,

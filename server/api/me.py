@@ -1,6 +1,8 @@
 """One's own data: taken away, or erased."""
 
+from datetime import datetime
 from typing import Annotated, Any
+from uuid import UUID
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response, StreamingResponse
@@ -8,10 +10,14 @@ from pydantic import Field
 from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, problems
-from server.api.schemas import StrictBody
-from server.base.errors import Forbidden
+from server.api.exercises import find
+from server.api.schemas import Strict, StrictBody
+from server.base.errors import Forbidden, NotFound
 from server.base.http import client_address
+from server.course.dependencies import CourseOf
 from server.database import utc_now
+from server.database.dependencies import Db
+from server.gradebook import service as gradebook
 from server.identity.dependencies import AccountServiceOf, ApiAccount, BearerToken
 from server.personal.dependencies import PersonalDataOf
 from server.personal.service import archive_headers
@@ -33,6 +39,14 @@ class Proof(StrictBody):
     password: Annotated[str, Field(max_length=1024, description="The account's.")]
 
 
+class LastFile(Strict):
+    """A file as it was sent."""
+
+    submission: UUID
+    code: str
+    created_at: datetime
+
+
 @router.get(
     "/me/export",
     response_class=Response,
@@ -41,6 +55,17 @@ class Proof(StrictBody):
 def export(account: ApiAccount, personal: PersonalDataOf) -> StreamingResponse:
     """All that is kept of this person: the account in JSON, every attempt as it was sent, every verdict."""
     return StreamingResponse(personal.export(account), headers=archive_headers(utc_now()), media_type="application/zip")
+
+
+@router.get("/me/exercises/{module}/{slug}/last", responses=problems(401, 404))
+def read_last_file(module: str, slug: str, account: ApiAccount, course: CourseOf, db: Db) -> LastFile:
+    """The last file that this account has sent to an exercise."""
+    exercise = find(course, f"{module}/{slug}")
+    attempt = gradebook.find_latest_attempt(db, account, exercise.id)
+    if attempt is None or exercise.answers is not None:
+        raise NotFound(f"Vous n’avez envoyé aucun fichier à « {exercise.title} ».")
+    sent = attempt.submission
+    return LastFile(submission=sent.id, code=sent.code, created_at=sent.created_at)
 
 
 @router.delete("/me", status_code=204, response_class=Response, responses=ERASING)

@@ -124,6 +124,7 @@ ROUTES: dict[tuple[str, str], str] = {
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
         "Un exercice sans code vient avec les questions tirées pour ce compte."
     ),
+    ("get", "/api/v1/me/exercises/{module}/{slug}/last"): "Le dernier fichier que vous avez envoyé à cet exercice.",
     ("get", "/api/v1/me/export"): "Tout ce qui est gardé de vous, dans une archive ZIP.",
     ("delete", "/api/v1/me"): (
         "Efface le compte, et tout ce qui en dépend, une fois son mot de passe donné : un jeton seul ne le peut pas "

@@ -422,7 +422,7 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
         "/api/v1/submissions/{submission_id}/figures/{name}.png",
         "/api/v1/submissions/{submission_id}/comments",
         "/api/v1/submissions/{submission_id}/comments/{thread_id}",
-        "/api/v1/me", "/api/v1/me/export",
+        "/api/v1/me", "/api/v1/me/export", "/api/v1/me/exercises/{module}/{slug}/last",
         "/api/v1/classes", "/api/v1/classes/join", "/api/v1/classes/{class_id}",
         "/api/v1/classes/{class_id}/roster", "/api/v1/classes/{class_id}/students",
         "/api/v1/classes/{class_id}/gradebook", "/api/v1/classes/{class_id}/audit",

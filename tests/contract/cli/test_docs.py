@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from server.base.files import ROOT
-from server.base.settings import PREFIX, SECRETS_DIR, Settings
+from server.base.settings import OTHER_VARIABLES, PREFIX, Settings
 from server.cli import _parser, main
 from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTERS
@@ -122,7 +122,7 @@ def test_the_pages_name_each_other_and_real_settings() -> None:
         text = page.read_text(encoding="utf-8")
         assert all((DOCS / link).is_file() for link in re.findall(r"\]\(([\w./]+)\)", text))
         settings = {name.removeprefix("BALISE_").lower() for name in re.findall(r"\bBALISE_\w+", text)}
-        assert settings <= {*Settings.model_fields, SECRETS_DIR.removeprefix(PREFIX).lower()}
+        assert settings <= {*Settings.model_fields, *(name.removeprefix(PREFIX).lower() for name in OTHER_VARIABLES)}
 
 
 def test_no_command_of_a_page_stands_outside_of_what_is_run() -> None:

@@ -1,0 +1,215 @@
+"""The command line of the client."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from getpass import getpass
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+from . import report, tokens, vscode
+from .connection import Connection
+from .errors import ClientError
+from .release import SERVER, VERSION
+
+#: The first line that `get` writes, by which `submit` and `watch` know what a file is for.
+MARKER = re.compile(r"^# balise: (\S+/\S+)\s*$", re.MULTILINE)
+ANSWERS = ".json"
+LOOK_SECONDS = 0.5
+TAG = re.compile(r"<[^>]+>")
+BLANK_LINES = re.compile(r"\n\s*\n+")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command; return its exit status: 0 full marks, 1 less, 2 where it cannot be done."""
+    arguments = _parser().parse_args(argv)
+    try:
+        return int(arguments.run(arguments))
+    except ClientError as error:
+        print(f"balise : {error}", file=sys.stderr)
+        return report.CANNOT
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="balise.pyz", description="Envoie vos programmes à Balise.")
+    parser.add_argument("--version", action="version", version=f"balise.pyz {VERSION}")
+    commands = parser.add_subparsers(metavar="COMMANDE", required=True)
+
+    def add(name: str, run: Any, help_text: str) -> argparse.ArgumentParser:
+        command = commands.add_parser(name, help=help_text, description=help_text)
+        command.add_argument("--server", default=SERVER, metavar="URL", help="adresse du serveur (%(default)s)")
+        command.set_defaults(run=run)
+        return command
+
+    add("login", _login, "garde le jeton créé sur la page « Mon compte »")
+    add("list", _list, "liste les exercices")
+    get = add("get", _get, "écrit l’énoncé et le code de départ, ou votre dernier envoi")
+    get.add_argument("exercise", metavar="EXERCICE")
+    get.add_argument("--last", action="store_true", help="votre dernier envoi, au lieu du code de départ")
+    submit = add("submit", _submit, "envoie un fichier et affiche le verdict")
+    submit.add_argument("names", nargs="+", metavar="[EXERCICE] FICHIER")
+    submit.add_argument("--problems", action="store_true", help="une ligne par échec, pour un éditeur")
+    submit.add_argument("--json", action="store_true", help="le verdict en JSON")
+    watch = add("watch", _watch, "envoie le fichier chaque fois que vous l’enregistrez")
+    watch.add_argument("names", nargs="+", metavar="[EXERCICE] FICHIER")
+    add("vscode", _vscode, "écrit une tâche pour VS Code dans ce dossier")
+    return parser
+
+
+def _connect(arguments: argparse.Namespace) -> Connection:
+    server = str(arguments.server).rstrip("/")
+    if not server:
+        raise ClientError("à quel serveur ? Donnez --server URL.")
+    return Connection(server, tokens.token_of(server))
+
+
+def _login(arguments: argparse.Namespace) -> int:
+    server = str(arguments.server).rstrip("/")
+    if sys.stdin.isatty():
+        token = getpass(f"Jeton créé sur {server}/compte (rien ne s’affiche) : ").strip()
+    else:
+        token = sys.stdin.readline().strip()
+    if not token:
+        raise ClientError("aucun jeton n’a été donné.")
+    Connection(server, token).exercises()
+    tokens.save(server, token)
+    print(f"Jeton gardé dans {tokens.path()}, que vous seul pouvez lire.")
+    return 0
+
+
+def _list(arguments: argparse.Namespace) -> int:
+    exercises = _connect(arguments).exercises()
+    width = max((len(exercise["id"]) for exercise in exercises), default=0)
+    for exercise in exercises:
+        print(f"{exercise['id']:<{width}}  {exercise['title']}")
+    return 0
+
+
+def _get(arguments: argparse.Namespace) -> int:
+    connection = _connect(arguments)
+    name = _known(connection, arguments.exercise)
+    exercise = connection.exercise(name)
+    if exercise["kind"] != "code":
+        raise ClientError(f"« {name} » se fait sur sa page : {connection.server}/{exercise['module']}")
+    code = connection.last_file(name)["code"] if arguments.last else exercise["starter"]
+    marker = f"# balise: {name}\n"
+    _write_new(Path(f"{exercise['slug']}.py"), code if MARKER.search(code) else marker + code)
+    _write_new(Path(f"{exercise['slug']}.txt"), f"{exercise['title']}\n\n{_plain(exercise['statement_html'])}\n")
+    return 0
+
+
+def _write_new(file: Path, text: str) -> None:
+    if file.exists() and file.read_text(encoding="utf-8") != text:
+        raise ClientError(f"{file} existe déjà : déplacez-le d’abord, rien n’est remplacé.")
+    file.write_text(text, encoding="utf-8")
+    print(f"{file} écrit.")
+
+
+def _plain(statement: str) -> str:
+    """The text of a statement; its page has the mathematics and the figures."""
+    text = re.sub(r"(?is)<(script|style|annotation).*?</\1>", "", statement)
+    text = re.sub(r"(?i)</(p|li|h\d|tr|div|pre)>", "\n", text)
+    return BLANK_LINES.sub("\n\n", unescape(TAG.sub("", text))).strip()
+
+
+def _submit(arguments: argparse.Namespace) -> int:
+    connection = _connect(arguments)
+    exercise, file = _exercise_and_file(connection, arguments.names)
+    return _send(connection, exercise, file, arguments)
+
+
+def _send(connection: Connection, exercise: str, file: Path, arguments: argparse.Namespace) -> int:
+    submission = connection.follow(connection.submit(exercise, _content(file)))
+    if getattr(arguments, "json", False):
+        print(json.dumps(submission, ensure_ascii=False))
+    elif getattr(arguments, "problems", False):
+        print("\n".join([*report.problems(submission, str(file.resolve())), connection.attempt_page(submission)]))
+    else:
+        print(report.render(submission, connection.attempt_page(submission)))
+    return report.exit_status(submission)
+
+
+def _watch(arguments: argparse.Namespace) -> int:
+    connection = _connect(arguments)
+    exercise, file = _exercise_and_file(connection, arguments.names)
+    print(f"{file} est envoyé à {exercise} à chaque enregistrement ; Ctrl+C pour arrêter.", flush=True)
+    for _ in _saves(file):
+        try:
+            _send(connection, exercise, file, arguments)
+        except ClientError as error:
+            print(f"balise : {error}", file=sys.stderr)
+        sys.stdout.flush()
+    return 0
+
+
+def _saves(file: Path) -> Iterator[bytes]:
+    """Yield the content of a file, then each new one."""
+    before = None
+    while True:
+        try:
+            content = file.read_bytes()
+        except OSError:
+            content = before or b""
+        if content and content != before:
+            before = content
+            yield content
+        time.sleep(LOOK_SECONDS)
+
+
+def _vscode(_arguments: argparse.Namespace) -> int:
+    print(f"{vscode.write_tasks(Path.cwd(), Path(sys.argv[0]).resolve())} écrit : Ctrl+Maj+B envoie le fichier ouvert.")
+    return 0
+
+
+def _content(file: Path) -> dict[str, Any]:
+    text = _read(file)
+    if file.suffix != ANSWERS:
+        return {"code": text}
+    try:
+        return {"answers": json.loads(text)}
+    except ValueError as error:
+        raise ClientError(f"{file} n’est pas du JSON : {error}.") from error
+
+
+def _read(file: Path) -> str:
+    try:
+        return file.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise ClientError(f"{file} ne se lit pas : {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise ClientError(f"{file} n’est pas un texte en UTF-8 (octet {error.start + 1}).") from error
+
+
+def _exercise_and_file(connection: Connection, names: list[str]) -> tuple[str, Path]:
+    """Find the exercise: named first, else by the first line of the file, else by the file's name."""
+    if len(names) > 2:
+        raise ClientError("donnez l’exercice et le fichier, ou le fichier seul.")
+    file = Path(names[-1])
+    if len(names) == 2:
+        return _known(connection, names[0]), file
+    marked = MARKER.search(_read(file))
+    return _known(connection, marked[1] if marked else file.stem), file
+
+
+def _known(connection: Connection, name: str) -> str:
+    """Return the id of an exercise, of which the last part will do. Raises ClientError with near names."""
+    ids = [str(exercise["id"]) for exercise in connection.exercises()]
+    by_slug = [exercise for exercise in ids if exercise == name or exercise.rpartition("/")[2] == name]
+    if len(by_slug) == 1:
+        return by_slug[0]
+    slugs = {exercise.rpartition("/")[2]: exercise for exercise in ids}
+    near = by_slug or [
+        *get_close_matches(name, ids, 3, 0.6),
+        *(slugs[slug] for slug in get_close_matches(name, list(slugs), 3, 0.6)),
+    ]
+    meant = f" Vouliez-vous dire {' ou '.join(dict.fromkeys(near))} ?" if near else " « list » les donne tous."
+    raise ClientError(f"aucun exercice ne s’appelle « {name} ».{meant}")

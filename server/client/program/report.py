@@ -1,0 +1,103 @@
+"""A verdict in words: for a terminal, for an editor's list of problems."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator
+from typing import Any
+
+from .values import layout
+
+WIDTH = 100
+FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
+INTERNAL_ERROR = "internal_error"
+LINE = re.compile(r"\bligne (\d+)\b", re.IGNORECASE)
+Json = Any
+
+
+def exit_status(submission: dict[str, Json]) -> int:
+    """Return 0 for full marks and for a result that is held back, 1 for less, 2 where grading failed on the server."""
+    verdict = submission.get("verdict")
+    if not verdict:
+        return NOT_FULL if submission.get("load_error") else FULL_MARKS
+    if verdict["outcome"] == INTERNAL_ERROR:
+        return CANNOT
+    return FULL_MARKS if verdict["outcome"] == "ok" else NOT_FULL
+
+
+def render(submission: dict[str, Json], page: str) -> str:
+    """Return the whole verdict in French, with the address of the attempt."""
+    verdict = submission.get("verdict")
+    if not verdict:
+        held = submission.get("notice") or "Reçu ; résultat après la publication par l’enseignant."
+        return f"{submission.get('load_error') or held}\n{page}"
+    return "\n".join(printable(line) for line in [*_lines(verdict), page])
+
+
+def _lines(verdict: dict[str, Json]) -> Iterator[str]:
+    if verdict["outcome"] == INTERNAL_ERROR:
+        yield f"{verdict['exercise']} : la correction a échoué sur le serveur ; rien n’est compté. Renvoyez le fichier."
+        return
+    yield f"{verdict['exercise']} : {number(verdict['points'])}/{number(verdict['max_points'])}"
+    if verdict.get("load_error"):
+        yield from _paragraph(verdict["load_error"], 2)
+    for remark in verdict.get("remarks") or ():
+        yield from _paragraph(f"Remarque : {remark}", 2)
+    for check in verdict["checks"]:
+        yield from _check(check)
+    if verdict.get("diagnosis"):
+        yield ""
+        yield from _paragraph(f"Diagnostic : {verdict['diagnosis']['title']}", 0)
+        yield from _paragraph(verdict["diagnosis"]["explanation"], 2)
+    if verdict.get("stdout", "").strip():
+        yield "Affiché par le programme :"
+        yield from (f"  │ {line}" for line in verdict["stdout"].rstrip("\n").splitlines())
+
+
+def _check(check: dict[str, Json]) -> Iterator[str]:
+    mark = "✓" if check["passed"] else "–" if check.get("neutral") else "✗"
+    yield f"  {mark} {check['title']}  ({number(check['points'])}/{number(check['max_points'])})"
+    if check["passed"]:
+        return
+    yield from _paragraph(check["message"], 6)
+    example = check.get("counterexample")
+    if example and not (check.get("neutral") or check.get("repeats")):
+        values = {**example["inputs"], "attendu": example["expected"], "obtenu": example["got"]}
+        for name, value in values.items():
+            yield from (f"          {line}" for line in layout(value, name))
+    if check.get("hint"):
+        yield from _paragraph(f"→ {check['hint']}", 6)
+
+
+def problems(submission: dict[str, Json], file: str) -> list[str]:
+    """Return a line `FILE:LINE: error: message` for each failed check, as problem matchers read them."""
+    verdict = submission.get("verdict") or {}
+    messages = [verdict.get("load_error") or submission.get("load_error") or ""]
+    messages += [
+        check["message"]
+        for check in verdict.get("checks", ())
+        if not (check["passed"] or check.get("neutral") or check.get("repeats"))
+    ]
+    lines = []
+    for message in filter(None, messages):
+        found = LINE.search(message)
+        text = printable(" ".join(message.split()))
+        lines.append(f"{file}:{found[1] if found else 1}: error: {text}")
+    return lines
+
+
+def _paragraph(text: str, indent: int) -> Iterator[str]:
+    margin = " " * indent
+    for line in text.splitlines():
+        yield from textwrap.wrap(line, WIDTH, initial_indent=margin, subsequent_indent=margin) or [""]
+
+
+def printable(text: str) -> str:
+    """Replace control characters by ·: a program's output must not control the terminal."""
+    return "".join(c if c.isprintable() or c in "\n\t\u00a0\u202f" else "·" for c in text)
+
+
+def number(value: float) -> str:
+    """17.5 → « 17,5 »; 17.0 → « 17 »."""
+    return f"{value:.2f}".rstrip("0").rstrip(".").replace(".", ",")

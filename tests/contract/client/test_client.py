@@ -1,0 +1,162 @@
+"""The client of one file against a real service, as students run it."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.base.files import ROOT
+from tests.support.live import Live, until
+from tests.support.quick import the_course
+
+EXERCISE = "l20/poses"
+RECIPES = ROOT / "server" / "docs" / "client.md"
+RUN = re.compile(r"^\s+-? ?(?:run: )?(python3 balise\.pyz .*)$", re.MULTILINE)
+
+
+class Student:
+    """A folder with the client, and its environment."""
+
+    def __init__(self, folder: Path, server: Live) -> None:
+        self.folder, self.server = folder, server
+        client = folder / "balise.pyz"
+        client.write_bytes(server.client.get("/client/balise.pyz").content)
+        self.environment = {
+            "PATH": os.environ["PATH"], "HOME": str(folder), "XDG_CONFIG_HOME": str(folder / "config"),
+        }  # fmt: skip
+
+    def start(self, *arguments: str, **options: Any) -> subprocess.Popen[str]:
+        command = [sys.executable, "-I", "balise.pyz", *arguments]
+        streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        return subprocess.Popen(command, cwd=self.folder, env=self.environment, **streams, **options)
+
+    def run(self, *arguments: str, typed: str = "") -> tuple[int, str, str]:
+        process = self.start(*arguments, stdin=subprocess.PIPE)
+        out, err = process.communicate(typed, timeout=300)
+        return process.returncode, out, err
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
+    server = Live(tmp_path_factory.mktemp("served") / "data", BALISE_WORKERS="1")
+    server.sign_up_teacher()
+    yield server
+    server.process.terminate()
+    server.process.wait(300)
+    server.close()
+
+
+@pytest.fixture(scope="module")
+def token(live: Live) -> str:
+    return live.token()
+
+
+@pytest.fixture
+def student(live: Live, token: str, tmp_path: Path) -> Student:
+    made = Student(tmp_path, live)
+    assert made.run("login", typed=f"{token}\n")[0] == 0
+    return made
+
+
+def test_from_login_to_full_marks(student: Student) -> None:
+    assert student.run("--version")[1].startswith("balise.pyz ")
+    status, out, _ = student.run("list")
+    assert status == 0
+    assert EXERCISE in out
+    assert student.run("get", EXERCISE)[0] == 0
+    assert student.run("get", EXERCISE)[0] == 0, "what is there already is the same"
+    file = student.folder / "poses.py"
+    assert file.read_text().startswith(f"# balise: {EXERCISE}\n")
+    status, out, _ = student.run("submit", "poses.py")
+    assert status == 1
+    assert "/20" in out
+    assert f"{student.server.address}/soumissions/" in out
+    file.write_text(the_course().exercises[EXERCISE].solution)
+    status, out, err = student.run("submit", "poses", "poses.py")
+    assert (status, err) == (0, ""), out
+    assert f"{EXERCISE} : 20/20" in out
+    (student.folder / "poses.py").unlink()
+    assert student.run("get", EXERCISE, "--last")[0] == 0
+    assert the_course().exercises[EXERCISE].solution in file.read_text()
+    assert student.run("get", EXERCISE)[0] == 2, "nothing is replaced"
+
+
+def test_a_mistyped_exercise_is_refused_with_near_names(student: Student) -> None:
+    status, _, err = student.run("get", "l20/pose")
+    assert status == 2
+    assert f"Vouliez-vous dire {EXERCISE}" in err
+
+
+def test_a_save_is_sent(student: Student) -> None:
+    file = student.folder / "poses.py"
+    file.write_text("x = 1\n")
+    process = student.start("watch", "poses.py")
+    assert process.stdout
+    seen = [process.stdout.readline() for _ in range(2)]
+    assert "enregistrement" in seen[0]
+    file.write_text(the_course().exercises[EXERCISE].solution)
+    until(lambda: "20/20" in process.stdout.readline(), "the verdict of the second save")
+    process.terminate()
+    process.communicate()
+
+
+def test_an_editor_reads_the_problems(student: Student) -> None:
+    (student.folder / "poses.py").write_text("def composer(a, b):\n    return a +\n")
+    assert student.run("vscode")[0] == 0
+    task = json.loads((student.folder / ".vscode" / "tasks.json").read_text())["tasks"][0]
+    arguments = [argument.replace("${file}", str(student.folder / "poses.py")) for argument in task["args"][1:]]
+    status, out, _ = student.run(*arguments)
+    assert status == 1
+    problem = re.compile(task["problemMatcher"]["pattern"]["regexp"], re.MULTILINE).search(out)
+    assert problem, out
+    assert (problem[1], problem[2]) == (str(student.folder / "poses.py"), "2")
+
+
+def test_a_notebook_shows_the_verdict_with_its_figure(student: Student) -> None:
+    script = """
+import sys
+sys.path.insert(0, "balise.pyz")
+import balise
+class Shell:
+    def run_cell(self, cell): exec(cell, {})
+    def register_magic_function(self, function, kind, name): self.magic = function
+shell = Shell()
+balise.load_ipython_extension(shell)
+print(shell.magic("l20/poses", open("poses.py").read())._repr_html_())
+"""
+    wrong = the_course().exercises[EXERCISE].solution.replace("cos", "sin")
+    (student.folder / "poses.py").write_text(wrong)
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=student.folder, env=student.environment, capture_output=True, text=True,
+        timeout=300, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "/20" in done.stdout
+    assert "data:image/svg+xml;base64," in done.stdout
+    assert "/soumissions/" in done.stdout
+
+
+def test_the_recipes_of_continuous_integration_run(student: Student, token: str) -> None:
+    (student.folder / "poses.py").write_text(the_course().exercises[EXERCISE].solution)
+    student.environment["BALISE_TOKEN"] = token
+    commands = RUN.findall(RECIPES.read_text(encoding="utf-8"))
+    assert len(commands) >= 2, "GitHub's and GitLab's"
+    for command in commands:
+        status, out, err = student.run(*command.split()[2:])
+        assert status == 0, (command, out, err)
+
+
+def test_no_token_and_no_server_are_said(student: Student) -> None:
+    student.environment["XDG_CONFIG_HOME"] = str(student.folder / "nobody")
+    status, _, err = student.run("list")
+    assert (status, "/compte" in err) == (2, True)
+    status, _, err = student.run("login", "--server", "http://127.0.0.1:9", typed="x\n")
+    assert (status, "impossible de joindre" in err) == (2, True)
