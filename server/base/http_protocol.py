@@ -17,8 +17,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 MAX_HEAD_BYTES = 16 * 1024
 #: Lines of a head. A browser sends some twenty, a proxy adds as many.
 MAX_HEAD_LINES = 128
-#: Seconds from a connection, or from the beginning of a later head, to the end of the head.
-HEAD_SECONDS = 30.0
+#: Seconds from a connection to its first byte, and from the first byte of a head to its end.
+IDLE_SECONDS, HEAD_SECONDS = 300.0, 30.0
 #: Arrivals of pieces of one request, after which the next are waited for together, so many seconds long.
 FREE_ARRIVALS, GATHERING_SECONDS = 32, 0.02
 #: Bytes of a body in chunks that are parsed at once; the least mean of bytes between its line ends.
@@ -42,7 +42,7 @@ class BoundedProtocol(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
-        self._start_head_timer()
+        self._start_head_timer(IDLE_SECONDS)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._stop_head_timer()
@@ -87,8 +87,9 @@ class BoundedProtocol(H11Protocol):
         """Hand a whole head to h11, or what cannot become one; return False where more has to come."""
         found = _END_OF_HEAD.search(self._unread, max(0, self._searched - 2))
         if found is None and len(self._unread) <= MAX_HEAD_BYTES and self._unread[0] > ord(" "):
+            if not self._searched:
+                self._start_head_timer(HEAD_SECONDS)
             self._searched = len(self._unread)
-            self._start_head_timer()
             return False
         self._stop_head_timer()
         head = bytes(self._unread[: found.end()] if found else self._unread)
@@ -138,13 +139,13 @@ class BoundedProtocol(H11Protocol):
         self._is_over = True
         self._unread.clear()
 
-    def _start_head_timer(self) -> None:
+    def _start_head_timer(self, seconds: float) -> None:
         """Wait for a head so long and no longer; the bound of an idle connection ends as a head begins."""
         if self.timeout_keep_alive_task is not None:
             self.timeout_keep_alive_task.cancel()
             self.timeout_keep_alive_task = None
-        if self._head_timer is None:
-            self._head_timer = self.loop.call_later(HEAD_SECONDS, self.transport.close)
+        self._stop_head_timer()
+        self._head_timer = self.loop.call_later(seconds, self.transport.close)
 
     def _stop_head_timer(self) -> None:
         if self._head_timer is not None:
