@@ -105,7 +105,7 @@ def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult]) -> Diagn
     """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any."""
     explained = {check for ids in diagnosis.explains for check in ids}
     lost = [check for check in checks if not check.passed]
-    left = [check for check in lost if check.id not in explained]
+    left = [check for check in lost if check.id not in explained and not check.neutral]
     if not left:
         return diagnosis
     lost_points = sum(check.max_points for check in lost)

@@ -104,7 +104,7 @@ def _defaults(
         }
         for parameter, wanted in _default_values(asked[name]).items():
             if parameter in parameters and parameter not in given:
-                told = re.compile(rf"appel de {name} :[^.]*\b{parameter}\b")
+                told = re.compile(rf"appel de {name}\s:[^.]*\b{parameter}\b")
                 missed = tuple(check for check, said in messages.items() if told.search(said))
                 if missed:
                     yield Fact(_no_default(name, parameter, wanted), missed)

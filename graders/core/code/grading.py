@@ -150,7 +150,8 @@ class CodeGrader:
             if rounded is not None:
                 return rounded
         if ids or facts:
-            explains = [*(self._explained(mistake, failed) for mistake in ids), *(fact.checks for fact in facts)]
+            at_fault = [check for check, finding in pairs if not finding.result.neutral]
+            explains = [*(self._explained(mistake, at_fault) for mistake in ids), *(fact.checks for fact in facts)]
             diagnosis = combine_diagnoses(ids, self.misconceptions, [fact.slip for fact in facts])
             certain = found.certain and not reenacted and ids == found.mistakes
             diagnosis = replace(diagnosis, explains=tuple(explains), certain=certain)

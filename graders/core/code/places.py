@@ -22,7 +22,7 @@ from graders.core.contract.program import Programs
 from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 
-PLACE = "lieu"
+PLACE, LOOK = "lieu", "Regardez-y"
 #: Characters of a line that is quoted; lines of one mistake, and values, that are told.
 MAX_LINE, MAX_LINES, MAX_VALUES = 90, 3, 2
 
@@ -79,13 +79,15 @@ _ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une v�
 
 def is_worth_searching(verdict: Verdict) -> bool:
     """Whether a verdict leaves something to be found: no name, one that is not certain, or checks without one."""
-    failed = {check.id for check in verdict.checks if not check.passed}
-    if not failed or (len(failed) == len(verdict.checks) and verdict.load_error):
+    failed = {check.id for check in verdict.checks if not (check.passed or check.neutral)}
+    if not failed or verdict.load_error:
         return False
     named = verdict.diagnosis
     if named is None:
         return True
-    return not named.certain or not failed <= {check for checks in named.explains for check in checks}
+    explained = [check for checks in named.explains for check in checks]
+    is_told_twice = len(explained) > len(set(explained))
+    return not named.certain or is_told_twice or not failed <= set(explained)
 
 
 def describe_mending(
@@ -147,11 +149,23 @@ def _value_words(values: Sequence[tuple[str, float]]) -> str:
 
 
 def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
-    """Return a verdict's diagnosis with the places that were found since."""
-    if diagnosis is None:
+    """Return a verdict's diagnosis with the places that were found since.
+
+    Several mistakes that are told of the same checks give way to one place that alone makes all of them pass: a program
+    with two mistakes may answer alike by chance.
+    """
+    if diagnosis is None or _is_disproved(diagnosis, place):
         return place
-    told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {place.explanation}"
+    where = place.explanation.partition("\n\n")[0].partition(LOOK)[0].strip()
+    told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {where}"
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
+
+
+def _is_disproved(diagnosis: Diagnosis, place: Diagnosis) -> bool:
+    """Whether one place mends all that several mistakes are told to explain together."""
+    together = {frozenset(checks) for checks in diagnosis.explains}
+    is_one = len(place.explains) == 1 and len(diagnosis.titles) > 1
+    return is_one and diagnosis.source is None and all(checks <= set(place.explains[0]) for checks in together)
 
 
 def _described(
@@ -164,7 +178,7 @@ def _described(
     title += f" ligne {' ou '.join(map(str, lines[:MAX_LINES]))}"
     where = f"Ligne {line} : « {_quoted(source, line)} »."
     seen = f" {values[line]}" if line in values else ""
-    look = f" Regardez-y {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
+    look = f" {LOOK} {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
     return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles)}{look}", aspect.question)
 
 

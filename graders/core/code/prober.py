@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -87,6 +88,7 @@ class Prober:
         mistakes: list[str] = []
         fallback: list[str] = []
         consequences: list[str] = []
+        named: dict[str, frozenset[str]] = {}
         certain = True
         for index, answers, slip in self._probe(runner, functions, alone):
             if slip is not None:
@@ -100,11 +102,23 @@ class Prober:
                     fallback += self._fallback_names(index, sequence)
                     continue
                 names, is_certain = self._name_mistakes(index, sequence, functions)
+                names = self._borne_out(names, self.probes[index].function, named)
+                named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 if not names:
                     fallback += self._fallback_names(index, sequence)
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
+
+    def _borne_out(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:
+        """Return the names but those of a mistake in another function whose own answers have shown another one."""
+        return [name for name in names if all(name in named[f] for f in self._places(name, function) & named.keys())]
+
+    def _places(self, name: str, function: str) -> AbstractSet[str]:
+        """Return the functions that can have a mistake; none where this one can."""
+        edits = [*self.model.edits, *(edit for mutant in self._mutants.whole for edit in mutant.edits)]
+        places = frozenset().union(*(edit.functions for edit in edits if edit.id == name))
+        return frozenset() if function in places else places
 
     def unfinished_mutants(self) -> Iterator[tuple[Mutant, Unfinished]]:
         """Yield the mutants with one mistake that take too much to answer the probes, each with the call that does."""

@@ -68,7 +68,7 @@ def test_a_fact_is_told_without_a_name(old: str, new: str, identity: str, title:
 @pytest.mark.parametrize(
     ("defined", "message", "cause", "identity"),
     [
-        ("niveau", "Il manque à l’appel de bande : niveau. [TypeError]", Outcome.RUNTIME_ERROR, "defaut_manquant"),
+        ("niveau", "Il manque à l’appel de bande\u00a0: niveau. [TypeError]", Outcome.RUNTIME_ERROR, "defaut_manquant"),
         ("niveau", "Il manque à l’appel de bande : N. [TypeError]", Outcome.RUNTIME_ERROR, None),
         ("niveau=0.9", "Faux.", Outcome.WRONG_ANSWER, "defaut_different"),
         ("niveau=19 / 20", "Faux.", Outcome.WRONG_ANSWER, None),

@@ -97,3 +97,28 @@ def test_a_place_is_joined_to_a_name() -> None:
         joined.explanation
         == "Pourquoi.\n\nDans votre programme : tout se joue ligne 6. Ligne 6 : « a ».\n\nQue vaut a ?"
     )
+
+
+def test_two_names_of_the_same_checks_give_way_to_one_place_that_mends_them() -> None:
+    both = Diagnosis("x", "Un nom — et aussi : Un autre", "Pourquoi.", None, (("a", "b"), ("a", "b")), certain=True)
+    assert join_place(both, Diagnosis("lieu", "Tout se joue ligne 6", "Là.", None, (("a", "b"),))).id == "lieu"
+    assert join_place(both, Diagnosis("lieu", "Tout se joue ligne 6", "Là.", None, (("a",),))).id == "x"
+    two_places = Diagnosis("lieu", "Ligne 6 — et aussi : ligne 7", "Là.", None, (("a",), ("b",)))
+    assert join_place(both, two_places).id == "x"
+
+
+def test_a_name_in_another_function_is_held_against_its_own_answers() -> None:
+    """A wrong upper end alone gives some opinions that a normal law gives too, and another band."""
+    grader = CODE["l19/coherence"]
+    source = (
+        grader.solution.replace("def bande(", "def autre(")
+        + """
+
+def bande(n, N, niveau=0.95):
+    from scipy.stats import chi2
+
+    return chi2.ppf((1 - niveau) / 2, n * N) / N, chi2.ppf(niveau, n * N) / N
+"""
+    )
+    found = grader.grade(source.encode(), LOCAL, seed=2026, version="v").verdict.diagnosis
+    assert found is None or found.id != "loi_normale"
