@@ -39,6 +39,15 @@ class Grading(Base):
     films: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True), deferred=True)
 
 
+class EarlyVerdict(Base):
+    """The verdict of a submission without its diagnosis, from the end of its checks until it is graded."""
+
+    __tablename__ = "early_verdict"
+
+    submission_id: Mapped[UUID] = mapped_column(ForeignKey("submission.id", ondelete="CASCADE"), primary_key=True)
+    verdict: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
 class Standing(Base):
     """Totals of one account's counting gradings in one exercise, internal errors left out.
 

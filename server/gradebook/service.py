@@ -14,7 +14,7 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import repository, standings
+from server.gradebook import early_verdicts, repository, standings
 from server.gradebook.attempts import StoredAttempt, load_attempt, load_latest_attempt
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, AttemptList, ExerciseProgress, GradingResult
@@ -34,6 +34,8 @@ def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> U
         return None
     account_id, exercise, sent_at, earlier_grading = row
     repository.set_counting_grading(db, submission_id, repository.add_grading(db, submission_id, graded))
+    if graded.verdict.diagnosis is not None or graded.verdict.outcome is not Outcome.OK:
+        early_verdicts.drop(db, submission_id)
     if earlier_grading is not None:
         standings.recount(db, account_id, exercise)
     elif graded.verdict.outcome.counts:

@@ -17,6 +17,7 @@ from graders.core.code.places import find_place, join_place
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Block, KitSettings, PlannedCalls, Reply, StudentFault
+from graders.core.contract.protocol import WhileNaming
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import Diagnosis, Verdict, internal_error_verdict
@@ -228,18 +229,21 @@ class SandboxGrader:
         own: Own = NOTHING_OWN,
         tested: Collection[str] = (),
         policy: Policy | None = None,
+        while_naming: WhileNaming | None = None,
     ) -> Judgement:
         """Grade a file. Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
 
         `own` holds the files whose functions the program imports from `mes_fonctions` instead of the course's; those of
-        `tested` exercises are not given; `policy` replaces the limits of the exercise.
+        `tested` exercises are not given; `policy` replaces the limits of the exercise. `while_naming` is as in
+        `Grader.grade`.
         """
         version = self._course.version_of(exercise_id)
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
                 programs = self.programs(exercise_id, policy or exercise.policy, own, tested)
-                judgement = exercise.grader.grade(source, programs, seed=seed, version=version)
+                early = {"while_naming": _completed(while_naming, programs)} if while_naming else {}
+                judgement = exercise.grader.grade(source, programs, seed=seed, version=version, **early)
                 verdict = replace(judgement.verdict, remarks=programs.remarks, load_error=programs.load_error)
                 return replace(judgement, verdict=verdict)
             except Exception:
@@ -250,3 +254,13 @@ class SandboxGrader:
                     *(exercise_id, version, seed, try_number, TRIES, submission or "by hand", len(source), digest),
                 )
         return Judgement(internal_error_verdict(exercise_id, version, seed))
+
+
+def _completed(while_naming: WhileNaming, programs: SandboxPrograms) -> WhileNaming:
+    """Return `while_naming` of judgements with what the sandbox says of the file."""
+    return lambda judgement: while_naming(
+        replace(
+            judgement,
+            verdict=replace(judgement.verdict, remarks=programs.remarks, load_error=programs.load_error),
+        )
+    )

@@ -11,11 +11,13 @@ from functools import partial
 from types import FrameType
 
 from graders.core.contract.findings import Judgement
+from graders.core.contract.protocol import WhileNaming
 from server.base.settings import Settings
 from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask
 from server.course import Course, load
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
+from server.grading.early_verdicts import EarlyVerdicts
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.idle_monitor import IdleMonitor
 from server.grading.job_lanes import JOB_LANES
@@ -105,7 +107,9 @@ def _run_worker(
         if settings.warm_up:
             threading.Thread(target=_warm_up, args=(sandbox, course, idle_monitor), name="warm-up", daemon=True).start()
 
-        def grade(work: GradingInput) -> Judgement:
+        early_verdicts = EarlyVerdicts(database, notifier)
+
+        def grade_anew(work: GradingInput, while_naming: WhileNaming | None = None) -> Judgement:
             with idle_monitor.busy():
                 return grader.grade(
                     work.exercise,
@@ -114,12 +118,16 @@ def _run_worker(
                     submission=work.submission_id,
                     own=work.own,
                     tested=work.tested,
+                    while_naming=while_naming,
                 )
+
+        def grade(work: GradingInput) -> Judgement:
+            return grade_anew(work, early_verdicts.of(work.submission_id))
 
         queue = TableQueue(notifier)
         tasks: Tasks = {
             GRADE: GradingTask(course, grade),
-            REGRADE_JOB: RegradeTask(course, queue, grade),
+            REGRADE_JOB: RegradeTask(course, queue, grade_anew),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)

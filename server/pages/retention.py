@@ -121,7 +121,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("submission", "grading", "standing", "deal", "poll_answer", "regrade_item"),
+        ("submission", "grading", "early_verdict", "standing", "deal", "poll_answer", "regrade_item"),
     ),
     lambda _: Row(
         "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées, absences et dispenses, notes "

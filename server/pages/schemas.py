@@ -71,7 +71,8 @@ class WorkView:
 
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
     attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
-    would read their question about it; `searched`: the places of its mistakes may still be found.
+    would read their question about it; `searched`: the places of its mistakes may still be found; `early` are its
+    checks, while the name of the mistake is sought.
     """
 
     id: str
@@ -90,6 +91,7 @@ class WorkView:
     regraded: RegradedView | None = None
     held: str = ""
     runs: bool = True
+    early: VerdictView | None = None
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

@@ -21,7 +21,7 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.course.reuse import offers_course_functions
 from server.database import utc_now
-from server.gradebook import importable_files, solutions
+from server.gradebook import early_verdicts, importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import kits, marks, opening, talk, withheld
@@ -40,6 +40,7 @@ from server.steps.replayable import can_replay
 from server.submissions.models import SubmissionState
 from server.submissions.service import GradingProgress
 from server.web import deadlines, regraded, verdicts
+from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
     exercise_href,
@@ -269,7 +270,7 @@ def _work(
         else None,
     )
     if verdict is None or attempt.grading is None:
-        return work
+        return replace(work, early=_early_view(reader, exercise, attempt, place.state))
     view = verdicts.verdict_view(
         verdict,
         f"{href}/figures",
@@ -281,6 +282,17 @@ def _work(
         world=_world(exercise, verdict),
     )
     return replace(work, verdict=view, searched=behaviour.is_search_pending(reader.db, attempt))
+
+
+def _early_view(reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState) -> VerdictView | None:
+    """Return the checks of an attempt whose mistake is still sought; None where nothing may be shown yet."""
+    if attempt.held or state is not SubmissionState.running:
+        return None
+    verdict = early_verdicts.load(reader.db, attempt.submission.id)
+    if verdict is None:
+        return None
+    undrawn = replace(verdict, checks=[replace(check, figure=None) for check in verdict.checks])
+    return verdicts.verdict_view(undrawn, "", functions=exercise.functions, world=_world(exercise, verdict))
 
 
 def _world(exercise: Exercise, verdict: Verdict) -> verdicts.World:

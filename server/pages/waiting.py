@@ -7,6 +7,7 @@ from typing import Any
 from uuid import UUID
 
 from server.database import Database
+from server.gradebook import early_verdicts
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
@@ -38,14 +39,17 @@ class Waiting:
     status: str
     text: str
     settles_in: float | None = field(default=None, compare=False)
+    early: bool = False
 
     @property
     def done(self) -> bool:
         return self.status == SubmissionState.done
 
     def to_json(self) -> dict[str, Any]:
-        """Return the members of its event; `held`: the page shows what it has at once."""
-        members = {"status": self.status, "text": self.text}
+        """Return the members of its event; `held` and `early`: the page shows what it has at once."""
+        members: dict[str, Any] = {"status": self.status, "text": self.text}
+        if self.early:
+            members["early"] = True
         return members if self.settles_in is None else {**members, "held": True}
 
 
@@ -77,4 +81,5 @@ class Watched:
                     return held_state(attempt)
                 place = self.store.progress(db, attempt.submission)
             self.waits = place.state is not SubmissionState.done
-            return Waiting(place.state, waiting_text(place))
+            early = place.state is SubmissionState.running and early_verdicts.exists(db, self.submission)
+            return Waiting(place.state, waiting_text(place), early=early)

@@ -16,7 +16,7 @@ from graders.core.answers.reading import UnreadableAnswersError, canonical_json,
 from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
-from graders.core.contract.protocol import KnownSubmission
+from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_early_verdict
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 Answers = Mapping[str, Any]
@@ -106,8 +106,16 @@ class AnswersGrader(ABC):
     def correction(self, seed: int) -> str:
         """Return the full correction of a variant, in Markdown."""
 
-    def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Judgement:
-        """Return the judgement of a file of answers. `programs` is not used: nothing runs."""
+    def grade(
+        self,
+        source: bytes,
+        programs: Programs | None = None,
+        *,
+        seed: int,
+        version: str,
+        while_naming: WhileNaming = no_early_verdict,
+    ) -> Judgement:
+        """Return the judgement of a file of answers. `programs` and `while_naming` are not used: nothing runs."""
         started = time.perf_counter()
         findings = self._findings(source, seed)
         took = round(1000.0 * (time.perf_counter() - started), 3)

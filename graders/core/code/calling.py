@@ -44,6 +44,7 @@ def tell_once(findings: Sequence[Finding]) -> list[Finding]:
     return shortened
 
 
+_SHORTENED = (Outcome.RUNTIME_ERROR, Outcome.MISSING_FUNCTION, Outcome.INVALID_OUTPUT)
 _REASONS = {
     Outcome.MISSING_FUNCTION: "Cette fonction manque, comme pour « {title} ».",
     Outcome.INVALID_OUTPUT: "Le même résultat illisible que pour « {title} ».",
@@ -51,11 +52,14 @@ _REASONS = {
 
 
 def _told_before(finding: Finding, first: Finding) -> Finding:
+    told = replace(finding.result, hint=None, repeats=first.result.id)
+    if finding.cause not in _SHORTENED:  # what concerns the whole file: pages fold it
+        return replace(finding, result=told)
     line = re.match(r"Ligne \d+", finding.result.message or "", re.IGNORECASE)
     where = f" ({line[0].lower()})" if line else ""
     reason = _REASONS.get(finding.cause, "La même erreur que pour « {title} »{where}.")
     message = reason.format(title=first.result.title, where=where)
-    return replace(finding, result=replace(finding.result, message=message, hint=None, repeats=first.result.id))
+    return replace(finding, result=replace(told, message=message))
 
 
 def _with_signature(finding: Finding, signatures: dict[str, str]) -> Finding:

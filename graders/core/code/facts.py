@@ -164,7 +164,8 @@ def _relative_error(finding: Finding) -> float | None:
     wanted, obtained = np.array(expected), np.array(got)
     if not np.all(np.isfinite(wanted)) or not np.all(np.isfinite(obtained)) or np.array_equal(wanted, obtained):
         return None
-    return float(np.max(np.abs(obtained - wanted)) / max(1e-9, float(np.max(np.abs(wanted)))))
+    with np.errstate(over="ignore"):  # a program may return numbers beyond every other
+        return float(np.max(np.abs(obtained - wanted)) / max(1e-9, float(np.max(np.abs(wanted)))))
 
 
 def _numbers(value: Any) -> list[float] | None:

@@ -29,7 +29,7 @@ from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Programs, StudentFault
-from graders.core.contract.protocol import KnownSubmission
+from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_early_verdict
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import Diagnosis
 
@@ -67,7 +67,15 @@ class CodeGrader:
         explainer = MistakeExplainer(self.misconceptions, self.checks, self.kit, self.reenactor)
         object.__setattr__(self, "_explainer", explainer)
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
+    def grade(
+        self,
+        source: bytes,
+        programs: Programs,
+        *,
+        seed: int,
+        version: str,
+        while_naming: WhileNaming = no_early_verdict,
+    ) -> Judgement:
         """Return the judgement of a file: every check runs on the program that `programs` starts from it.
 
         Every fault of the student's program ends in the verdict; an exception raised here is our own fault.
@@ -78,10 +86,16 @@ class CodeGrader:
         try:
             findings = self._findings(runner, kit, seed, source)
             checked = time.perf_counter()
-            diagnosis = self._diagnosis(findings, runner, kit, seed, source)
+            told = tell_once(tell_signatures(findings, self.solution))
+            if all(finding.cause not in DIAGNOSED for finding in findings):
+                diagnosis = self._diagnosis(findings, runner, kit, seed, source)
+            else:
+                early = make_verdict(self.exercise, version, seed, told, None, stdout=runner.stdout, timings={})
+                with while_naming(Judgement(early)):
+                    diagnosis = self._diagnosis(findings, runner, kit, seed, source)
         finally:
             runner.close()
-        findings = tell_once(tell_signatures(findings, self.solution))
+        findings = told
         ended = time.perf_counter()
         timings = {"checks_ms": (started, checked), "diagnosis_ms": (checked, ended), "total_ms": (started, ended)}
         verdict = make_verdict(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,14 +27,35 @@ class KnownSubmission:
     rounds: int = 1
 
 
+#: From a judgement without a diagnosis to a context within which the diagnosis is sought.
+WhileNaming = Callable[[Judgement], AbstractContextManager[None]]
+
+
+def no_early_verdict(judgement: Judgement) -> AbstractContextManager[None]:
+    """Show nothing before the whole judgement is there."""
+    return nullcontext()
+
+
 class Grader(Protocol):
     """Grades one exercise."""
 
     @property
     def exercise(self) -> str: ...
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
-        """Return the judgement of a submission. An exception raised here is our own fault."""
+    def grade(
+        self,
+        source: bytes,
+        programs: Programs,
+        *,
+        seed: int,
+        version: str,
+        while_naming: WhileNaming = no_early_verdict,
+    ) -> Judgement:
+        """Return the judgement of a submission. An exception raised here is our own fault.
+
+        Where the checks have ended and the name of the mistake is still sought, that is done within `while_naming`,
+        which receives the judgement without it.
+        """
 
     def rehearse(self) -> None:
         """Warm up: do once everything that is slow the first time."""

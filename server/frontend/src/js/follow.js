@@ -115,8 +115,8 @@ export async function followToVerdict(address) {
   let shown = false;
   await follow(address, (state) => {
     if (state.status === "done") return;
-    if (!state.held) return showWaiting(state.text);
-    if (!shown) refresh(address.verdict); // a test holds it back: what can be said is said at once
+    if (!state.held && !state.early) return showWaiting(state.text);
+    if (!shown) showAtOnce(address); // a test holds it back, or its mistake is still sought: what can be said is said
     shown = true;
   });
   if (!(await refresh(address.verdict))) {
@@ -127,6 +127,11 @@ export async function followToVerdict(address) {
   announce(place?.dataset.announce ?? "");
   followPlace();
   if (place && place.getBoundingClientRect().top > window.innerHeight * 0.6) reveal(place, "start");
+}
+
+async function showAtOnce(address) {
+  await refresh(address.verdict);
+  announce(document.querySelector("[data-part=verdict]")?.dataset.announce ?? "");
 }
 
 function reveal(place, block) {
