@@ -38,23 +38,23 @@ def _lines(verdict: Verdict) -> Iterator[str]:
     for remark in verdict.remarks:
         yield from paragraph(f"Remarque : {remark}", indent=2)
     yield ""
-    told: set[str] = set()
+    messages: set[str] = set()
     for check in verdict.checks:
-        yield from _check(check, told)
+        yield from _check(check, messages)
     if verdict.diagnosis:
         yield from _diagnosis(verdict.diagnosis)
     yield from _stdout(verdict.stdout)
     yield f"Graine : {verdict.seed} (pour refaire cette correction : --seed {verdict.seed})"
 
 
-def _check(check: CheckResult, told: set[str]) -> Iterator[str]:
+def _check(check: CheckResult, messages: set[str]) -> Iterator[str]:
     mark = "✓" if check.passed else "–" if check.neutral else "✗"
     yield f"  {mark} {check.title}  ({number(check.points)}/{number(check.max_points)})"
     if check.passed:
         return
-    if check.message in told:  # a file that does not load fails every check for one reason
+    if check.message in messages:  # a file that does not load fails every check for one reason
         return
-    told.add(check.message)
+    messages.add(check.message)
     yield from paragraph(check.message)
     if check.counterexample and not (check.neutral or check.repeats):
         yield from _counterexample(check.counterexample)
