@@ -7,6 +7,9 @@ Metres, radians, seconds. (x, y, theta) of a FLASER line is the pose of the lase
 beams look ahead over half a turn, from the right: an even number of them, 180 or 360, stops one step short of the left,
 an odd number reaches it.
 
+The lidars are SICK's, which read centimetres up to 81.83 m (nothing seen up to there); 81.84 to 81.91 m are the codes
+of faults, dazzled or not valid: no measurements, and not a free way through the wall.
+
 Corrected logs hold corrected poses in their FLASER lines. The odometry is there all the same: the first ODOM line after
 a FLASER line restates its pose, and those that follow carry on from there by the wheels, up to the next FLASER line.
 
@@ -35,6 +38,9 @@ AFTER_RANGES, AFTER_NUMBERS = 7, 2
 OF_ODOM, AFTER_ODOM = 7, 2
 # The span of ODOM lines where there are none.
 UNTOLD: tuple[Place, Place] = ((np.nan, np.nan, np.nan), (np.nan, np.nan, np.nan))
+
+# Readings in metres that are codes of faults of SICK's LMS: 8184 to 8191 cm, with half a centimetre to spare.
+FAULTS = (81.835, 81.915)
 
 
 class LogError(InvalidArgumentError):
@@ -88,6 +94,8 @@ def parse_flaser(
 ) -> LaserLog:
     """The FLASER lines of a log and the ODOM lines between; others are passed over. Ranges as `Scan.from_sensor`'s.
 
+    Readings that are codes of faults are no measurements.
+
     Raises LogError for a line that is cut short, holds what is no number, or repeats the scan before it to the last
     digit, date included.
     """
@@ -105,7 +113,9 @@ def parse_flaser(
             ranges, row = _reading(line, words[1:])
             if words == previous:
                 raise LogError("text", f"line {line} repeats the scan of line {lines[-1]}, date included")
-            scans.append(Scan.from_sensor(ranges, beam_angles(len(ranges)), max_range, min_range, zero=zero))
+            readings = np.array(ranges)
+            readings[(readings > FAULTS[0]) & (readings < FAULTS[1])] = np.nan
+            scans.append(Scan.from_sensor(readings, beam_angles(len(readings)), max_range, min_range, zero=zero))
             numbers.append(row)
             lines.append(line)
             spans.append(UNTOLD)

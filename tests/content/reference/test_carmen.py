@@ -99,6 +99,13 @@ def test_readings_keep_their_three_kinds() -> None:
     assert math.isclose(scan.ranges[4], 2.0)
 
 
+def test_codes_of_faults_are_no_measurements() -> None:
+    """8183 says that nothing was seen up to there, 8187 and 8191 that the lidar was dazzled or does not know."""
+    scan = parse_flaser("FLASER 5 81.83 81.87 81.91 81.92 2 0 0 0 0 0 0 1 pippo 1", 50.0).scans[0]
+    assert scan.measured.tolist() == [True, False, False, True, True]
+    assert scan.hits.tolist() == [False, False, False, False, True]
+
+
 def test_the_odometry_of_the_intel_log(dataset: Callable[[str], bytes]) -> None:
     """It turns 0.04 rad too far to the right a step; and four of the log's dates are out of order."""
     log = parse_flaser(dataset("laser/intel.gfs.log"), 40.0)
