@@ -14,7 +14,7 @@ from server.base.files import ROOT
 WAITS = {"Lock", "RLock", "Condition", "Semaphore", "BoundedSemaphore", "Barrier", "ThreadPoolExecutor", "Popen"}
 RUNS = {("subprocess", "run"), ("threading", "Event"), ("time", "sleep")}
 #: What serves no page: commands, the walls, workers and their queue, a course's author, a demonstration's pupils.
-ASIDE = {"authoring", "cli", "frontend", "sandbox", "grading", "queue", "demo", "backup"}
+ASIDE = {"authoring", "cli", "program", "frontend", "sandbox", "grading", "queue", "demo", "backup"}
 KNOWN = {
     "server.base.caches": "a dictionary's look-up",
     "server.base.counters": "an addition",

@@ -116,6 +116,7 @@ def _index() -> search.Index:
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
 IDENTITIES = """
     path:aid path:assignment_id path:check path:class_id path:code path:column_id path:eid path:file path:group
+    path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
     path:token path:version
     query:change query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
@@ -296,7 +297,8 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         """
         raw:server.api.routes.Api.matches raw:server.base.http._cookie_value raw:server.base.http.problem_document
-        raw:server.base.middleware.AcceptEncoding.__call__ raw:server.base.middleware.BoundedBody.__call__
+        raw:server.base.middleware.AcceptEncoding.__call__
+        raw:server.base.middleware.BoundedBody._prepare raw:server.client.routes.download
         raw:server.base.middleware.BoundedBody._read raw:server.base.middleware.RequestLog.__call__
         raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
