@@ -7,7 +7,7 @@ with the submission's wherever either is wrong, and which explains more failures
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -101,9 +101,12 @@ def combine_diagnoses(
     return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
 
 
-def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult]) -> Diagnosis:
-    """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any."""
-    explained = {check for ids in diagnosis.explains for check in ids}
+def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult], doubtful: Collection[str] = ()) -> Diagnosis:
+    """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any.
+
+    Nothing is said of the `doubtful` checks, which may fail for the same reason.
+    """
+    explained = {check for ids in diagnosis.explains for check in ids}.union(doubtful)
     lost = [check for check in checks if not check.passed]
     left = [check for check in lost if check.id not in explained and not check.neutral]
     if not left:

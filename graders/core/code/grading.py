@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from graders.core.code.bench import Bench
+from graders.core.code.call_graph import find_callers
 from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.code.checks import Check
 from graders.core.code.confined import Unfinished
@@ -165,11 +166,20 @@ class CodeGrader:
                 return rounded
         if ids or facts:
             at_fault = [check for check, finding in pairs if not finding.result.neutral]
-            explains = [*(self._explained(mistake, at_fault) for mistake in ids), *(fact.checks for fact in facts)]
+            following = set(found.consequences) if ids == found.mistakes else set()
+            explains = [
+                *(self._explained(mistake, at_fault, following) for mistake in ids),
+                *(fact.checks for fact in facts),
+            ]
             diagnosis = combine_diagnoses(ids, self.misconceptions, [fact.slip for fact in facts])
             certain = found.certain and not reenacted and ids == found.mistakes
             diagnosis = replace(diagnosis, explains=tuple(explains), certain=certain)
-            return tell_remainder(diagnosis, [finding.result for finding in findings])
+            explained = {
+                name for check in at_fault if any(check.id in ids for ids in explains) for name in check.functions
+            }
+            callers = find_callers(source, explained)
+            doubtful = {check.id for check in at_fault if callers.intersection(check.functions)}
+            return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
@@ -180,9 +190,13 @@ class CodeGrader:
         right = {mistake.id: mistake.right for mistake in self.misconceptions}
         return tuple(mistake for mistake in ids if failed_ids.isdisjoint(right.get(mistake, ())))
 
-    def _explained(self, mistake: str, failed: Sequence[Check]) -> tuple[str, ...]:
-        """Return the ids of the failed checks of a mistake's functions; of all of them for a slip."""
+    def _explained(self, mistake: str, failed: Sequence[Check], following: Collection[str]) -> tuple[str, ...]:
+        """Return the ids of the failed checks of a mistake's functions, and of those in which it is known to show.
+
+        Those of all functions for a slip.
+        """
         functions = {function for each in self.misconceptions if each.id == mistake for function in each.functions}
+        functions.update(following if functions else ())
         return tuple(check.id for check in failed if not functions or functions.intersection(check.functions))
 
     def _title(self, mistake: str) -> str:

@@ -123,3 +123,14 @@ def corriger(m, v, z, r):
     found = CODE["l19/predire_corriger"].grade(source.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
     assert found is not None
     assert found.id == "memoire"
+
+
+def test_what_calls_a_named_function_is_not_said_to_be_unexplained() -> None:
+    source = CODE[COHERENCE].solution
+    assert "np.linalg.inv(P)" in source or "solve" in source
+    wrong = (
+        source.replace("def nees(", "def juste(")
+        + "\n\ndef nees(vraie, estimee, P):\n    return 2 * juste(vraie, estimee, P)\n"
+    )
+    found = CODE[COHERENCE].grade(wrong.encode(), LOCAL, seed=3, version="v").verdict.diagnosis
+    assert found is None or "sans explication" not in found.explanation

@@ -93,10 +93,8 @@ def test_a_place_is_joined_to_a_name() -> None:
     assert join_place(None, place) is place
     joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), place)
     assert (joined.id, joined.title) == ("x", "Un nom")
-    assert (
-        joined.explanation
-        == "Pourquoi.\n\nDans votre programme : tout se joue ligne 6. Ligne 6 : « a ».\n\nQue vaut a ?"
-    )
+    told = "Dans votre programme : tout se joue ligne 6. Ligne 6 : « a »."
+    assert joined.explanation == f"Pourquoi.\n\n{told}"
 
 
 def test_two_names_of_the_same_checks_give_way_to_one_place_that_mends_them() -> None:
