@@ -11,6 +11,8 @@ from server.comments.difference import DiffRun, diff_lines
 
 #: Two programs whose lines differ more than that show nothing beside each other but two styles.
 MIN_LIKENESS = 0.5
+#: So few differing lines are the wrong ones, also where none is proven.
+MAX_DIFFERING = 2
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class ProgramLine:
 
 @dataclass(frozen=True)
 class Contrast:
-    """The two extracts; `right` is empty where no right program may be shown. Nothing is marked without proof."""
+    """The two extracts; `right` is empty where no right program may be shown. Nothing is marked that could be right."""
 
     wrong: tuple[ProgramLine, ...]
     right: tuple[ProgramLine, ...]
@@ -56,6 +58,9 @@ def contrast_programs(wrong: Extract, wrong_line: int | None, right: Sequence[Ex
         likest = Extract(())
     runs = [run for run in diff_lines(wrong.texts, likest.texts).runs if not run.is_equal]
     marked = [index for index, (number, _) in enumerate(wrong.lines) if number == wrong_line]
+    differing = [index for run in runs for index in run.before]
+    if not marked and likest.lines and len(differing) <= MAX_DIFFERING:
+        marked = differing  # one is right, the other wrong, and nothing else differs
     answering = {index for run in runs if _touches(run, marked) for index in run.after}
     return Contrast(
         tuple(ProgramLine(text, index in marked) for index, text in enumerate(wrong.texts)),

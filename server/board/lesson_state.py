@@ -17,7 +17,7 @@ from server.gradebook.histories import Attempts, AttemptsByPair
 from server.lesson.models import LessonVisit, LiveLesson
 
 RECENT_MISTAKES = timedelta(minutes=15)
-MAX_MISTAKES = 3
+MAX_MISTAKES, MAX_HELPED = 3, 5
 #: How long a student who was seen is left out of the list, unless another exercise is in their way.
 VISIT_LASTS = timedelta(minutes=10)
 
@@ -70,18 +70,19 @@ class LessonState:
 def build_state(progress: ClassProgress, lesson: LiveLesson, visits: Mapping[UUID, LessonVisit]) -> LessonState:
     expected = Expected(tuple(lesson.exercises), lesson.started_at)
     stuck = progress.find_stuck(expected)
-    shown = tuple(row for row in stuck if not _is_just_seen(visits.get(row.account), row, progress.now))
+    just_seen = {row.account for row in stuck if _is_just_seen(visits.get(row.account), row, progress.now)}
+    shown = tuple(row for row in stuck if row.account not in just_seen)
     solved = _solved_times(progress.attempts, lesson.exercises)
     finished = _finished(progress, solved, lesson.exercises)
     return LessonState(
         stuck=shown,
-        visited=tuple(row.account for row in stuck if row not in shown),
+        visited=tuple(row.account for row in stuck if row.account in just_seen),
         mistakes=recent_mistakes(progress, progress.now - RECENT_MISTAKES)[:MAX_MISTAKES],
         finished=finished,
         absent=_absent(progress, lesson.started_at),
         exercises=tuple(_count(progress, exercise, solved) for exercise in lesson.exercises),
         students=len(progress.students),
-        helpers=pair_helpers(progress, shown, finished),
+        helpers=pair_helpers(progress, shown, finished, MAX_HELPED),
     )
 
 
@@ -133,12 +134,12 @@ def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercise
 
 
 def pair_helpers(
-    progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID]
+    progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID], limit: int
 ) -> Mapping[UUID, UUID]:
-    """Give each stuck student a helper of their own who has finished: at best one who overcame the same mistake."""
+    """Give each of the first stuck students a helper of their own who has finished: at best one who overcame the same mistake."""
     helpless = {row.account for row in stuck}
     free, pairs = [account for account in finished if account not in helpless], {}
-    for row in stuck:
+    for row in stuck[:limit]:
         attempts = progress.attempts.get((row.account, row.exercise), ())
         mistake = attempts[-1].diagnosis if attempts else None
         able = [account for account in free if _solved(progress, account, row.exercise)]

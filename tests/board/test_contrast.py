@@ -44,9 +44,12 @@ def test_the_proven_line_and_its_replacement_are_marked() -> None:
 
 
 def test_nothing_is_marked_without_proof_nor_shown_that_is_too_far() -> None:
-    contrast = contrast_programs(extract(WRONG), None, [extract(RIGHT)])
-    assert marked(contrast) == ([], [])
+    other = RIGHT.replace("x =", "y =").replace("ada = x", "z = y").replace("return ada", "return z")
+    contrast = contrast_programs(extract(WRONG), None, [extract(other)])
     assert contrast.right
+    assert marked(contrast) == ([], []), "which of three lines is wrong is not known"
+    only = contrast_programs(extract(WRONG), None, [extract(RIGHT)])
+    assert marked(only) == (["    x = a - b"], ["    x = a + b"]), "the only line that differs is the wrong one"
     assert contrast_programs(extract(WRONG), 6, [extract(FAR)]).right == ()
     assert contrast_programs(extract(WRONG), 6, []).right == ()
 
