@@ -136,7 +136,7 @@ def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercise
 def pair_helpers(
     progress: ClassProgress, stuck: Sequence[StuckStudent], finished: Sequence[UUID], limit: int
 ) -> Mapping[UUID, UUID]:
-    """Give each of the first stuck students a helper of their own who has finished: at best one who overcame the same mistake."""
+    """Give each of the first stuck students a helper who has finished: at best one who overcame the same mistake."""
     helpless = {row.account for row in stuck}
     free, pairs = [account for account in finished if account not in helpless], {}
     for row in stuck[:limit]:

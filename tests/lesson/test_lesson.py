@@ -252,3 +252,41 @@ def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(
     other = new_class(site.database, martin.account)
     assert text_of(browser, f"/classes/{other.id}/seance/{lesson.id}", 404)
     assert text_of(browser, f"/classes/{other.id}/semaine", 200)
+
+
+def test_a_function_that_is_right_is_not_projected_as_wrong(site: Site, martin: Person, made: SchoolClass) -> None:
+    """The mistake is in the second function: the first stands in right programs too."""
+    now = utc_now()
+    students = seated(site.database, made, 6)
+    first = "def composer(a, b):\n    return a + b\n\n"
+    wrong, right = (f"{first}def relatif(a, b):\n    return {text}\n" for text in ("a - b", "b - a"))
+    store(
+        site.database,
+        [
+            *(Sent(student, EXERCISE, now - timedelta(minutes=3), 0.2, WRONG, wrong) for student in students[:5]),
+            Sent(students[5], EXERCISE, now, 1.0, None, right),
+        ],
+    )
+    text = text_of(martin.browser(site), f"/classes/{made.id}/erreurs/{EXERCISE}/{WRONG}/projeter")
+    extracts = text.split('class="projection-extracts"')[1].split("</div>")[0]
+    assert "composer" not in extracts
+    assert extracts.count("relatif") == 2
+    assert ('class="line-wrong"' in extracts, 'class="line-right"' in extracts) == (True, True)
+
+
+def test_a_student_sees_the_exercises_of_the_day_and_what_comes_next(
+    site: Site, course: Course, martin: Person, made: SchoolClass
+) -> None:
+    ada = person(site)
+    seat(site.database, made, ada.account)
+    assert "Séance en cours" not in text_of(ada.browser(site), f"/classes/{made.id}")
+    with site.database.write() as db:
+        plan = LessonPlan((EXERCISE,), Afterwards.challenge, OTHER)
+        service.start_lesson(db, course, made, martin.account.id, plan, utc_now())
+    shown = text_of(ada.browser(site), f"/classes/{made.id}").split('id="seance"')[1].split("</section>")[0]
+    assert "à faire" in shown
+    assert "défi" not in shown, "not before the exercises of the day"
+    store(site.database, [Sent(ada.id, EXERCISE, utc_now(), 1.0)])
+    shown = text_of(ada.browser(site), f"/classes/{made.id}").split('id="seance"')[1].split("</section>")[0]
+    assert "Voici un défi" in shown
+    assert "/l20/exercices/kabsch" in shown

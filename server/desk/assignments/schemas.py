@@ -292,6 +292,25 @@ class NextStep:
 
 
 @dataclass(frozen=True)
+class OwnLessonExercise:
+    """An exercise of the day; `solved` as far as the student may know it."""
+
+    title: str
+    href: str
+    solved: bool
+
+
+@dataclass(frozen=True)
+class OwnLesson:
+    """The exercises of the day; `challenge` and `helps` for a student who has solved them all."""
+
+    exercises: tuple[OwnLessonExercise, ...]
+    finished: bool
+    helps: bool
+    challenge: OwnLessonExercise | None
+
+
+@dataclass(frozen=True)
 class OwnClassPage:
     """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes.
 
@@ -309,4 +328,5 @@ class OwnClassPage:
     average: str
     marks: OwnMarks | None
     zone: str
+    lesson: OwnLesson | None = None
     watched: str = ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from uuid import UUID
 
@@ -143,23 +143,26 @@ def _programs(
     *,
     shows_solution: bool,
 ) -> Programs | None:
-    functions = known.functions or tuple(function.name for function in exercise.functions)
     people = name_words(student.name for student in progress.students)
-
-    def extract(row: SourceRow) -> Extract:
-        code = row.source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-        return extract_lines(code, functions, people)
-
     wrong = repository.load_sources(db, progress.scope, exercise.id, known.diagnosis.id, MAX_SOURCES)
-    found = [(row, extract(row)) for row in wrong]
-    shown = [(row, lines) for row, lines in found if lines.lines]
-    if not shown:
-        return None
-    smallest, lines = min(shown, key=lambda pair: (len("".join(pair[1].texts)), str(pair[0].submission)))
-    right = repository.load_right_sources(db, progress.scope, exercise.id, MAX_RIGHT_SOURCES) if shows_solution else ()
-    others = tuple(extract(row) for row in right)
-    check = _failed_check(db, account, exercise, smallest.submission)
-    return Programs(smallest.submission, known.diagnosis.id, check, lines, tuple(row for row in others if row.lines))
+    right = repository.load_right_sources(db, progress.scope, exercise.id, MAX_RIGHT_SOURCES)
+    for function in dict.fromkeys((*known.functions, *(wanted.name for wanted in exercise.functions))):
+        right_extracts = [_extract(row, function, people) for row in right]
+        right_texts = {tuple(extract.texts) for extract in right_extracts}
+        found = [(row, _extract(row, function, people)) for row in wrong]
+        # A function that stands in a right program too is not where the mistake is.
+        shown = [(row, extract) for row, extract in found if extract.lines and tuple(extract.texts) not in right_texts]
+        if shown:
+            smallest, lines = min(shown, key=lambda pair: (len("".join(pair[1].texts)), str(pair[0].submission)))
+            check = _failed_check(db, account, exercise, smallest.submission)
+            others = tuple(extract for extract in right_extracts if extract.lines) if shows_solution else ()
+            return Programs(smallest.submission, known.diagnosis.id, check, lines, others)
+    return None
+
+
+def _extract(row: SourceRow, function: str, people: Collection[str]) -> Extract:
+    code = row.source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    return extract_lines(code, (function,), people)
 
 
 def _failed_check(db: Session, account: Account, exercise: Exercise, submission: UUID) -> str:
