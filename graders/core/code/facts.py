@@ -10,6 +10,7 @@ import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -49,8 +50,10 @@ class Fact:
 def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[str]) -> list[Fact]:
     """Return the facts that these failed checks establish, but those that one of the titles tells already."""
     text = source.decode("utf-8-sig", "replace")
-    mine, asked = _functions(text), _functions(solution)
-    facts = [*_modified(failed), *_nothing_returned(failed, mine), *_defaults(failed, mine, asked)]
+    defaults = _asked_defaults(solution)
+    is_read = bool(defaults) or any(finding.cause is Outcome.INVALID_OUTPUT for _, finding in failed)
+    mine = _functions(text) if is_read else {}
+    facts = [*_modified(failed), *_nothing_returned(failed, mine), *_defaults(failed, mine, defaults)]
     if not facts:
         facts += _lost_digits(failed, text)
     return [f for f in facts if not any(re.search(_ALREADY_TOLD[f.slip.id], title, re.IGNORECASE) for title in titles)]
@@ -61,6 +64,13 @@ def _functions(text: str) -> Mapping[str, ast.FunctionDef]:
         return {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return {}
+
+
+@cache
+def _asked_defaults(solution: str) -> Mapping[str, Mapping[str, str]]:
+    """Return the default values of the functions that have some, by parameter."""
+    values = {name: _default_values(function) for name, function in _functions(solution).items()}
+    return {name: defaults for name, defaults in values.items() if defaults}
 
 
 def _modified(failed: Failed) -> Iterator[Fact]:
@@ -93,7 +103,7 @@ def _is_nothing(finding: Finding) -> bool:
 
 
 def _defaults(
-    failed: Failed, mine: Mapping[str, ast.FunctionDef], asked: Mapping[str, ast.FunctionDef]
+    failed: Failed, mine: Mapping[str, ast.FunctionDef], asked: Mapping[str, Mapping[str, str]]
 ) -> Iterator[Fact]:
     for name in sorted(mine.keys() & asked.keys()):
         given, parameters = _default_values(mine[name]), {argument.arg for argument in mine[name].args.args}
@@ -102,7 +112,7 @@ def _defaults(
             for check, finding in failed
             if name in check.functions and finding.cause is Outcome.RUNTIME_ERROR
         }
-        for parameter, wanted in _default_values(asked[name]).items():
+        for parameter, wanted in asked[name].items():
             if parameter in parameters and parameter not in given:
                 told = re.compile(rf"appel de {name}\s:[^.]*\b{parameter}\b")
                 missed = tuple(check for check, said in messages.items() if told.search(said))

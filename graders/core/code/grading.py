@@ -174,11 +174,7 @@ class CodeGrader:
             diagnosis = combine_diagnoses(ids, self.misconceptions, [fact.slip for fact in facts])
             certain = found.certain and not reenacted and ids == found.mistakes
             diagnosis = replace(diagnosis, explains=tuple(explains), certain=certain)
-            explained = {
-                name for check in at_fault if any(check.id in ids for ids in explains) for name in check.functions
-            }
-            callers = find_callers(source, explained)
-            doubtful = {check.id for check in at_fault if callers.intersection(check.functions)}
+            doubtful = self._possibly_explained(source, at_fault, explains)
             return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
@@ -189,6 +185,17 @@ class CodeGrader:
         failed_ids = {check.id for check in failed}
         right = {mistake.id: mistake.right for mistake in self.misconceptions}
         return tuple(mistake for mistake in ids if failed_ids.isdisjoint(right.get(mistake, ())))
+
+    def _possibly_explained(
+        self, source: bytes, failed: Sequence[Check], explains: Sequence[Sequence[str]]
+    ) -> frozenset[str]:
+        """Return the ids of the failed checks of functions that call one with an explained check."""
+        explained = {check for ids in explains for check in ids}
+        if all(check.id in explained for check in failed):
+            return frozenset()
+        names = {name for check in failed if check.id in explained for name in check.functions}
+        callers = find_callers(source, names)
+        return frozenset(check.id for check in failed if callers.intersection(check.functions))
 
     def _explained(self, mistake: str, failed: Sequence[Check], following: Collection[str]) -> tuple[str, ...]:
         """Return the ids of the failed checks of a mistake's functions, and of those in which it is known to show.
