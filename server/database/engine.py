@@ -76,10 +76,14 @@ def make_engine(url: str) -> Engine:
 
 
 def _create_private_file(file: Path) -> None:
-    """Create the file of a database for its owner alone: it holds password hashes. Side files take its mode."""
+    """Create the file of a database for its owner alone: it holds password hashes. Side files take its mode.
+
+    A file that exists is not opened: closing it would drop the locks that this process holds on it (SQLite, "How To
+    Corrupt", 2.2), and another process would take it for unused.
+    """
     file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with suppress(OSError):  # SQLite gives the reason where the file cannot be written
-        os.close(os.open(file, os.O_CREAT | os.O_RDWR, 0o600))
+        os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
 
 
 def writing_engine(engine: Engine) -> Engine:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import stat
+import subprocess
+import sys
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -100,6 +102,18 @@ def test_a_start_on_a_full_disk_is_one_clear_line(
     (*_, line) = capsys.readouterr().err.strip().splitlines()
     assert line.startswith("balise : ")
     assert "plein" in line
+
+
+def test_a_second_database_object_keeps_the_locks_of_the_first(tmp_path: Path) -> None:
+    """Another process that closes the file must not take it for unused, and remove its log."""
+    url = f"sqlite:///{tmp_path}/balise.sqlite3"
+    other = "import sqlite3, sys; sqlite3.connect(sys.argv[1]).execute('SELECT * FROM alembic_version').fetchall()"
+    with closing(Database(url)) as first:
+        upgrade(first.engine)
+        with first.engine.connect():
+            Database(url).close()
+            subprocess.run([sys.executable, "-c", other, str(tmp_path / "balise.sqlite3")], check=True)
+            assert (tmp_path / "balise.sqlite3-wal").exists()
 
 
 def test_the_file_of_the_database_is_for_its_owner_alone(tmp_path: Path) -> None:
