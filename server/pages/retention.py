@@ -196,7 +196,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("audit_event",),
     ),
     lambda _: Row(
-        "Groupes d’essais qui se trompent de même, sans nom",
+        "Groupes d’essais qui se trompent de même, sans nom, et la ligne où chacun se trompe",
         "tant qu’un essai s’y trouve, ou qu’un enseignant les a nommés",
         HOURLY,
         (),

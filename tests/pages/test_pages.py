@@ -97,12 +97,15 @@ def test_what_an_attempt_mended_is_told_though_the_mark_has_not_moved(small_site
     first = {"id": "centre", "title": f"{centre} — et aussi : {sum_}", "explanation": "Un."}
     page = small_site.get(small_site.attempt("x = 1", verdict(diagnosis=first)))
     assert "Depuis l’essai" not in page
-    page = small_site.get(small_site.attempt("x = 2", verdict(diagnosis={**first, "title": sum_})))
+    shown = {**first, "title": sum_, "explains": [[CHECK["id"]]], "certain": True}
+    page = small_site.get(small_site.attempt("x = 2", verdict(diagnosis=shown)))
     told = re.sub(r"<[^>]*>|\s+", " ", page)
     for text in ("Depuis l’essai n° 1", f"N’est plus en cause : « {centre} »", f"Il reste : « {sum_} »"):
         assert re.sub(r"\s+", " ", text) in re.sub(r"\s+", " ", told)
-    page = small_site.get(small_site.attempt("x = 3", verdict(diagnosis={**first, "title": sum_})))
+    page = small_site.get(small_site.attempt("x = 3", verdict(diagnosis=shown)))
     assert "Depuis l’essai" not in page
+    page = small_site.get(small_site.attempt("x = 4", verdict(diagnosis={**first, "title": "Autre chose"})))
+    assert "plus en cause" not in page, "it is not recognised any more, which does not show that it is mended"
 
 
 def test_the_place_in_the_queue_is_told(small_site: SmallSite) -> None:

@@ -207,7 +207,7 @@ def test_a_verdict_that_its_checks_do_not_bear_out_cannot_be_made() -> None:
             ).to_json(),
         ),
         (CounterexampleOut, STORED["wrong_answer"]["checks"][0]["counterexample"]),
-        (DiagnosisOut, Diagnosis("a", "A", "Ainsi.", TEACHER).to_json()),
+        (DiagnosisOut, Diagnosis("a", "A", "Ainsi.", TEACHER, (("b",),), certain=True).to_json()),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
