@@ -93,8 +93,8 @@ def is_stateless(source: bytes, kit_names: Mapping[str, Any]) -> bool:
 def may_keep_state(source: bytes) -> bool:
     """Whether the text of a program shows where it may keep something from one call to the next.
 
-    That is a global variable that a function sets, a mutable value at the top level or as a default, an attribute of a
-    function, a decorator.
+    That is a global variable that a function sets, a mutable value at the top level that is read somewhere, or as a
+    default, an attribute of a function, a decorator.
     """
     try:
         tree = ast.parse(source[:MAX_SOURCE])
@@ -102,7 +102,12 @@ def may_keep_state(source: bytes) -> bool:
         return False
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
     names = {function.name for function in functions}
-    kept = [statement.value for statement in tree.body if isinstance(statement, ast.Assign | ast.AnnAssign)]
+    read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
+    kept = [
+        statement.value
+        for statement in tree.body
+        if isinstance(statement, ast.Assign | ast.AnnAssign) and _may_be_read(statement, read)
+    ]
     defaults = [default for function in functions for default in function.args.defaults]
     return (
         any(isinstance(node, ast.Global | ast.Nonlocal) for node in ast.walk(tree))
@@ -110,6 +115,12 @@ def may_keep_state(source: bytes) -> bool:
         or any(function.decorator_list for function in functions)
         or any(_sets_attribute(node, names) for node in ast.walk(tree))
     )
+
+
+def _may_be_read(statement: ast.Assign | ast.AnnAssign, read: AbstractSet[str]) -> bool:
+    """Whether an assignment is to one of the names that are read, or to anything but names."""
+    targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+    return any(not isinstance(target, ast.Name) or target.id in read for target in targets)
 
 
 def _sets_attribute(node: ast.AST, names: Collection[str]) -> bool:

@@ -96,10 +96,20 @@ def test_one_mistake_or_two_are_recognised_whatever_the_style(source: str, mista
     assert named(source) == mistakes
 
 
+#: Its `double` does not call its `aire`, which is right, and has the mistake of another one.
+APART = "def aire(x, y):\n    return (x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * (x + 2) * (y - 2)\n"
+
+
 def test_no_mistake_of_a_function_that_is_not_blamed_is_named() -> None:
-    source = "def aire(x, y):\n    return (x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * (x + 2) * (y - 2)\n"
-    assert named(source, ["double"]) == ()
-    assert named(source, ["aire", "double"]) == ("plus_deux",)
+    only_double = Prober(PROBER.model, PROBER.probes[1:])
+    assert named(APART, ["double"], only_double) == ()
+    assert named(APART, ["aire", "double"], only_double) == ("plus_deux",)
+
+
+def test_no_mistake_of_a_function_whose_own_answers_are_right_is_named() -> None:
+    assert named(APART, ["double"]) == ()
+    assert named(APART, ["aire", "double"]) == ()
+    assert named(APART.replace("x + 1", "x + 2"), ["aire", "double"]) == ("plus_deux",)
 
 
 def test_a_facet_tells_three_mistakes_at_once() -> None:
@@ -190,8 +200,8 @@ def test_every_mistake_that_is_an_edit_is_recognised(exercise: str, rest: int) -
     grader = CODE[exercise]
     for mistake in some([one for one in grader.misconceptions if not one.whole][rest::3]):
         runner = Runner(LOCAL, mistake.source.encode(), world.STILL)
-        found, last, _ = of(exercise).recognise(runner, mistake.functions, [])
-        assert mistake.id in (found or last), mistake.id
+        found = of(exercise).recognise(runner, mistake.functions, [])
+        assert mistake.id in (found.mistakes or found.fallback), mistake.id
         runner.close()
 
 

@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from graders.core.code.stateless import is_stateless
+from graders.core.code.stateless import is_stateless, may_keep_state
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import StudentFault
 from graders.l20 import world
@@ -122,3 +122,20 @@ def _answers(source: bytes, calls: list[tuple[str, tuple[object, ...]]]) -> list
         except StudentFault as fault:
             told.append(fault.exception)
     return told
+
+
+@pytest.mark.parametrize(
+    ("source", "keeps"),
+    [
+        ("seen = []\ndef f(x):\n    return x\n", False),
+        ("seen = []\ndef f(x):\n    seen.append(x)\n    return x\n", True),
+        ("seen: dict = {}\ndef f(x):\n    seen[x] = x\n    return x\n", True),
+        ("a = []\nb = a\ndef f(x):\n    b.append(x)\n    return x\n", True),
+        ("a = b = []\ndef f(x):\n    b.append(x)\n    return x\n", True),
+        ("def f(x, seen=[]):\n    return x\n", True),
+        ("def f(x):\n    return x\nf.seen = {}\n", True),
+    ],
+)
+def test_a_value_that_nobody_reads_keeps_nothing(source: str, keeps: bool) -> None:
+    """Where something is kept, a launch more asks in reverse order."""
+    assert may_keep_state(source.encode()) == keeps
