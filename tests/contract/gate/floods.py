@@ -156,7 +156,7 @@ def new_guests(attacker: Attacker) -> None:
 
 
 def wrong_tokens(attacker: Attacker) -> None:
-    attacker.request("GET", "/api/v1/me", Authorization=f"Bearer {attacker.random.random()}")
+    attacker.request("GET", "/api/v1/exercises", Authorization=f"Bearer {attacker.random.random()}")
 
 
 def downloads(attacker: Attacker) -> None:
