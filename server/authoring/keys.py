@@ -193,6 +193,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         **MISTAKE,
         "edits": EDITS,
         "ruled": Key("seule une règle des sondes (`probes.py`) la reconnaît", "true"),
+        "right": Key("les vérifications que ses mots disent justes : si l’une échoue, le nom est retiré", '["sommes"]'),
         "after": AFTER,
     },
     shapes.SlipEntry: {

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from datetime import timedelta
 from pathlib import Path
 from uuid import UUID
 from zlib import crc32
@@ -21,10 +22,11 @@ from server.base.settings import Settings
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes import repository as classes
 from server.classes.models import ClassRole
-from server.database import Database
+from server.database import Database, utc_now
 from server.demo.loading import DemoClass, create_demo_class
 from server.gradebook.models import Grading
 from server.identity.models import Account
+from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
@@ -46,12 +48,13 @@ NOT_PAGES = {
     CLASS + "/groupes/{module}/{slug}/{group}/erreur.zip",
     CLASS + "/journal/fichier",
     CLASS + "/recalculs/{regrade_id}/evenements",
+    CLASS + "/seance/evenements",
     ONE + "/amenagements.csv",
 }
 #: Each kind of page, and the queries that make it another one.
 STAFF: dict[str, tuple[str, ...]] = {
     "/classes": ("",),
-    CLASS: ("", "?tri=bloques", "?groupe=TP1"),
+    CLASS: ("",),
     CLASS + "/carnet": ("", "?devoir={aid}", "?colonne=moyenne"),
     CLASS + "/carnet/colonnes": ("",),
     CLASS + "/carnet/colonnes/{column_id}": ("",),
@@ -81,6 +84,11 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/recalculs": ("",),
     CLASS + "/recalculs/{regrade_id}": ("",),
     CLASS + "/reglages": ("",),
+    CLASS + "/seance": ("",),
+    CLASS + "/seance/projeter": ("",),
+    CLASS + "/seance/{lesson_id}": ("",),
+    CLASS + "/semaine": ("",),
+    CLASS + "/tableau": ("", "?tri=bloques", "?groupe=TP1"),
 }
 STUDENT: dict[str, tuple[str, ...]] = {
     "/classes": ("",),
@@ -160,6 +168,8 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         }
         db.add(BehaviourGroup(id=GROUP, exercise=EXERCISE, example=None, **values))
         db.add(Regrade(class_id=loaded.class_id, exercise=EXERCISE, policy="replace"))
+        begun = utc_now() - timedelta(hours=1)
+        db.add(LiveLesson(class_id=loaded.class_id, exercises=[EXERCISE], started_at=begun, ended_at=utc_now()))
         db.flush()
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 
@@ -185,6 +195,7 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "mistake": MISTAKE,
             "group": GROUP,
             "regrade_id": db.scalars(select(Regrade.id)).one(),
+            "lesson_id": db.scalars(select(LiveLesson.id).where(LiveLesson.ended_at.is_not(None))).first(),
             "column_id": db.scalars(select(ManualColumn.id)).one(),
         }
     return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})

@@ -142,7 +142,7 @@ const WALL_KEYS = {
 const wall = document.querySelector("main.wall[data-close]");
 
 function turn(by) {
-  const others = (wall.dataset.others ?? "").split(" ").filter(Boolean);
+  const others = [...wall.querySelectorAll("[data-other]")].map((link) => link.getAttribute("href"));
   const at = others.indexOf(location.pathname);
   const next = others[(at + by + others.length) % others.length];
   if (others.length > 1 || (others.length && at < 0)) location.assign(next);
