@@ -10,15 +10,21 @@ import numpy as np
 import pytest
 
 import reference
+from reference.ekf_slam import SlamNoise
 from reference.errors import InvalidArgumentError
+from reference.fast_slam import FastSlam
+from reference.formats.carmen import parse_flaser
 from reference.formats.map_server import MapDescription, OccupancyGrid, write_map
 from reference.formats.pgm import GreyImage, write_pgm
 from reference.metrics import MetricError, absolute_trajectory_error, relative_pose_error
 from reference.pose_graph import PoseGraph, loads_g2o
+from reference.world.scan import Scan
 
 PATH = np.column_stack([0.5 * np.arange(9.0), np.sin(np.arange(9.0)), np.zeros(9)])
 EDGES = [(0, 1, (1.0, 0.0, 0.0), np.eye(3))]
 GRAPH_TEXT = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"
+NOISE = SlamNoise(0.1, 0.1, 0.1, 0.1)
+FLASER = "FLASER 2 1.0 2.0 0 0 0 0 0 0 1.0 host 1.0\n"
 GRID = OccupancyGrid(np.array([[0, 100]], dtype=np.int8), 0.1, np.zeros(3))
 
 # One call of each function with a word among its arguments, whose other arguments are right.
@@ -31,6 +37,11 @@ CALLS: dict[tuple[str, str], Callable[[Any], object]] = {
     ("PoseGraph", "convention"): lambda word: PoseGraph.from_edges(2, EDGES, convention=word),
     ("PoseGraph.from_edges", "convention"): lambda word: PoseGraph.from_edges(2, EDGES, convention=word),
     ("loads_g2o", "convention"): lambda word: loads_g2o(GRAPH_TEXT, convention=word),
+    ("FastSlam", "version"): lambda word: FastSlam(
+        SlamNoise(0.1, 0.1, 0.1, 0.1), 2, np.random.default_rng(0), version=word
+    ),
+    ("Scan.from_sensor", "zero"): lambda word: Scan.from_sensor([1.0, 0.0], [0.0, 0.1], 5.0, zero=word),
+    ("parse_flaser", "zero"): lambda word: parse_flaser(FLASER, 10.0, zero=word),
 }
 
 
@@ -67,7 +78,8 @@ def test_a_word_that_is_not_known_is_refused_by_name(path: str, argument: str, w
     call = CALLS[path, argument]
     for word in words:
         call(word)
-    for wrong in ("", "se3", "meters", words[0].swapcase(), f" {words[-1]}", words[0][:-1], None, 1, [words[0]]):
+    wrong_words = {"", "se3", "meters", words[0].swapcase(), f" {words[-1]}", words[0][:-1]} - {*words}
+    for wrong in (*wrong_words, None, 1, [words[0]]):
         with pytest.raises(InvalidArgumentError) as refused:
             call(wrong)
         assert refused.value.argument == argument

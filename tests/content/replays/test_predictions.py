@@ -41,6 +41,8 @@ HOLDS = [
     ("trois-gestes", {}, "σ_{1} = 2,83 et σ_{2} = 1,41", "de 2,83 et de 1,41"),
     ("icp", {}, "en 28 tours", "après 28 tours"),
     ("icp", {}, "89,1° de la vraie", "à 89° de la bonne"),
+    ("laboratoire", {}, "23 boucles acceptées sur 23, dont 7 fausses", "Sur 23 boucles proposées, 16 sont vraies"),
+    ("laboratoire", {}, "l’écart aux poses du journal est de 0,54 m", "L’erreur monte à 0,54 m"),
     ("graphe", {}, "du vrai trajet de 1,80 case", "de 1,8 à 7 cases"),
     ("graphe", {}, "l'écart est de 7,05 cases", "de 1,8 à 7 cases"),
     ("graphe", {"fausse": "1", "noyau": "dcs"}, "l'écart est de 0,50 case", "tombe à 0,5 case"),
