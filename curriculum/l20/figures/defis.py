@@ -302,8 +302,8 @@ FIGURES = {
     ),
     "defi-fausse-fermeture": (
         draw_misled,
-        "Le tour du bâtiment avec une fausse fermeture, en tirets. Moindres carrés : 2,60 cases d'écart, tout est "
-        "tordu. Huber : 0,07. DCS avec Φ = 5 : 0,06. DCS avec Φ = 1 : 0,28.",
+        "Le tour du bâtiment avec une fausse fermeture, en tirets. Moindres carrés : 3,26 cases d'écart, tout est "
+        "tordu. Huber : 0,10. DCS avec Φ = 5 : 0,09. DCS avec Φ = 1 : 0,76.",
         (5.8, 4.6),
     ),
     "defi-ekf-repos": (
