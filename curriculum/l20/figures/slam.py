@@ -304,7 +304,7 @@ FIGURES = {
     "slam-graphe": (
         draw_graph,
         "Le tour du bâtiment comme graphe de poses. Odométrie seule : 2,77 cases d'écart. Avec quatre fermetures : "
-        "0,50. Avec en plus l'alignement des scans successifs : 0,06.",
+        "0,50. Avec en plus l'alignement des scans successifs : 0,09.",
         (5.8, 4.7),
     ),
     "slam-creuse": (
