@@ -1,20 +1,19 @@
 """Restoring a backup of one engine into a database of the other."""
 
 import hashlib
-import sqlite3
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import IO
 from uuid import UUID
 
-from sqlalchemy import Table
+from sqlalchemy import Connection, Table
 
 from server.backup import postgres, sqlite
 from server.backup.archive import OWNER_ALONE, BackupError, Manifest, TableDigest
-from server.backup.move import TRIGGERS, copy_rows
+from server.backup.move import copy_rows, without_foreign_keys, without_triggers
 from server.database import Database
+from server.database.engine import writing_engine
 from server.database.migrate import upgrade
 
 BATCH_ROWS = 500
@@ -49,52 +48,43 @@ def unpack_postgres(archive: zipfile.ZipFile, manifest: Manifest, path: Path) ->
     path.touch(OWNER_ALONE)
     with closing(Database(f"sqlite:///{path}")) as database:
         upgrade(database.engine, manifest.revision)
-    with closing(sqlite3.connect(path)) as connection:
-        connection.execute("PRAGMA foreign_keys = OFF")
-        triggers = connection.execute(TRIGGERS).fetchall()
-        for name, _ in triggers:
-            connection.execute(f'DROP TRIGGER "{name}"')
-        for table, saved in manifest.tables.items():
-            _load_table(connection, archive, table, saved)
-        for _, statement in triggers:
-            connection.execute(statement)
-        connection.commit()
-        broken = sorted({row[0] for row in connection.execute("PRAGMA foreign_key_check")})
-    if broken:
-        raise BackupError(f"la sauvegarde est abîmée : {', '.join(broken[:5])}.")
+        with writing_engine(database.engine).begin() as connection:
+            with without_triggers(connection), without_foreign_keys(connection):
+                for table, saved in manifest.tables.items():
+                    _load_table(connection, archive, table, saved)
+            broken = sorted({row[0] for row in connection.exec_driver_sql("PRAGMA foreign_key_check")})
+            if broken:
+                raise BackupError(f"la sauvegarde est abîmée : {', '.join(broken[:5])}.")
 
 
-def _load_table(connection: sqlite3.Connection, archive: zipfile.ZipFile, table: str, saved: TableDigest) -> None:
-    types: dict[str, str] = dict(connection.execute("SELECT name, type FROM pragma_table_info(?)", (table,)).fetchall())
+def _load_table(connection: Connection, archive: zipfile.ZipFile, table: str, saved: TableDigest) -> None:
+    columns_of = "SELECT name, type FROM pragma_table_info(?)"
+    types = {str(name): str(kind) for name, kind in connection.exec_driver_sql(columns_of, (table,))}
     if not types:
         raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
     names = sorted(types)
     converters = [_converter(types[name]) for name in names]
-    connection.execute(f'DELETE FROM "{table}"')
+    connection.exec_driver_sql(f'DELETE FROM "{table}"')
     columns, holders = ", ".join(f'"{name}"' for name in names), ", ".join("?" * len(names))
     statement = f'INSERT INTO "{table}" ({columns}) VALUES ({holders})'
     digest = hashlib.sha256(columns.encode())
     rows, batch = 0, []
     with archive.open(postgres.member_name(table)) as file:
-        for line in _lines(file):
+        for line in file:
             digest.update(line)
             rows += 1
             try:
                 fields = line.decode().removesuffix("\n").split("\t")
-                batch.append([convert(field) for convert, field in zip(converters, fields, strict=True)])
+                batch.append(tuple(convert(field) for convert, field in zip(converters, fields, strict=True)))
             except ValueError as error:
                 raise BackupError(f"la sauvegarde est abîmée : {table}, ligne {rows}, {error}.") from error
             if len(batch) == BATCH_ROWS:
-                connection.executemany(statement, batch)
+                connection.exec_driver_sql(statement, batch)
                 batch = []
-    connection.executemany(statement, batch)
+    if batch:
+        connection.exec_driver_sql(statement, batch)
     if TableDigest(rows, digest.hexdigest()) != saved:
         raise BackupError(f"la sauvegarde est abîmée : {table}.")
-
-
-def _lines(file: IO[bytes]) -> Iterator[bytes]:
-    while line := file.readline():
-        yield line
 
 
 def _converter(declared_type: str) -> Callable[[str], Value]:

@@ -25,8 +25,8 @@ from sqlalchemy import (
 )
 from sqlalchemy.exc import DBAPIError
 
+from server.backup import postgres
 from server.backup.archive import BackupError, TableDigest
-from server.backup.postgres import FOREIGN_KEYS
 from server.database import Database
 from server.database.engine import writing_engine
 from server.database.migrate import lock_migrations, require_current, upgrade_connection
@@ -66,7 +66,7 @@ def copy_rows(
 ) -> Mapping[str, TableDigest]:
     """Copy all rows into a database without any, in the caller's transaction, and compare. Raises BackupError."""
     upgrade_connection(new)
-    with _without_triggers(new), _without_foreign_keys(new):
+    with without_triggers(new), without_foreign_keys(new):
         copied = {}
         for table in tables:
             copied[table.name] = _copy_table(old, new, table)
@@ -95,32 +95,28 @@ def _require_empty(connection: Connection, tables: Sequence[Table]) -> None:
 
 
 def _copy_table(old: Connection, new: Connection, table: Table) -> TableDigest:
-    statement = _insert_statement(new, table)
-    rows, total = 0, 0
-    for batch in _batches(old, table):
-        total = _add_hashes(total, batch)
-        rows += len(batch)
-        names = [column.name for column in table.columns]
+    statement, names = _insert_statement(new, table), [column.name for column in table.columns]
+
+    def insert_batch(batch: Sequence[Sequence[Any]]) -> None:
         try:
             new.execute(statement, [dict(zip(names, row, strict=True)) for row in batch])
         except DBAPIError as error:
             raise BackupError(f"la table {table.name} ne se copie pas : {error.orig}") from error
-    return TableDigest(rows, f"{total:064x}")
+
+    return table_digest(old, table, insert_batch)
 
 
-def table_digest(connection: Connection, table: Table) -> TableDigest:
-    """Return the number of rows, and the sum of the hashes of the rows, whatever their order."""
+def table_digest(
+    connection: Connection, table: Table, visit: Callable[[Sequence[Sequence[Any]]], object] = len
+) -> TableDigest:
+    """Return the number of rows, and the sum of the hashes of the rows, whatever their order; `visit` each batch."""
     rows, total = 0, 0
     for batch in _batches(connection, table):
-        total = _add_hashes(total, batch)
         rows += len(batch)
-    return TableDigest(rows, f"{total:064x}")
-
-
-def _add_hashes(total: int, batch: Sequence[Sequence[Any]]) -> int:
-    for row in batch:
-        total += int.from_bytes(hashlib.sha256(repr(tuple(row)).encode()).digest())
-    return total % HASH_MODULUS
+        for row in batch:
+            total += int.from_bytes(hashlib.sha256(repr(tuple(row)).encode()).digest())
+        visit(batch)
+    return TableDigest(rows, f"{total % HASH_MODULUS:064x}")
 
 
 def _batches(connection: Connection, table: Table) -> Iterator[Sequence[Sequence[Any]]]:
@@ -150,7 +146,7 @@ def _insert_statement(connection: Connection, table: Table) -> Any:
 
 
 @contextmanager
-def _without_triggers(connection: Connection) -> Iterator[None]:
+def without_triggers(connection: Connection) -> Iterator[None]:
     """Rows keep the revisions that they have."""
     if connection.dialect.name == "postgresql":
         names = inspect(connection).get_table_names()
@@ -169,15 +165,11 @@ def _without_triggers(connection: Connection) -> Iterator[None]:
 
 
 @contextmanager
-def _without_foreign_keys(connection: Connection) -> Iterator[None]:
-    """Foreign keys are circular: they are held at the end."""
-    if connection.dialect.name == "sqlite":
-        connection.execute(text("PRAGMA defer_foreign_keys = ON"))
-        yield
+def without_foreign_keys(connection: Connection) -> Iterator[None]:
+    """Foreign keys are circular: they are held at the end, on SQLite at the commit."""
+    if connection.dialect.name == "postgresql":
+        with postgres.without_foreign_keys(connection):
+            yield
         return
-    keys = connection.execute(text(FOREIGN_KEYS)).all()
-    for table, name, _ in keys:
-        connection.execute(text(f"ALTER TABLE {table} DROP CONSTRAINT {name}"))
+    connection.execute(text("PRAGMA defer_foreign_keys = ON"))
     yield
-    for table, name, definition in keys:
-        connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))

@@ -8,8 +8,8 @@ from __future__ import annotations
 import hashlib
 import secrets
 import zipfile
-from collections.abc import Callable, Collection
-from contextlib import closing
+from collections.abc import Callable, Collection, Iterator
+from contextlib import closing, contextmanager
 from typing import IO, TYPE_CHECKING
 
 from sqlalchemy import Connection, text
@@ -97,22 +97,29 @@ def clear(connection: Connection, table_names: Collection[str], *, replace: bool
 def _load_tables(archive: zipfile.ZipFile, manifest: Manifest, connection: Connection) -> None:
     connection.execute(text(CANONICAL_FORMATS))
     upgrade_connection(connection, manifest.revision)
-    keys = connection.execute(text(FOREIGN_KEYS)).all()  # they are circular: dropped, then checked at the end
-    for table, name, _ in keys:
-        connection.execute(text(f"ALTER TABLE {table} DROP CONSTRAINT {name}"))
-    existing = connection.execute(text(TABLES)).scalars().all()
-    for table in manifest.tables:
-        if table not in existing:
-            raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
-        connection.execute(text(f'DELETE FROM "{table}"'))
-        with archive.open(member_name(table)) as file:
-            _load_table(connection, table, file)
-    for table, name, definition in keys:
-        connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))
+    with without_foreign_keys(connection):
+        existing = connection.execute(text(TABLES)).scalars().all()
+        for table in manifest.tables:
+            if table not in existing:
+                raise BackupError(f"la sauvegarde est abîmée : la table {table} n’est pas de sa version.")
+            connection.execute(text(f'DELETE FROM "{table}"'))
+            with archive.open(member_name(table)) as file:
+                _load_table(connection, table, file)
     discard: Sink = len
     differences = manifest.differences({table: _copy_table(connection, table, discard) for table in manifest.tables})
     if differences:
         raise BackupError(f"la sauvegarde est abîmée : {', '.join(differences[:5])}.")
+
+
+@contextmanager
+def without_foreign_keys(connection: Connection) -> Iterator[None]:
+    """Foreign keys are circular: they are dropped, and hold again at the end."""
+    keys = connection.execute(text(FOREIGN_KEYS)).all()
+    for table, name, _ in keys:
+        connection.execute(text(f"ALTER TABLE {table} DROP CONSTRAINT {name}"))
+    yield
+    for table, name, definition in keys:
+        connection.execute(text(f"ALTER TABLE {table} ADD CONSTRAINT {name} {definition}"))
 
 
 def _own_tables(connection: Connection, table_names: Collection[str]) -> list[str]:

@@ -21,10 +21,8 @@ Unpack = Callable[[zipfile.ZipFile, Manifest, Path], None]
 def save(archive: zipfile.ZipFile, source: Path, made_at: str) -> Manifest:
     with temporary_folder(source.parent) as folder:
         copy = folder / FILE_NAME
-        # Not opened read-only: in WAL mode a reader writes to the -shm file.
-        with closing(sqlite3.connect(source, timeout=60)) as old, closing(sqlite3.connect(copy)) as new:
-            old.backup(new)  # in one step: with several, each write of others would restart it
-            new.execute("PRAGMA journal_mode=DELETE")
+        copy_database(source, copy)
+        with closing(sqlite3.connect(copy)) as new:
             manifest = Manifest("sqlite", _revision(new), made_at, table_digests(new))
         archive.write(copy, FILE_NAME)
     return manifest
@@ -34,8 +32,9 @@ def copy_database(source: Path, target: Path) -> None:
     """Copy a database as it is now, for its owner alone. Raises BackupError, and then leaves no copy."""
     try:
         target.touch(OWNER_ALONE, exist_ok=False)
+        # Not opened read-only: in WAL mode a reader writes to the -shm file.
         with closing(sqlite3.connect(source, timeout=60)) as old, closing(sqlite3.connect(target)) as new:
-            old.backup(new)
+            old.backup(new)  # in one step: with several, each write of others would restart it
             new.execute("PRAGMA journal_mode=DELETE")
     except (OSError, sqlite3.Error) as error:
         target.unlink(missing_ok=True)

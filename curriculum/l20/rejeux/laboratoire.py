@@ -81,6 +81,11 @@ MATCH, WHEELS, LOOP = (0.02, 0.02, 0.01), (0.03, 0.03, 0.05), (0.03, 0.03, 0.015
 TRUE = 0.5
 OURS, THEIRS = 0, 1
 PANELS = ("Notre carte", "Celle du journal")
+PATH_KEYS = (
+    Key("line", "estimate", "notre trajectoire"),
+    Key("line", "truth", "celle du journal"),
+    Key("dot", "ink", "point vu par le lidar"),
+)
 #: Du journal entier : un point sur neuf, un scan sur cinq.
 WHOLE_THIN, WHOLE_STRIDE = 9, 5
 
@@ -153,23 +158,24 @@ def whole() -> Replay:
             Points(walls, "ink", 1.0, opacity=0.5, panel=THEIRS, until=until),
             Polyline(log.truth[:, :2], "truth", 1.2, panel=THEIRS, until=counts),
         ],
-        charts=[
-            Chart(
-                "Écart aux poses du journal (ATE, en m)",
-                [Series("ATE", "second", errors, seen)],
-                y_range=(0.0, None),
-                cursor=seen,
-            )
-        ],
+        charts=[chart_of_errors(errors, seen)],
         legend=[
-            Key("line", "estimate", "notre trajectoire"),
-            Key("line", "truth", "celle du journal"),
-            Key("dot", "ink", "point vu par le lidar"),
+            *PATH_KEYS,
             Key("line", "measure", "boucle"),
         ],
         period=0.12,
         begin_at_end=True,
         panels=PANELS,
+    )
+
+
+def chart_of_errors(errors: list[float], seen: list[int]) -> Chart:
+    """The error of the path up to each scan that is seen, in metres."""
+    return Chart(
+        "Écart aux poses du journal (ATE, en m)",
+        [Series("ATE", "second", errors, seen)],
+        y_range=(0.0, None),
+        cursor=seen,
     )
 
 
@@ -193,18 +199,11 @@ def practical_work(values: Values) -> Replay:
             Polyline(place.truth[:, :2], "truth", 1.5, panel=THEIRS, until=[k + 1 for k in seen]),
         ],
         charts=[
-            Chart(
-                "Écart aux poses du journal (ATE, en m)",
-                [Series("ATE", "second", errors, seen)],
-                y_range=(0.0, None),
-                cursor=seen,
-            ),
+            chart_of_errors(errors, seen),
             *([judged(values.number("ecart"), seen)] if shown else []),
         ],
         legend=[
-            Key("line", "estimate", "notre trajectoire"),
-            Key("line", "truth", "celle du journal"),
-            Key("dot", "ink", "point vu par le lidar"),
+            *PATH_KEYS,
             *(legend_of_loops(accepted) if shown else []),
         ],
         period=0.25,
