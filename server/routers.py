@@ -25,6 +25,7 @@ from server.desk.talk.students import router as students_router
 from server.health.routes import router as health_router
 from server.offline.routes import router as offline_router
 from server.pages.accounts import router as accounts_router
+from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
@@ -46,6 +47,7 @@ ROUTERS = (
     guide_router,
     accounts_router,
     person_router,
+    calendar_router,
     comments_router,
     board_router,
     lesson_router,

@@ -3,6 +3,7 @@
 from server.assignments import models as assignments
 from server.audit import models as audit
 from server.behaviour import models as behaviour
+from server.calendars import models as calendars
 from server.classes import models as classes
 from server.comments import models as comments
 from server.database.base import Base
@@ -59,6 +60,7 @@ TABLES = (
     behaviour.BehaviourName,
     lesson.LiveLesson,
     lesson.LessonVisit,
+    calendars.CalendarAddress,
     health.EventCount,
 )
 metadata = Base.metadata

@@ -11,6 +11,8 @@ from server.base.app_services import app_service
 from server.base.http import client_address, session_token
 from server.base.root_path import service_url
 from server.base.settings import Settings
+from server.calendars import repository as calendar_addresses
+from server.calendars import service as calendars
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.identity import tokens
@@ -64,6 +66,7 @@ def _account_page(
     *,
     label: str = "",
     changed: bool = False,
+    calendar_token: str | None = None,
 ) -> HTMLResponse:
     return account_form(
         request,
@@ -77,6 +80,8 @@ def _account_page(
         changed=changed,
         settings=settings,
         server=service_url(request),
+        calendar=calendar_addresses.find_address(db, account.id),
+        calendar_token=calendar_token,
         standing=erasures.find_standing(db, account.id, None, settings, utc_now()),
     )
 
@@ -105,6 +110,14 @@ async def create_token(
 def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
     tokens.revoke_token(db, person, token_id)
     return redirect("/compte")
+
+
+@router.post("/compte/agenda")
+def renew_calendar_address(request: Request, person: SignedIn, database: DatabaseOf, settings: SettingsOf) -> Response:
+    with database.write() as db:
+        token = calendars.renew_address(db, person)
+    with database.read() as db:
+        return _account_page(request, person, db, settings, calendar_token=token)
 
 
 @router.post("/compte/mot-de-passe")

@@ -101,6 +101,13 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("api_token_days",),
         ("api_token",),
     ),
+    lambda _: Row(
+        "Adresse secrète d’un agenda : son empreinte, et sa date",
+        "jusqu’à ce que son titulaire la remplace ou la supprime",
+        f"son titulaire, ou {AT_ONCE}",
+        (),
+        ("calendar_address",),
+    ),
     lambda settings: Row(
         "Liens vers un mot de passe",
         f"{_hours(settings.password_link_hours)} ; le premier, sur un billet, avec son code tant qu’il n’a pas servi, "

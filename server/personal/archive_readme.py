@@ -3,8 +3,8 @@
 READ_ME = """Vos données sur Balise
 ======================
 
-compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
-                 (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
+compte.json      qui vous êtes ici, vos sessions ouvertes, vos jetons et la date de votre adresse d’agenda
+                 (ni mot de passe, ni jeton, ni adresse : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, ce qui y est noté de vous, les aménagements en vigueur pour vous
 notes.json       les notes que des enseignants ont modifiées ou tapées, les absences et les dispenses,
                  et ce que les journaux des classes disent de vous, ou de ce que vous y avez changé

@@ -14,6 +14,7 @@ from server.assignments import feedback, sitting_repository
 from server.assignments import repository as assignments
 from server.assignments.exemption_service import exemption_effects
 from server.assignments.feedback import FeedbackHolds
+from server.calendars import repository as calendars
 from server.classes import repository as classes
 from server.comments import service as comments
 from server.comments.schemas import Conversation
@@ -97,6 +98,7 @@ def _grading(submission: Submission, grading: Grading, feedback_rules: FeedbackH
 def _account(db: Session, account: Account) -> dict[str, Any]:
     sessions = identity.load_sessions(db, account.id)
     tokens = identity.load_all_tokens(db, account.id)
+    calendar = calendars.find_address(db, account.id)
     return {
         "id": str(account.id),
         "name": account.name,
@@ -110,6 +112,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
         "known_browsers": [
             {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
         ],
+        "calendar_address": None if calendar is None else {"created_at": format_time(calendar.created_at)},
         "sessions": [
             {"created_at": format_time(session.created_at), "expires_at": format_time(session.expires_at)}
             for session in sessions

@@ -118,7 +118,7 @@ IDENTITIES = """
     path:aid path:assignment_id path:check path:class_id path:code path:column_id path:eid path:file path:group
     path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
-    path:token path:version
+    path:version
     query:change query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
     query:encoding query:erreur query:erreurs query:exercice query:format query:genre query:groupe query:reprendre
     query:mur query:student query:sujet query:tri query:verification query:version
@@ -161,7 +161,7 @@ READERS: tuple[Reader, ...] = (
         "form:password form:new_password body:Proof.password",
     ),
     Reader("a token's label", validate_token_label, BODY, TEXTS, "form:label"),
-    Reader("a token", lambda text: digest(read_token(text)), HEAD, TEXTS, "query:code"),
+    Reader("a token", lambda text: digest(read_token(text)), HEAD, TEXTS, "path:token query:code"),
     Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
     Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),

@@ -22,6 +22,7 @@ from server.base.files import ROOT
 from server.base.http import SESSION_COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.board.live import LiveBoards
+from server.calendars import service as calendars
 from server.classes.codes import new_code
 from server.classes.models import ClassRole, Membership, SchoolClass
 from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
@@ -109,6 +110,7 @@ OTHER_VALUES = {
     "GET /{module}/rejeux/{name}": {"name": "lidar"},
     "GET /{module}/manipulations/{name}": {"name": "elastique"},
     "GET /{module}/manipulations/{name}/{file}": {"name": "elastique", "file": "main.js"},
+    "GET /agenda/{token}.ics": {"token": "{calendar}"},
     "GET /bienvenue/{token}": {"token": "{invitation}"},
     "POST /bienvenue/{token}": {"token": "{invitation}"},
 }
@@ -226,7 +228,8 @@ class Stage:
         gradebook.record_grading(db, named.id, GradingResult(Judgement(verdict), utc_now()))
 
     def _give(self, db: Session) -> None:
-        """An assignment for each, which one may delete, with something that differs of it."""
+        """An assignment for each, which one may delete, with something that differs of it; and a calendar."""
+        self.calendar = calendars.renew_address(db, self.accounts["student"])
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
             db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
@@ -256,6 +259,7 @@ class Stage:
             "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
             "invitation": self.invitation,
+            "calendar": self.calendar,
             "student": str(self.accounts["student"].id),
             "stranger": str(self.accounts["stranger"].login),
             "thread_id": str(self.thread.id),

@@ -1,0 +1,1 @@
+"""Calendars of people's dates, read by other programs at a secret address."""
