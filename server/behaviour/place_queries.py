@@ -10,14 +10,10 @@ from sqlalchemy.orm import Session
 from server.behaviour.models import Fingerprint
 
 
-def has_fingerprint(db: Session, grading_id: UUID) -> bool:
-    """Whether a grading's program has been observed."""
-    return db.execute(select(Fingerprint.grading_id).where(Fingerprint.grading_id == grading_id)).first() is not None
-
-
-def load_place(db: Session, grading_id: UUID) -> dict[str, Any] | None:
-    """Load the diagnosis of the places of a program's mistakes, as JSON, if any were found."""
-    return db.execute(select(Fingerprint.place).where(Fingerprint.grading_id == grading_id)).scalar_one_or_none()
+def load_observation(db: Session, grading_id: UUID) -> tuple[bool, dict[str, Any] | None]:
+    """Return whether a grading's program has been observed, and the JSON of the places of its mistakes, if found."""
+    row = db.execute(select(Fingerprint.place).where(Fingerprint.grading_id == grading_id)).one_or_none()
+    return (False, None) if row is None else (True, row[0])
 
 
 def list_changes(db: Session, group_id: str) -> Sequence[tuple[str, int]]:

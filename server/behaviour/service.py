@@ -46,33 +46,28 @@ def load_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     Without a known misconception, its diagnosis is the teacher's name for its group. The stored verdict never changes:
     names and places are joined when it is read.
     """
-    if attempt.grading is None:
-        return None
-    verdict = attempt.verdict
-    if verdict is None or attempt.feedback.diagnosis is not None:
-        return verdict
-    if verdict.outcome not in repository.OBSERVABLE_OUTCOMES:
-        return verdict
-    diagnosis = verdict.diagnosis
-    if diagnosis is None:
-        name = repository.load_name_of_grading(db, attempt.submission.account_id, attempt.grading.id)
-        diagnosis = None if name is None else _diagnosis(*name)
-    place = place_queries.load_place(db, attempt.grading.id)
-    if place is not None:
-        diagnosis = join_place(diagnosis, Diagnosis.from_json(place))
-    if diagnosis is verdict.diagnosis:
-        return verdict
-    return limit_size(Judgement(replace(verdict, diagnosis=diagnosis))).verdict
+    return load_verdict_and_search(db, attempt)[0]
 
 
-def is_search_pending(db: Session, attempt: Attempt) -> bool:
-    """Whether the places of a program's mistakes may still be found, soon after its verdict."""
+def load_verdict_and_search(db: Session, attempt: Attempt) -> tuple[Verdict | None, bool]:
+    """Return `load_verdict`, and whether the places of the program's mistakes may still be found, soon after it."""
     grading, verdict = attempt.grading, attempt.verdict
     if grading is None or verdict is None or attempt.feedback.diagnosis is not None:
-        return False
+        return verdict, False
+    if verdict.outcome not in repository.OBSERVABLE_OUTCOMES:
+        return verdict, False
+    diagnosis = verdict.diagnosis
+    if diagnosis is None:
+        name = repository.load_name_of_grading(db, attempt.submission.account_id, grading.id)
+        diagnosis = None if name is None else _diagnosis(*name)
+    is_observed, place = place_queries.load_observation(db, grading.id)
+    if place is not None:
+        diagnosis = join_place(diagnosis, Diagnosis.from_json(place))
     is_recent = utc_now() - grading.finished_at < SEARCH_PATIENCE
-    is_searched = verdict.outcome in repository.OBSERVABLE_OUTCOMES and is_worth_searching(verdict)
-    return is_recent and is_searched and not place_queries.has_fingerprint(db, grading.id)
+    is_search_pending = is_recent and not is_observed and is_worth_searching(verdict)
+    if diagnosis is not verdict.diagnosis:
+        verdict = limit_size(Judgement(replace(verdict, diagnosis=diagnosis))).verdict
+    return verdict, is_search_pending
 
 
 def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Diagnosis:

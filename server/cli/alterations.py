@@ -23,7 +23,7 @@ from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
 from server.cli import CannotRun, parallel
-from server.cli.report import number
+from server.client.program.report import number
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Policy

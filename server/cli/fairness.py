@@ -22,7 +22,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.behaviour.fingerprints import SEARCH_PROCESSOR_SECONDS
 from server.cli import CannotRun
-from server.cli.report import number
+from server.client.program.report import number
 from server.course import Course, Exercise
 from server.grading.sandbox_grader import SandboxGrader
 

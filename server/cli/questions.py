@@ -1,7 +1,8 @@
 """The questions of an exercise answered without code, for the terminal."""
 
 from graders.core.answers import Paper
-from server.cli.report import number, paragraph
+from server.cli.report import paragraph
+from server.client.program.report import number
 
 EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '["b", "a"]'}
 FORMS = {"one": "Une seule réponse est bonne.", "several": "Une ou plusieurs réponses sont bonnes."}

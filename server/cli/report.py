@@ -9,9 +9,9 @@ from graders.core.compare.told_apart import text_pair
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
+from server.client.program.report import number, printable
 
 WIDTH = 100
-SPACES = " \t\u00a0\u202f"
 FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
 
 EXIT_STATUSES = {Blame.NOBODY: FULL_MARKS, Blame.STUDENT: NOT_FULL, Blame.OURS: CANNOT}
@@ -97,15 +97,5 @@ def _stdout(text: str) -> Iterator[str]:
 
 def paragraph(text: str, indent: int = 6) -> Iterator[str]:
     margin = " " * indent
-    for line in printable(text, keep="\n").splitlines():
+    for line in printable(text).splitlines():
         yield from textwrap.wrap(line, WIDTH, initial_indent=margin, subsequent_indent=margin) or [""]
-
-
-def printable(text: str, keep: str = "") -> str:
-    """Replace control characters by ·: a program's output must not control the terminal."""
-    return "".join(c if c.isprintable() or c in keep + SPACES else "·" for c in text)
-
-
-def number(value: float) -> str:
-    """17.5 → « 17,5 »; 17.0 → « 17 »."""
-    return f"{value:.2f}".rstrip("0").rstrip(".").replace(".", ",")

@@ -243,7 +243,8 @@ def _work(
     """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
         return None
-    submission, verdict = attempt.submission, behaviour.load_verdict(reader.db, attempt)
+    submission = attempt.submission
+    verdict, is_search_pending = behaviour.load_verdict_and_search(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
     place = (
         GradingProgress(SubmissionState.running if attempt.settles_in else SubmissionState.done)
@@ -281,7 +282,7 @@ def _work(
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
         world=_world(exercise, verdict),
     )
-    return replace(work, verdict=view, searched=behaviour.is_search_pending(reader.db, attempt))
+    return replace(work, verdict=view, searched=is_search_pending)
 
 
 def _early_view(reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState) -> VerdictView | None:

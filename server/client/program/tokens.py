@@ -26,7 +26,7 @@ def read() -> dict[str, str]:
     except (OSError, ValueError) as error:
         raise ClientError(f"les jetons gardés dans {path()} ne se lisent pas : {error}.") from error
     if not isinstance(content, dict) or not all(isinstance(token, str) for token in content.values()):
-        raise ClientError(f"{path()} n’est pas un fichier de jetons : refaites « login ».")
+        raise ClientError(f"{path()} n’est pas un fichier de jetons : refaites la commande « login ».")
     return content
 
 
