@@ -90,6 +90,6 @@ def test_the_page_says_which_functions_of_the_course_there_are(pupil: Pupil) -> 
         text = browser.get(f"/l20/exercices/{slug}").text
         return ["celle du cours, en attendant la vôtre" in text, "la vôtre, une fois cet exercice réussi" in text]
 
-    assert (told("slam_graphe"), told("defi_kidnappe")) == ([True, False], [True, True])
+    assert (told("jacobienne_arete"), told("defi_kidnappe")) == ([True, False], [True, True])
     pupil.begin()
-    assert told("slam_graphe") == [False, True]
+    assert told("jacobienne_arete") == [False, True]

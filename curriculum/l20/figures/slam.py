@@ -270,7 +270,36 @@ def draw_signature(figure: Figure, palette: Palette) -> None:
     right.set_xticks(np.arange(1, 13))
 
 
+def draw_jacobian(figure: Figure, palette: Palette) -> None:
+    """The columns of both Jacobians of an edge, as arrows from where the robot sees j."""
+    u, v = 2.0, 1.0
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    moves = (
+        ("quand le robot i bouge", ((-1.0, 0.0, "xᵢ"), (0.0, -1.0, "yᵢ"), (v, -u, "θᵢ"))),
+        ("quand la pose j bouge", ((1.0, 0.0, "xⱼ"), (0.0, 1.0, "yⱼ"))),
+    )
+    for axes, (title, columns) in zip(panels, moves, strict=True):
+        _axes_of(axes, np.zeros(3), palette.ink, "i", 0.8)
+        axes.plot([0.0, u], [0.0, v], ":", color=palette.ink, lw=1.0)
+        for dx, dy, name in columns:
+            colour = palette.estimate if name == "θᵢ" else palette.truth
+            _arrow(axes, np.array([u, v]), np.array([u + dx, v + dy]), colour, 2.4)
+            axes.text(u + 1.14 * dx + 0.12, v + 1.14 * dy + 0.1, name, color=colour, fontsize=12)
+        axes.plot(u, v, "o", color=palette.ink, ms=6)
+        axes.text(u + 0.1, v + 0.18, "j", color=palette.ink, fontsize=12)
+        axes.set(xlim=(-0.6, 3.9), ylim=(-1.6, 2.5), aspect="equal")
+        axes.set_title(title, fontsize=11)
+        axes.set_axis_off()
+
+
 FIGURES = {
+    "slam-jacobienne": (
+        draw_jacobian,
+        "Deux dessins dans le repère du robot, qui voit j devant et un peu à gauche. Quand il avance, j recule ; quand "
+        "il va à gauche, j part à droite ; quand il pivote, j part en travers de la ligne de visée. Quand j bouge, "
+        "elle part du côté où elle va, et pivoter sur place ne la déplace pas.",
+        (6.4, 3.3),
+    ),
     "slam-composition": (
         draw_composition,
         "Trois repères : celui du monde, celui de la pose a, et celui de a ⊕ b. La position de b se lit dans les axes "
