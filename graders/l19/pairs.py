@@ -11,7 +11,7 @@ from graders.core.code.probes import ProbeAnswer, ProbeResults, Rule, as_array
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, worst_difference
 from graders.core.compare.told_apart import instead
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, is_single, read_array
 
 #: What two answers to a probe may differ by and still be the same.
 ALIKE = 1e-7
@@ -40,6 +40,10 @@ class SamePair:
         except NotAPairError as error:
             return Mismatch(str(error), "forme")
         wanted = [read_array(one) for one in expected]
+        items = [*got]
+        for k, (wish, item) in enumerate(zip(wanted, items, strict=True)):
+            if not wish.ndim and is_single(item):  # such as a product of matrices gives
+                found[k] = found[k].reshape(())
         if [one.shape for one in found] != [one.shape for one in wanted]:
             return self._wrong_shapes(wanted, found)
         right = [close(one, other, self.tolerance) for one, other in zip(wanted, found, strict=True)]

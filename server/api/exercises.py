@@ -6,7 +6,16 @@ from fastapi import APIRouter
 
 from graders.core.answers import Paper, Question
 from server.api.documentation import problems
-from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, GivenOut, LimitsOut, PieceOut, QuestionOut
+from server.api.schemas import (
+    ExerciseDetail,
+    ExerciseOut,
+    FunctionOut,
+    GivenOut,
+    LimitsOut,
+    PieceOut,
+    PromiseOut,
+    QuestionOut,
+)
 from server.base import root_path
 from server.base.errors import NotFound
 from server.course.dependencies import CourseOf
@@ -80,7 +89,14 @@ def _summary(exercise: Exercise) -> ExerciseOut:
         version=exercise.version,
         kind=exercise.kind,
         functions=[
-            FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
+            FunctionOut(
+                name=f.name,
+                signature=f.signature,
+                returns=f.returns,
+                doc=f.doc,
+                promises=[PromiseOut(label=label, text=text) for label, text in f.promises],
+            )
+            for f in exercise.functions
         ],
         url=root_path.external_path(f"/api/v1/exercises/{exercise.id}"),
     )

@@ -174,11 +174,21 @@ class SubmissionOut(Strict):
     created_at: datetime
 
 
+class PromiseOut(Strict):
+    """A line of what is promised of a function: « Convient », « liste, tuple ou tableau »."""
+
+    label: str
+    text: str
+
+
 class FunctionOut(Strict):
     name: str
     signature: str
     returns: str
     doc: str
+    promises: Annotated[
+        list[PromiseOut], Field(description="What it is given, and the forms in which it may answer, in French.")
+    ]
 
 
 Kind = Literal["code", "answers"]

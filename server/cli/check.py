@@ -2,9 +2,10 @@
 
 The texts are rendered; of each module, their figures are drawn, their cells run and their animations played, unless
 only some exercises are selected for. For each exercise: the reference gets full marks, the starter does not, every
-catalogued misconception ends, is rejected and named, each specimen gets the outcome of its folder. What is known of
-answers without code is tried on several deals. All this on all cores, told in one order. What was in order and is
-unchanged is not tried again (see `remembered`).
+catalogued misconception ends, is rejected and named, each specimen gets the outcome of its folder, and the checks ask
+what the contracts of the functions promise, with a fixed case for each edge that they list. What is known of answers
+without code is tried on several deals. All this on all cores, told in one order. What was in order and is unchanged is
+not tried again (see `remembered`).
 """
 
 import logging
@@ -22,6 +23,8 @@ from types import MappingProxyType
 
 from graders.core.code.folder import MISCONCEPTIONS
 from graders.core.code.grading import CodeGrader
+from graders.core.code.promises import find_broken_promises
+from graders.core.contract.definition import MODULE_FILE
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
@@ -156,7 +159,11 @@ def _part(exercise: Exercise, imports: Imports) -> Part:
     return Part(
         exercise.id,
         check_cache.exercise_digest(exercise, imports),
-        [*(partial(_examination, exercise, case) for case in cases(exercise)), partial(_unfinished_mistakes, exercise)],
+        [
+            *(partial(_examination, exercise, case) for case in cases(exercise)),
+            partial(_unfinished_mistakes, exercise),
+            partial(_broken_promises, exercise),
+        ],
     )
 
 
@@ -190,7 +197,7 @@ def _do(grader: SandboxGrader, job: Job) -> Told:
 def _subject(job: Job) -> object:
     """An exercise's jobs go together: what it computes once, one process computes."""
     assert isinstance(job, partial)
-    return job.args[0].id if job.func in (_examination, _unfinished_mistakes) else id(job)
+    return job.args[0].id if job.func in (_examination, _unfinished_mistakes, _broken_promises) else id(job)
 
 
 def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
@@ -221,6 +228,14 @@ def _unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Probl
     }
     catalogue = exercise.grader.folder / MISCONCEPTIONS
     return [Problem(catalogue, line, message) for message, line in lines.items()]
+
+
+def _broken_promises(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+    """Return what the contracts promise and the checks do not keep: forms of arguments, edges without a fixed case."""
+    if not isinstance(exercise.grader, CodeGrader):
+        return []
+    module = exercise.grader.folder / MODULE_FILE
+    return [Problem(module, None, broken) for broken in find_broken_promises(exercise.grader)]
 
 
 def _fairness(arguments: Namespace) -> int:

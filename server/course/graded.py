@@ -105,7 +105,15 @@ def _read_starter_and_solution(sources: Sources, path: Path, card: ExerciseFile)
 def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
     kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
     ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
-    return ExerciseFacts(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
+    promises = _promises(grader) if isinstance(grader, CodeGrader) else {}
+    return ExerciseFacts(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises)
+
+
+def _promises(grader: CodeGrader) -> dict[str, tuple[tuple[str, str], ...]]:
+    """Return what the contracts of the functions promise, in French."""
+    return {
+        contract.function: tuple((line.label, line.text) for line in contract.lines()) for contract in grader.contracts
+    }
 
 
 def _choice_question_ids(grader: Grader) -> tuple[str, ...]:

@@ -68,7 +68,7 @@ class FunctionSpec:
     """A function (or class) that the student writes. `signature` is shown as it stands.
 
     `parts` are the names of the values of the tuple that it returns, if that is what it does. `example` is a call to
-    begin from, or empty.
+    begin from, or empty. `promises` are what its contract says, as labels and texts in French.
     """
 
     name: str
@@ -77,6 +77,7 @@ class FunctionSpec:
     doc: str
     parts: tuple[str, ...] = ()
     example: str = ""
+    promises: tuple[tuple[str, str], ...] = ()
 
     @property
     def is_class(self) -> bool:

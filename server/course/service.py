@@ -222,6 +222,7 @@ def _load_exercise(sources: Sources, module: Path, path: Path) -> Exercise:
                 function.doc,
                 tuple(function.parts),
                 function.example,
+                tuple(graded.found.promises.get(function.name, ())),
             )
             for function in card.functions
         ),

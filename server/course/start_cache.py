@@ -27,11 +27,15 @@ LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments", "numpy", "scipy")
 
 
 class ExerciseFacts(NamedTuple):
-    """Facts of an exercise: the version of its own files, the name of its kit, and its multiple-choice questions."""
+    """Facts of an exercise: the version of its own files, the name of its kit, and its multiple-choice questions.
+
+    `promises` are, by function, what is promised of it in French: pairs of a label and a text.
+    """
 
     version: str
     kit: str
     ticked: tuple[str, ...]
+    promises: Mapping[str, Sequence[tuple[str, str]]] = MappingProxyType({})
 
 
 NO_FACTS: Mapping[str, ExerciseFacts] = MappingProxyType({})
@@ -71,7 +75,8 @@ class StartCache:
         """Write the used entries, the digest of the sound sources (empty: none), and the facts of the exercises."""
         if self._path is None or (sound == self._sound_digest and found == self._facts and self._used == self._imports):
             return
-        kept = {"sound": sound, "found": found, "imports": self._used}
+        facts = {name: (*fact[:-1], dict(fact.promises)) for name, fact in found.items()}
+        kept = {"sound": sound, "found": facts, "imports": self._used}
         try:
             write_atomically(self._path, json.dumps(kept))
         except OSError:
@@ -99,10 +104,14 @@ def _read(path: Path | None) -> dict[str, Any]:
         known = json.loads(path.read_text(encoding="utf-8"))
         imports = {str(key): [str(name) for name in names] for key, names in known["imports"].items()}
         found = {
-            str(name): ExerciseFacts(str(version), str(kit), tuple(map(str, ticked)))
-            for name, (version, kit, ticked) in known.get("found", {}).items()
+            str(name): ExerciseFacts(str(version), str(kit), tuple(map(str, ticked)), _read_promises(promises))
+            for name, (version, kit, ticked, promises) in known.get("found", {}).items()
         }
         return {"sound": str(known["sound"]), "found": found, "imports": imports}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         log.warning("%s is damaged: the course is checked again", path)
         return nothing
+
+
+def _read_promises(stored: Mapping[str, Sequence[Sequence[str]]]) -> Mapping[str, Sequence[tuple[str, str]]]:
+    return {str(name): tuple((str(label), str(text)) for label, text in lines) for name, lines in stored.items()}

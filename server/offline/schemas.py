@@ -7,6 +7,7 @@ from typing import Literal
 
 from markupsafe import Markup
 
+from server.course import FunctionSpec
 from server.web.schemas import ModuleLink
 
 
@@ -19,7 +20,7 @@ class OfflineExercise:
     summary: str
     stars: int
     lesson: tuple[str, str] | None
-    functions: tuple[tuple[str, str], ...]
+    functions: tuple[FunctionSpec, ...]
     statement: Markup
     starter: str
     file: str

@@ -149,7 +149,7 @@ class Site:
             summary=exercise.summary,
             stars=exercise.stars,
             lesson=(lesson_href(lesson), lesson.label) if lesson else None,
-            functions=tuple((function.signature, function.returns) for function in exercise.functions),
+            functions=exercise.functions,
             statement=Markup(exercise.statement_html),
             starter=exercise.starter if exercise.kind == "code" else "",
             file=f"{exercise.slug}.py",

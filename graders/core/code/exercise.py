@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders.core.code.checks import Check
+from graders.core.code.contracts import FunctionContract, complete_contracts
 from graders.core.code.explaining import KitMaker
 from graders.core.code.folder import (
     Misconception,
@@ -36,6 +37,7 @@ class CodeDefinition(Definition):
     prober: Prober | None = None
     long: bool = False
     heavy: bool = False
+    contracts: tuple[FunctionContract, ...] = ()
 
     @property
     def judged_functions(self) -> frozenset[str]:
@@ -54,9 +56,11 @@ class CodeDefinition(Definition):
                 f"fonctions demandées et non corrigées, ou l’inverse : {', '.join(odd)} (exercise.toml dit lesquelles)",
             )
         check_known_functions(self.folder, self.misconceptions, functions)
+        if unasked := [each.function for each in self.contracts if each.function not in functions]:
+            raise MalformedExerciseError(self.file, f"contrat d’une fonction qui n’est pas demandée : {unasked[0]}")
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
-            prober=self.prober, long=self.long, heavy=self.heavy,
+            prober=self.prober, long=self.long, heavy=self.heavy, contracts=self.contracts,
         )  # fmt: skip
 
 
@@ -73,13 +77,14 @@ def code(
     probes: Sequence[Probes] = (),
     long: bool = False,
     heavy: bool = False,
+    contracts: Sequence[FunctionContract] = (),
 ) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
 
     `kit` makes the settings of an execution; by default, a seed for `rng`. `probes` are called when checks failed, and
-    the answers compared with the model's mutants. A `long` exercise takes seconds to grade any program, and is not
-    rehearsed. A `heavy` one takes about a second to grade a right program, at most a fifth of it for warming up: only a
-    mistake is rehearsed.
+    the answers compared with the model's mutants. `contracts` say what each function is given and may return. A `long`
+    exercise takes seconds to grade any program, and is not rehearsed. A `heavy` one takes about a second to grade a
+    right program, at most a fifth of it for warming up: only a mistake is rehearsed.
 
     Raises MalformedExerciseError when the folder is inconsistent.
     """
@@ -102,5 +107,6 @@ def code(
     ]
     prober = Prober(model, probes, whole) if model is not None else None
     return CodeDefinition(
-        folder, tuple(checks), kit or seeded_kit(folder.parent.name), solution, misconceptions, prober, long, heavy
-    )
+        folder, tuple(checks), kit or seeded_kit(folder.parent.name), solution, misconceptions, prober, long, heavy,
+        complete_contracts(contracts, checks, solution),
+    )  # fmt: skip

@@ -13,6 +13,7 @@ from graders.core.code.call_graph import find_callers
 from graders.core.code.calling import tell_once, tell_signatures
 from graders.core.code.checks import Check
 from graders.core.code.confined import Unfinished
+from graders.core.code.contracts import FunctionContract
 from graders.core.code.decimal_commas import decimal_comma_diagnosis
 from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis, tell_remainder
 from graders.core.code.explaining import KitMaker, MistakeExplainer
@@ -46,8 +47,8 @@ NO_SHRINKING = Budget(calls=0)
 class CodeGrader:
     """Grades submissions that define the `functions` of one exercise; `folder` is its grader's folder.
 
-    `reenactor` re-enacts its misconceptions; `budget` bounds the shrinking of one counterexample; `long` and `heavy`
-    are as in `code`.
+    `reenactor` re-enacts its misconceptions; `budget` bounds the shrinking of one counterexample; `long`, `heavy`
+    and `contracts` are as in `code`.
     """
 
     exercise: str
@@ -62,6 +63,7 @@ class CodeGrader:
     prober: Prober | None = None
     long: bool = False
     heavy: bool = False
+    contracts: tuple[FunctionContract, ...] = ()
     _explainer: MistakeExplainer = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

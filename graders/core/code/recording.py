@@ -22,10 +22,10 @@ MAX_RECORDED_CALLS = 24
 
 
 class CallRecorder:
-    """Starts trusted files, and records the calls of some of their functions."""
+    """Starts trusted files, and records the calls of some of their functions, at most `limit` of each on each map."""
 
-    def __init__(self, functions: Collection[str]) -> None:
-        self._functions = frozenset(functions)
+    def __init__(self, functions: Collection[str], limit: int = MAX_RECORDED_CALLS) -> None:
+        self._functions, self._limit = frozenset(functions), limit
         self._calls: dict[tuple[int, str], tuple[KitSettings, list[Arguments]]] = {}
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Program:
@@ -34,7 +34,7 @@ class CallRecorder:
     def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
         if function in self._functions:
             _, calls = self._calls.setdefault((id(kit), function), (kit, []))
-            if len(calls) < MAX_RECORDED_CALLS:
+            if len(calls) < self._limit:
                 calls.append(args)
 
     def calls_by_kit(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:

@@ -17,7 +17,15 @@ from graders.core.compare import words as render
 from graders.core.compare.slips import shape_slip, value_slip
 from graders.core.compare.told_apart import instead
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
+from graders.core.contract.values import (
+    Floats,
+    UnreadableError,
+    Value,
+    is_single,
+    read_array,
+    read_indices,
+    read_scalar,
+)
 
 TOLERANCE = 1e-9
 
@@ -94,6 +102,8 @@ class CloseTo(RowComparator):
             array = read_array(got)
         except UnreadableError as error:
             return unreadable(error)
+        if not wanted.ndim and is_single(got):
+            array = array.reshape(())
         if array.shape != wanted.shape:
             return wrong_shape(wanted, array)
         if close(wanted, array, self.tolerance):

@@ -78,11 +78,16 @@ def _as_float(number: float) -> float:
 
 
 def read_scalar(value: Value) -> float:
-    """Read a number or a 0-d array as a float. Raises UnreadableError."""
+    """Read a number, or an array of one number such as (1, 1), as a float. Raises UnreadableError."""
     array = read_array(value)
-    if array.shape != ():
+    if array.shape != () and not is_single(value):
         raise UnreadableError(f"la fonction renvoie un tableau de forme {array.shape} au lieu d'un seul nombre")
-    return float(array)
+    return float(array.item())
+
+
+def is_single(value: Value) -> bool:
+    """Whether a value is an array of numpy that holds one number, such as a product of matrices gives."""
+    return isinstance(value, np.ndarray) and value.size == 1
 
 
 def read_indices(value: Value) -> list[int]:

@@ -17,6 +17,7 @@ from graders.core.compare.comparison import ScalarCloseTo
 from graders.core.compare.shrinking import shrink_array, shrink_number
 from graders.core.contract.values import Arguments
 from graders.l19.coherence import cases
+from graders.l19.coherence.contract import CONTRACTS
 from graders.l19.coherence.pictures import band_figure, error_figure, runs_figure
 from graders.l19.coherence.probes import ENDS, PROBES, VERDICT
 from graders.l19.coherence.truth import right_band, right_nees, right_verdict
@@ -121,4 +122,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, probes=PROBES)

@@ -11,6 +11,7 @@ from graders.core.code.exercise import code
 from graders.core.compare.shrinking import shrink_array, shrink_number
 from graders.core.contract.values import Arguments
 from graders.l19.etendu import cases
+from graders.l19.etendu.contract import CONTRACTS
 from graders.l19.etendu.pictures import RANGE, STATE, range_figure, reading_figure
 from graders.l19.etendu.probes import PROBES
 from graders.l19.etendu.truth import right_correction, right_range
@@ -98,4 +99,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, probes=PROBES)

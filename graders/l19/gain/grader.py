@@ -12,6 +12,7 @@ from graders.core.compare.comparison import CloseTo, ScalarCloseTo
 from graders.core.compare.shrinking import shrink_array, shrink_number
 from graders.core.contract.values import Arguments, Floats
 from graders.l19.gain import cases
+from graders.l19.gain.contract import CONTRACTS
 from graders.l19.gain.pictures import chain_figure, opinions_figure
 from graders.l19.gain.probes import NAMES, PROBES
 from graders.l19.pairs import SamePair
@@ -131,4 +132,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, probes=PROBES)

@@ -11,6 +11,7 @@ from graders.core.code.exercise import code
 from graders.core.compare.shrinking import shrink_array
 from graders.core.contract.values import Arguments
 from graders.l19.matrice import cases
+from graders.l19.matrice.contract import CONTRACTS
 from graders.l19.matrice.pictures import NAMES, measured_figure, moved_figure
 from graders.l19.matrice.probes import PROBES
 from graders.l19.matrice.pursuit import ARGUMENTS, follow
@@ -93,4 +94,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, probes=PROBES)

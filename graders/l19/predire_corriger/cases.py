@@ -29,12 +29,14 @@ def any_moves(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def readings_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
-    """A good sensor, a poor one, two of the same worth, and one that is much better than what was believed."""
+    """A good sensor, a poor one, two of the same worth, one that is much better than what was believed, one
+    that reads what was believed."""
     yield 10.0, 4.0, 12.0, 1.0
     yield 10.0, 2.0, 18.0, 6.0
     yield -2.0, 3.0, 4.0, 3.0
     yield 5.0, 9.0, -1.0, 0.25
     yield 0.0, 0.5, 8.0, 4.5
+    yield 3.0, 0.75, 3.0, 0.25
 
 
 def any_readings(rng: np.random.Generator) -> Iterator[Arguments]:

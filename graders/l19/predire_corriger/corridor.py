@@ -92,4 +92,4 @@ def _place(count: int) -> str:
 
 def _floats(value: Value) -> tuple[float, float]:
     mean, variance = read_pair(value, NAMES)
-    return float(mean), float(variance)
+    return float(mean.item()), float(variance.item())

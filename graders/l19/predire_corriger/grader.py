@@ -9,6 +9,7 @@ from graders.core.code.exercise import code
 from graders.core.compare.shrinking import shrink_number
 from graders.l19.pairs import SamePair
 from graders.l19.predire_corriger import cases
+from graders.l19.predire_corriger.contract import CONTRACTS
 from graders.l19.predire_corriger.corridor import walk_on
 from graders.l19.predire_corriger.pictures import MEASURED, MOVED, belief_figure
 from graders.l19.predire_corriger.probes import NAMES, PROBES
@@ -77,4 +78,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, probes=PROBES)

@@ -45,6 +45,7 @@ from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.boucles import searches, trials
+from graders.l20.boucles.contract import CONTRACTS
 from graders.l20.boucles.places import BEAMS
 from graders.l20.boucles.probes import PROBES
 
@@ -126,4 +127,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

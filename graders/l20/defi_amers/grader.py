@@ -9,6 +9,7 @@ from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.defi_amers import asked
+from graders.l20.defi_amers.contract import CONTRACTS
 from graders.l20.defi_amers.optimum import Optimum
 from graders.l20.defi_amers.probes import PROBES
 from graders.l20.defi_amers.system import Systems
@@ -99,4 +100,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -18,6 +18,7 @@ from graders.l20.defi_kidnappe import runs, trials
 from graders.l20.defi_kidnappe.probes import PROBES
 from graders.l20.mcl import estimates, sowing, steps
 from graders.l20.mcl.answers import ESTIMATE, SEED, STEP
+from graders.l20.mcl.contract import contracts
 from graders.l20.mcl.grader import TrialBeside
 
 CHECKS = (
@@ -110,4 +111,9 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES, heavy=True)
+RELAUNCHED = (
+    "est lancé une fois pour les premières vérifications, où les appels se suivent ; puis une fois pour chaque essai, "
+    "sur une autre carte."
+)
+
+DEFINITION = code(__file__, checks=CHECKS, contracts=contracts(RELAUNCHED), kit=world.kit, probes=PROBES, heavy=True)

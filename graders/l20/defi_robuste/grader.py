@@ -17,6 +17,7 @@ from graders.core.compare.shrinking import keep
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.defi_robuste import graphs, kernel
+from graders.l20.defi_robuste.contract import CONTRACTS
 from graders.l20.defi_robuste.probes import PROBES
 from graders.l20.defi_robuste.robust import Robustness
 
@@ -84,4 +85,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -16,6 +16,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.icp import cases
 from graders.l20.icp.checks import FUNCTION, FUNCTIONS, NAMES, Registrations
+from graders.l20.icp.contract import CONTRACTS
 from graders.l20.icp.film import watch
 from graders.l20.icp.judge import misjudged
 from graders.l20.icp.probes import PROBES
@@ -103,4 +104,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

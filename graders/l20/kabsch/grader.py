@@ -10,6 +10,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Alignments
+from graders.l20.kabsch.contract import CONTRACTS
 from graders.l20.kabsch.probes import PROBES
 
 FUNCTIONS = ("kabsch",)
@@ -88,4 +89,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

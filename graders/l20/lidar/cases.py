@@ -67,6 +67,8 @@ TALL = plan("""
 .....
 .....
 """)
+#: Rays (x, y, angle) that cut a corner of a wall of `ROOM`, and go through it for a fifth or two fifths of a cell.
+CUT = ((1.2, 3.94, -QUARTER / 2), (1.2, 4.08, -QUARTER / 2), (5.3, 2.18, QUARTER / 2))
 #: A corridor longer than any range that is asked, and than the kit's map is wide.
 CORRIDOR = np.pad(np.ones((2, 30), dtype=bool), 1)
 
@@ -128,6 +130,8 @@ def along_axes(rng: Rng) -> Iterator[Arguments]:
 
 def oblique(rng: Rng) -> Iterator[Arguments]:
     """In every quarter of the plane, in the walled room: some rays nearer to the x axis, others to the y axis."""
+    for corner in CUT:
+        yield ROOM, *corner, 12.0
     for x, y in ((4.4, 3.3), (1.7, 4.6), (7.3, 1.6), (8.6, 4.8)):
         for angle in (0.4, 1.2, 2.0, 2.8, -0.3, -1.1, -2.2, -2.7):
             if judged((ROOM, x, y, angle, 12.0)):

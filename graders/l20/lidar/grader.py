@@ -13,6 +13,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.lidar import cases
 from graders.l20.lidar.checks import Rays, SameDistance, expected_distance, ray_figure
+from graders.l20.lidar.contract import CONTRACTS
 from graders.l20.lidar.probes import PROBES, WITHOUT
 
 CAST = ("lancer_rayon",)
@@ -66,4 +67,4 @@ CHECKS = (
     ),
 )  # fmt: skip
 
-DEFINITION = code(__file__, checks=CHECKS, kit=kit_without_lidar, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=kit_without_lidar, probes=PROBES)

@@ -16,6 +16,7 @@ from graders.core.code.loops import ClosedLoop
 from graders.l20 import world
 from graders.l20.mcl import estimates, memory, runs, sowing, steps
 from graders.l20.mcl.answers import ESTIMATE, SEED, STEP
+from graders.l20.mcl.contract import CONTRACTS
 from graders.l20.mcl.probes import PROBES
 
 
@@ -138,4 +139,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES, heavy=True)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES, heavy=True)

@@ -160,10 +160,11 @@ def single_steps(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def longer_steps(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Motions over two poses or more, of which there are at least two."""
+    """Motions over two poses or more, of which there are at least two; then the only one from the first to the last."""
     yield STRETCHED, AHEAD, 2
     yield RECTANGLE, SQUARE, 2
     yield seen_from((1, -2, -QUARTER), BENT), CORNER, 3
+    yield LONG, BENT, 4
     deltas = (2, 2, 3, 4, 5)
     for k, pair in enumerate(walks(rng, (4, 5, 6, 8, 8), 5)):
         yield (*pair, deltas[k] if k < len(deltas) else int(rng.integers(2, len(pair[0]) - 1)))

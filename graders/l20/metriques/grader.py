@@ -13,6 +13,7 @@ from graders.core.compare.shrinking import keep
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.metriques import cases
+from graders.l20.metriques.contract import CONTRACTS
 from graders.l20.metriques.frames import NAMES, tellings, told_elsewhere
 from graders.l20.metriques.pictures import absolute_figure, relative_figure
 from graders.l20.metriques.probes import PROBES
@@ -110,4 +111,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -157,8 +157,8 @@ KNIGHT = plan("....... ....... ....... ......# ....... .......")
 
 
 def small_maps(rng: Rng) -> Iterator[Arguments]:
-    """One wall in a corner, then a few, with and without walls around."""
-    for libres in (CORNER, KNIGHT, FAR, ROOM, SOLID):
+    """One wall in a corner, then a few, with and without walls around; a single row, no free cell."""
+    for libres in (CORNER, KNIGHT, FAR, ROOM, SOLID, plan("..#...#"), plan("### ###")):
         yield (libres,)
 
 

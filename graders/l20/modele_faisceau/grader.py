@@ -19,6 +19,7 @@ from graders.l20.modele_faisceau.checks import (
     log_likelihood,
     reading_figure,
 )
+from graders.l20.modele_faisceau.contract import CONTRACTS
 from graders.l20.modele_faisceau.probes import PROBES
 
 WEIGH = ("log_vraisemblance",)
@@ -72,4 +73,4 @@ CHECKS = (
     ),
 )  # fmt: skip
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -21,6 +21,7 @@ from __future__ import annotations
 from graders.core.code.exercise import code
 from graders.l20.noeud_ros import cases
 from graders.l20.noeud_ros.checks import Scenes
+from graders.l20.noeud_ros.contract import CONTRACTS
 from graders.l20.noeud_ros.probes import PROBES
 from graders.l20.noeud_ros.scenes import NODE, kit
 
@@ -78,4 +79,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=kit, probes=PROBES)

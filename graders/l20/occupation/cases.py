@@ -158,6 +158,7 @@ def whole_scans(rng: Rng) -> Iterator[Integration]:
     yield seen_from(at(7.4, 2.3, 0.4), 3, FAR)
     yield seen_from(at(3.4, 4.6, -2.5), 5, FAR)
     yield seen_from(at(8.3, 4.4, 1.3), 7, 3.3)
+    yield seen_from(at(2.5, 2.5, 0.0), 4, 1.4)
     for source in (np.random.default_rng(TELLING), rng):
         for rays, portee_max in ((36, FAR), (36, 4.0), (11, FAR)):
             y, x = source.choice(np.argwhere(ROOM)) + source.uniform(0.15, 0.85, 2)

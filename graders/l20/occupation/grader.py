@@ -14,6 +14,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.occupation import cases
 from graders.l20.occupation.checks import FUNCTION, FUNCTIONS, NAMES, Integrations
+from graders.l20.occupation.contract import CONTRACTS
 from graders.l20.occupation.drive import SHAPE, drive
 from graders.l20.occupation.odds import NAMES as ODDS_NAMES
 from graders.l20.occupation.odds import ODDS
@@ -101,4 +102,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -56,6 +56,7 @@ def simple_steps(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(0, 0, 0), 1.0, 1.0, 0.5
     yield pose(1, 2, -QUARTER), 2.0, 2.0, 0.4
     yield pose(3, -1, 0), -0.1, 0.1, 0.4
+    yield pose(3, -1, QUARTER / 2), 0.0, 0.0, 0.4
     yield pose(0, 1, -QUARTER / 2), 0.8, 0.2, 0.4
     yield pose(2, 1, 2 * QUARTER / 3), 0.2, 0.9, 0.5
     for _ in range(4):

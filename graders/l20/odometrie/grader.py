@@ -15,6 +15,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.odometrie import cases
+from graders.l20.odometrie.contract import CONTRACTS
 from graders.l20.odometrie.journey import NAMES, drive_on
 from graders.l20.odometrie.probes import PROBES
 from graders.robotics.poses import SamePose, shrink_pose
@@ -123,4 +124,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

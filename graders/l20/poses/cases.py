@@ -37,6 +37,8 @@ WRAPPING = by_hand(
         ((0, 0, QUARTER), (0, 0, 3 * math.pi / 4)),
         ((1, 0, -QUARTER), (0, 1, -3 * math.pi / 4)),
         ((0, 0, math.pi), (1, 0, math.pi)),
+        ((2, 1, QUARTER), (1, 0, QUARTER)),
+        ((2, 1, -QUARTER), (1, 0, -QUARTER)),
     )
 )
 SENSES = by_hand(((1,), (-1,), (1,), (-1,)))
@@ -47,6 +49,7 @@ NEAR = by_hand(
         ((1, 2, 0), (1, 2, 0)),
         ((1, 2, 0), (3, 5, QUARTER)),
         ((2, 1, -QUARTER), (0, 1, 0)),
+        ((2, 1, -QUARTER), (0, 1, QUARTER)),
     )
 )
 FAR_ROUND = by_hand((((1, 1, 3.0), (-2, 4, -3.0)), ((1, 1, -3.0), (-2, 4, 3.0))))

@@ -11,6 +11,7 @@ from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.poses import cases
 from graders.l20.poses.cases import NAMES, PAIR, pose, random_pose
+from graders.l20.poses.contract import CONTRACTS
 from graders.l20.poses.identities import identities, identity_calls
 from graders.l20.poses.probes import PROBES
 from graders.robotics.poses import SamePose, shrink_pose
@@ -130,4 +131,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -54,6 +54,16 @@ def open_world(rng: Rng, height: int = 5, width: int = 7) -> GridWorld:
             return GridWorld.of(free, world.RANGE)
 
 
+@cache
+def _steady_open_world() -> GridWorld:
+    return open_world(np.random.default_rng(TELLING))
+
+
+def steady_open_world(rng: Rng) -> GridWorld:
+    """The same such map in every grading: each of its sides is then judged whatever the seed."""
+    return _steady_open_world()
+
+
 def _wraps(free: Grid) -> bool:
     """Does some row have both its ends free?"""
     return bool(np.any(free[:, 0] & free[:, -1]))
@@ -115,8 +125,8 @@ def moves_near_walls(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
 
 
 def moves_at_the_edge(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
-    """Out of the grid on each side, no move at all, then beliefs over the whole map."""
-    free = grid.free
+    """Out of the grid on each side and no move at all, the same in every grading; then beliefs over the whole map."""
+    free, steady = grid.free, np.random.default_rng(TELLING)
     sides: dict[tuple[int, int], tuple[Any, Any]] = {
         (-1, 0): (slice(None), 0),
         (1, 0): (slice(None), -1),
@@ -128,9 +138,9 @@ def moves_at_the_edge(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
         edge[side] = free[side]
         opposite = np.zeros_like(free)
         opposite[side] = np.flip(free, axis=1 if du else 0)[side]
-        yield one_hot(free.shape, pick(rng, edge & opposite)), du, dv
-    yield one_hot(free.shape, pick(rng, free)), 0, 0
-    yield spread(rng, free), 0, 0
+        yield one_hot(free.shape, pick(steady, edge & opposite)), du, dv
+    yield one_hot(free.shape, pick(steady, free)), 0, 0
+    yield spread(steady, free), 0, 0
     for du, dv in MOVES * 2:
         yield spread(rng, free), du, dv
 

@@ -11,6 +11,7 @@ from graders.l20 import world
 from graders.l20.predire2d import cases
 from graders.l20.predire2d.beliefs import SameLikeliest, SameShares, SumsToOne, spread
 from graders.l20.predire2d.checks import NAMES, OnGrid, OnGridBeside
+from graders.l20.predire2d.contract import CONTRACTS
 from graders.l20.predire2d.probes import PROBES
 from graders.l20.predire2d.trials import localise
 
@@ -48,7 +49,7 @@ CHECKS = (
         points=3,
         functions=PREDICT,
         cases=cases.moves_at_the_edge,
-        draw=cases.open_world,
+        draw=cases.steady_open_world,
         hint="Votre fonction se sert-elle de H, W et libres, y compris quand la grille n'est pas entourée de murs ? "
         "Que glisse un robot qui ne bouge pas ?",
     ),
@@ -117,4 +118,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

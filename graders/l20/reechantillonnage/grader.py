@@ -12,6 +12,7 @@ from graders.core.compare.comparison import ScalarCloseTo
 from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.reechantillonnage import trials
+from graders.l20.reechantillonnage.contract import CONTRACTS
 from graders.l20.reechantillonnage.harvest import FUNCTION
 from graders.l20.reechantillonnage.probes import PROBES
 from reference.filters.resampling import effective_sample_size
@@ -122,4 +123,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -11,6 +11,8 @@ from graders.core.contract.values import Arguments, Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, REACH, STEP, Harvest, Objection, Scenario, harvest
 from graders.l20.reechantillonnage.judge import bias, inexact, out_of_bounds, weightless_copied
 
+#: Particles of which the weights are given by hand.
+FEW = 8
 RIGHT = "juste"
 FROZEN = "peigne figé"
 
@@ -27,8 +29,10 @@ def particles(rng: np.random.Generator, n: int, d: int) -> Floats:
 
 
 def scenario(rng: np.random.Generator, weights: Iterable[float], *, d: int = 1, calls: int = 1) -> Scenario:
+    """Particles for these weights: the same for every grading where the weights are."""
     w = np.array(list(weights), dtype=np.float64)
-    return Scenario(particles(rng, len(w), d), w, calls)
+    source = np.random.default_rng(len(w)) if len(w) <= FEW else rng
+    return Scenario(particles(source, len(w), d), w, calls)
 
 
 def uneven_weights(rng: np.random.Generator, n: int) -> Floats:
@@ -57,6 +61,7 @@ def whole_scenarios(rng: np.random.Generator) -> Iterator[Scenario]:
     yield scenario(rng, (0.5, 0.25, 0.25, 0.0), calls=12)
     yield scenario(rng, np.full(7, 1 / 7), d=3, calls=4)
     yield scenario(rng, np.full(100, 0.01), d=2)
+    yield scenario(rng, (1.0,), d=2)
 
 
 def straddling_scenarios(rng: np.random.Generator) -> Iterator[Scenario]:

@@ -63,6 +63,7 @@ def chains_by_hand() -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (1, 0, 0)), (edge(0, 1, (2, 0, 0)),))
     yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0))))
     yield Graph(rows((1, 2, 0), (1, 3, 0)), (edge(0, 1, (2, 1, QUARTER)),))
+    yield Graph(rows((0, 1, 0), (1, 1, 0)), (edge(0, 1, (1, 2, 0)),), None)
     yield Graph(rows((0, 0, QUARTER), (0, 1, 1), (1, 2, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (1, 0, -QUARTER))))
     yield all_too_far()
     yield perturbed_chain(telling("chains"))

@@ -9,6 +9,7 @@ from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.slam_graphe import asked, residual
+from graders.l20.slam_graphe.contract import CONTRACTS
 from graders.l20.slam_graphe.optimum import Optimum
 from graders.l20.slam_graphe.probes import PROBES
 from graders.l20.slam_graphe.residual import errors
@@ -97,4 +98,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -10,6 +10,7 @@ from graders.core.code.checks import Trial
 from graders.core.code.exercise import code
 from graders.l20 import world
 from graders.l20.tp_slam import places, small
+from graders.l20.tp_slam.contract import CONTRACTS
 from graders.l20.tp_slam.maps import mapping
 from graders.l20.tp_slam.probes import PROBES
 from graders.l20.tp_slam.real import through_the_laboratory
@@ -74,4 +75,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES, long=True)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES, long=True)

@@ -10,7 +10,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import unreadable
-from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
 from graders.l20 import parcours
 from graders.l20.tp_slam import journeys
 from graders.l20.tp_slam.chain import (
@@ -148,13 +148,13 @@ def matched(bench: Bench, calls: list[tuple[Floats, Floats, Floats]]) -> tuple[F
         try:
             if not isinstance(answer.value, list | tuple) or len(answer.value) != 2:
                 raise UnreadableError("la fonction doit renvoyer deux valeurs, (pose, part)")
-            pose, part = read_array(answer.value[0]), read_array(answer.value[1])
-            if pose.shape != (3,) or part.shape != () or not (np.all(np.isfinite(pose)) and np.isfinite(part)):
+            pose, part = read_array(answer.value[0]), read_scalar(answer.value[1])
+            if pose.shape != (3,) or not (np.all(np.isfinite(pose)) and np.isfinite(part)):
                 raise UnreadableError("la fonction doit renvoyer une pose (3,) et un nombre, finis")
         except UnreadableError as error:
             raise given_up(bench, "recaler", unreadable(error)) from error
         found.append(pose)
-        parts.append(float(part))
+        parts.append(part)
     return np.array(found), parts
 
 

@@ -103,8 +103,17 @@ def _get(arguments: argparse.Namespace) -> int:
     code = connection.last_file(name)["code"] if arguments.last else exercise["starter"]
     marker = f"# balise: {name}\n"
     _write_new(Path(f"{exercise['slug']}.py"), code if MARKER.search(code) else marker + code)
-    _write_new(Path(f"{exercise['slug']}.txt"), f"{exercise['title']}\n\n{_plain(exercise['statement_html'])}\n")
+    statement = "\n\n".join((exercise["title"], _plain(exercise["statement_html"]), *_promises(exercise)))
+    _write_new(Path(f"{exercise['slug']}.txt"), f"{statement}\n")
     return 0
+
+
+def _promises(exercise: dict[str, Any]) -> Iterator[str]:
+    """Yield what is accepted of each function; nothing where the service does not say it."""
+    for function in exercise["functions"]:
+        lines = [f"- {promise['label']} : {promise['text']}" for promise in function.get("promises", ())]
+        if lines:
+            yield "\n".join((f"Ce qui est accepté de {function['name']} :", *lines))
 
 
 def _write_new(file: Path, text: str) -> None:

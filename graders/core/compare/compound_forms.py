@@ -1,0 +1,97 @@
+"""Forms of several values together, and forms that are told in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from graders.core.compare.forms import NOTHING, TEXT, NumberForm, Outsider, Recast, ValueForm
+from graders.core.contract.values import Value
+
+
+@dataclass(frozen=True, kw_only=True)
+class TupleForm(ValueForm):
+    """Several values by their names; those that are all numbers may also be one array."""
+
+    parts: dict[str, ValueForm]
+
+    _COUNTS: ClassVar[dict[int, str]] = {2: "la paire", 3: "le triplet"}
+
+    @property
+    def words(self) -> str:
+        names = ", ".join(self.parts)
+        inside = " ; ".join(f"{name}, {form.words}" for name, form in self.parts.items())
+        return f"{self._COUNTS[len(self.parts)]} ({names}) : {inside}"
+
+    @property
+    def _numbers(self) -> bool:
+        return all(isinstance(form, NumberForm) for form in self.parts.values())
+
+    @property
+    def also(self) -> str:
+        whole = "tuple, liste ou tableau" if self._numbers else "tuple ou liste"
+        return f"{whole}, dans cet ordre"
+
+    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+        return type(value) is tuple and all(
+            form.holds(item, sizes) for form, item in zip(self.parts.values(), value, strict=True)
+        )
+
+    def recast(self, value: Value) -> Iterator[Recast]:
+        series = [list(form.recast(item)) for form, item in zip(self.parts.values(), value, strict=True)]
+        for k in range(max(map(len, series))):
+            turn = [forms[k % len(forms)] for forms in series]
+            name = ", ".join(f"{part} : {recast.name}" for part, recast in zip(self.parts, turn, strict=True))
+            items = [recast.value for recast in turn]
+            yield Recast(f"un tuple ({name})", tuple(items))
+            yield Recast(f"une liste ({name})", items)
+        if self._numbers:
+            yield Recast("un tableau", np.array([float(np.asarray(item).item()) for item in value]))
+
+    def outside(self, value: Value) -> Iterator[Outsider]:
+        whole = (*self.parts, "paire", "triplet", "deux")
+        for outsider in (NOTHING, TEXT):
+            yield outsider._replace(words=(*outsider.words, *whole))
+        yield Outsider("une valeur de moins", tuple(value)[:-1], whole)
+        yield Outsider("une valeur de trop", (*value, 0.0), whole)
+        for k, (name, form) in enumerate(self.parts.items()):
+            for outsider in form.outside(value[k]):
+                items = [*value[:k], outsider.value, *value[k + 1 :]]
+                yield Outsider(f"{name} : {outsider.name}", tuple(items), (name, *outsider.words))
+
+    def told_precision(self) -> str:
+        told = {name: form.told_precision() for name, form in self.parts.items()}
+        if len(set(told.values())) == 1 or self.precision or self.tolerance is not None:
+            return super().told_precision() or next(iter(told.values()))
+        return " ".join(f"{name} : {text[0].lower()}{text[1:]}" for name, text in told.items() if text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherForm(ValueForm):
+    """A form that is told in words: `given` tells those that programs get, `recasts` makes the others of an answer."""
+
+    told: str
+    accepts: str = ""
+    given: Callable[[Value], bool] = lambda value: True
+    recasts: Callable[[Value], Iterator[Recast]] = lambda value: iter(())
+    outsiders: Callable[[Value], Iterator[Outsider]] = lambda value: iter((NOTHING, TEXT))
+
+    @property
+    def words(self) -> str:
+        return self.told
+
+    @property
+    def also(self) -> str:
+        return self.accepts
+
+    def holds(self, value: Value, sizes: dict[str, int]) -> bool:
+        return self.given(value)
+
+    def recast(self, value: Value) -> Iterator[Recast]:
+        return self.recasts(value)
+
+    def outside(self, value: Value) -> Iterator[Outsider]:
+        return self.outsiders(value)
