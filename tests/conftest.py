@@ -10,6 +10,8 @@ import sys
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processes of xdist share the processors already
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # thirty processes are started: what one compiles serves all
 
+import shutil
+import tempfile
 from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
 SHARED = ("tests.support.service", "tests.support.small_course")
+
+#: A file system in memory, where a synchronised write costs nothing, and what it must have left to be used.
+MEMORY, MEMORY_BYTES = Path("/dev/shm"), 4 << 30
 
 TESTS = Path(__file__).parent
 #: The folders whose tests carry the marker of their name; all the others are the platform's.
@@ -38,10 +43,37 @@ settings.load_profile("balise")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Not for the process of xdist that runs no test: the others wait for it, and these import the whole service."""
+    _use_memory_for_temporary_files(config)
     runs_tests = config.getoption("dist", "no") == "no" or hasattr(config, "workerinput")
     if runs_tests or config.option.collectonly:
         for plugin in SHARED:
             config.pluginmanager.import_plugin(plugin)
+
+
+def _use_memory_for_temporary_files(config: pytest.Config) -> None:
+    """Put temporary files into memory, unless `TMPDIR` says where: a database writes to the disk at each commit.
+
+    Processes of xdist, servers and PostgreSQL inherit the folder. It may be entered by others, as `/tmp`.
+    """
+    if "TMPDIR" in os.environ or not _has_room(MEMORY):
+        return
+    for left in MEMORY.glob("balise-tests-*"):  # by a run that was killed
+        if not Path("/proc", left.name.split("-")[2]).exists():
+            shutil.rmtree(left, ignore_errors=True)
+    folder = tempfile.mkdtemp(prefix=f"balise-tests-{os.getpid()}-", dir=MEMORY)
+    Path(folder).chmod(0o1777)
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
+    config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+
+
+def _has_room(folder: Path) -> bool:
+    """Whether a folder has room for a whole run, whose programs may be run from there."""
+    try:
+        state = os.statvfs(folder)
+    except OSError:
+        return False
+    is_executable = not state.f_flag & os.ST_NOEXEC
+    return is_executable and os.access(folder, os.W_OK) and state.f_bavail * state.f_frsize > MEMORY_BYTES
 
 
 #: Processes of xdist, where a machine has many processors: each collects all tests, and most of them start servers.

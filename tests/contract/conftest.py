@@ -1,4 +1,4 @@
-"""The fixtures of services on several machines, imported only where they are used."""
+"""The fixtures of services in processes, on one machine or several, imported only where they are used."""
 
 from __future__ import annotations
 
@@ -7,4 +7,5 @@ import pytest
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config: pytest.Config) -> None:
-    config.pluginmanager.import_plugin("tests.support.cluster")
+    for plugin in ("tests.support.cluster", "tests.support.served"):
+        config.pluginmanager.import_plugin(plugin)

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
-import sys
-import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +16,7 @@ from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
 from server.identity.secrets import digest, new_token
 from tests.support.chromium import chromium
-from tests.support.shared import shared
+from tests.support.served import Server
 
 if TYPE_CHECKING:
     from playwright.sync_api import ConsoleMessage, Request
@@ -39,52 +34,7 @@ OPTIONS = (
     "--disable-site-isolation-trials",
     "--process-per-site",
 )
-#: Seconds of a busy machine: the wait ends as soon as the server is ready, or has ended.
-START_SECONDS = 300
 EXERCISE = "/l20/exercices/poses"
-
-
-@dataclass(frozen=True)
-class Server:
-    address: str
-    teacher_link: str
-    data: str
-
-
-@pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """One for all the processes of xdist: it takes seconds to start."""
-    with shared(tmp_path_factory, "balise-serve", serving) as told:
-        yield Server(*told.split())
-
-
-@contextmanager
-def serving(data: Path) -> Iterator[str]:
-    command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
-    machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
-    cold = {"BALISE_WARM_UP": "0", "BALISE_WARM_FIGURES": "0"}
-    environment = {**machine, **cold, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
-    log = (data / "log.txt").open("w+")
-    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
-    try:
-        server = _wait_for(process, data / "log.txt")
-        yield f"{server.address} {server.teacher_link} {server.data}"
-    finally:
-        process.terminate()
-        process.wait(300)
-        log.close()
-
-
-def _wait_for(process: subprocess.Popen[bytes], log: Path) -> Server:
-    deadline = time.monotonic() + START_SECONDS
-    while time.monotonic() < deadline and process.poll() is None:
-        text = log.read_text(encoding="utf-8")
-        address = re.search(r"http://[\w.\[\]:]+", text)
-        link = re.search(r"http://\S+/bienvenue/\S+", text)
-        if address and link and "Ctrl+C" in text:
-            return Server(address[0], link[0], str(log.parent))
-        time.sleep(0.05)
-    pytest.fail(f"the server did not start:\n{log.read_text(encoding='utf-8')}")
 
 
 @pytest.fixture(scope="session")

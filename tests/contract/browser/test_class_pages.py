@@ -30,10 +30,11 @@ from server.lesson.models import LiveLesson
 from server.marks.models import ManualColumn
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
-from tests.contract.browser.conftest import NewVisit, Server, enters, serving
+from tests.contract.browser.conftest import NewVisit, enters
 from tests.contract.browser.test_accessibility import check
 from tests.contract.rights.test_routes import expected
 from tests.support.quick import migrated, the_course
+from tests.support.served import Server, serving
 from tests.support.service import fake_verdict
 from tests.support.shared import shared
 
@@ -143,13 +144,13 @@ def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
         )
         _one_of_each(database, loaded)
         database.close()
-        with serving(data) as told:
-            yield f"{told} {loaded.class_id}"
+        with serving(data) as server:
+            yield f"{server} {loaded.class_id}"
 
     with shared(tmp_path_factory, "balise-walk", start) as told:
         *server, made = told.split()
         served = Server(*server)
-        database = Database(Settings(data_dir=Path(served.data)).url)
+        database = served.open_database()
         yield _found(served, database, UUID(made))
         database.close()
 

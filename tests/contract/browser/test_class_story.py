@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from server.base.settings import Settings
-from server.database import Database
 from server.identity.models import Role
-from tests.contract.browser.conftest import NewVisit, Server, enters, sync_api
+from tests.contract.browser.conftest import NewVisit, enters, sync_api
 from tests.contract.browser.test_board import ROTATION
 from tests.contract.browser.test_story import SOLUTION
 from tests.support.classes import new_class, seat
+from tests.support.served import Server
 from tests.support.service import new_account
 
 expect = sync_api.expect
@@ -18,7 +15,7 @@ MISTAKE = "La rotation est oubliée"
 
 
 def test_a_mistake_comes_and_is_overcome_under_the_teacher_s_eyes(visit: NewVisit, server: Server) -> None:
-    database = Database(Settings(data_dir=Path(server.data)).url)
+    database = server.open_database()
     teacher, student = new_account(database, Role.teacher), new_account(database)
     made = new_class(database, teacher)
     seat(database, made, student)

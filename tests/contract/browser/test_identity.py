@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from sqlalchemy import delete, select
 
 from server.assignments.models import Mode
-from server.base.settings import Settings
 from server.database import Database
 from server.identity.models import Account, BrowserSession, Role
 from server.submissions.models import Submission
-from tests.contract.browser.conftest import EXERCISE, NewVisit, Server, enters, sync_api
+from tests.contract.browser.conftest import EXERCISE, NewVisit, enters, sync_api
 from tests.support.classes import assign, new_class, seat
+from tests.support.served import Server
 from tests.support.service import new_account
 
 expect = sync_api.expect
@@ -20,7 +18,7 @@ LOGIN, PASSWORD = "zoe.revient", "notes sur la machine"
 
 
 def database_of(server: Server) -> Database:
-    return Database(Settings(data_dir=Path(server.data)).url)
+    return server.open_database()
 
 
 def test_a_session_that_ends_while_typing_loses_nothing(visit: NewVisit, server: Server) -> None:

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import timedelta
-from pathlib import Path
 
 import pytest
 from sqlalchemy import select, update
 
 from server.assignments import sittings
 from server.assignments.models import Assignment, Mode, Sitting
-from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from tests.contract.browser.conftest import EXERCISE, NewVisit, Server, Visit, enters, sync_api
+from tests.contract.browser.conftest import EXERCISE, NewVisit, Visit, enters, sync_api
 from tests.contract.browser.test_accessibility import check
 from tests.support.classes import assign, new_class, seat
 from tests.support.live import until
+from tests.support.served import Server
 from tests.support.service import new_account
 
 expect = sync_api.expect
@@ -48,7 +47,7 @@ class Sat:
 
 @pytest.fixture
 def sat(server: Server) -> Sat:
-    database = Database(Settings(data_dir=Path(server.data)).url)
+    database = server.open_database()
     teacher, account = new_account(database, Role.teacher), new_account(database)
     made = new_class(database, teacher)
     seat(database, made, account)

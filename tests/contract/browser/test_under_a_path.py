@@ -10,8 +10,8 @@ from urllib.parse import urlsplit
 import pytest
 
 from server.base.files import ROOT
-from tests.contract.browser.conftest import EXERCISE, NewVisit, Server, Visit, sync_api
-from tests.support.live import Live
+from tests.contract.browser.conftest import EXERCISE, NewVisit, Visit, sync_api
+from tests.support.served import Server, serving
 
 PATH = "/balise"
 expect = sync_api.expect
@@ -20,16 +20,9 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def under(tmp_path: Path) -> Iterator[Server]:
-    live = Live(tmp_path / "data", BALISE_ROOT_PATH=PATH, BALISE_WORKERS="1")
-    try:
-        assert live.address.endswith(PATH)
-        found = re.search(r"http://\S+/bienvenue/\S+", live.output)
-        assert found
-        yield Server(live.address, found[0], str(tmp_path / "data"))
-    finally:
-        live.process.terminate()
-        live.process.wait(300)
-        live.close()
+    with serving(tmp_path / "data", BALISE_ROOT_PATH=PATH) as server:
+        assert server.address.endswith(PATH)
+        yield server
 
 
 def watched(visitor: Visit) -> list[str]:

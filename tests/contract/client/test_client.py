@@ -7,15 +7,20 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from server.base.files import ROOT
-from tests.support.live import Live, until
+from server.base.settings import Settings
+from server.identity import tokens
+from server.identity.models import Account, Role
+from tests.support.live import until
 from tests.support.quick import the_course
+from tests.support.served import Server
 
 EXERCISE = "l20/poses"
 RECIPES = ROOT / "server" / "docs" / "client.md"
@@ -25,10 +30,10 @@ RUN = re.compile(r"^\s+-? ?(?:run: )?(python3 balise\.pyz .*)$", re.MULTILINE)
 class Student:
     """A folder with the client, and its environment."""
 
-    def __init__(self, folder: Path, server: Live) -> None:
+    def __init__(self, folder: Path, server: Server) -> None:
         self.folder, self.server = folder, server
         client = folder / "balise.pyz"
-        client.write_bytes(server.client.get("/client/balise.pyz").content)
+        client.write_bytes(httpx.get(f"{server.address}/client/balise.pyz").content)
         self.environment = {
             "PATH": os.environ["PATH"], "HOME": str(folder), "XDG_CONFIG_HOME": str(folder / "config"),
         }  # fmt: skip
@@ -45,23 +50,18 @@ class Student:
 
 
 @pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    server = Live(tmp_path_factory.mktemp("served") / "data", BALISE_WORKERS="1")
-    server.sign_up_teacher()
-    yield server
-    server.process.terminate()
-    server.process.wait(300)
-    server.close()
-
-
-@pytest.fixture(scope="module")
-def token(live: Live) -> str:
-    return live.token()
+def token(server: Server) -> str:
+    with closing(server.open_database()) as database, database.write() as db:
+        account = Account(role=Role.teacher, name="Mme Martin")
+        db.add(account)
+        db.flush()
+        _, secret = tokens.create_token(db, account, "essai", Settings())
+    return secret
 
 
 @pytest.fixture
-def student(live: Live, token: str, tmp_path: Path) -> Student:
-    made = Student(tmp_path, live)
+def student(server: Server, token: str, tmp_path: Path) -> Student:
+    made = Student(tmp_path, server)
     assert made.run("login", typed=f"{token}\n")[0] == 0
     return made
 
