@@ -16,7 +16,7 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
 from server.assignments import editing
-from server.base import middleware, root_path, school_time
+from server.base import middleware, root_path, school_time, turns
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
@@ -298,6 +298,8 @@ def _account_service(services: Services) -> AccountService:
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:
+    app.add_middleware(middleware.LargeForms, refuse=errors.error_response)
+    app.add_middleware(turns.FairTurns, refuse=errors.error_response)
     app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.error_response)
     app.add_middleware(middleware.SameOrigin, refuse=errors.error_response)
     app.add_middleware(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import Counter, OrderedDict, deque
+from bisect import insort
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from anyio import CapacityLimiter
@@ -62,12 +64,21 @@ class LimiterFullError(Exception):
     """The waiting queue is full, or this waiter had to leave it for another."""
 
 
+@dataclass(frozen=True)
+class _Waiter:
+    """`lap`: how many of the same part of its flow waited before it."""
+
+    turn: asyncio.Future[None]
+    part: str
+    lap: int
+
+
 class FairLimiter:
     """A limiter of concurrency whose bounded waiting queue is shared fairly between flows: addresses, or accounts.
 
-    Lower ranks go first; within a rank, turns go round the flows. When the queue is full, the newest waiter of the
-    highest rank, and there of the flow with the most waiters, gives way to a lower rank or to a flow with fewer. For
-    one event loop.
+    Lower ranks go first; within a rank, turns go round the flows, and within a flow round its parts: the logins of an
+    address. When the queue is full, the last waiter of the highest rank, and there of the flow with the most waiters,
+    gives way to a lower rank or to a flow with fewer. For one event loop.
 
     With a `reserve`, so many turns are given beyond `max_concurrent`, so that nobody holds all of them: each to a flow
     that holds none, the last one to a rank lower than that of some holder.
@@ -76,13 +87,13 @@ class FairLimiter:
     def __init__(self, max_concurrent: int, max_waiting: int, reserve: int = 0) -> None:
         self._max_concurrent, self._max_waiting, self._reserve = max_concurrent, max_waiting, reserve
         self._held: Counter[tuple[int, str]] = Counter()
-        self._queues: OrderedDict[tuple[int, str], deque[asyncio.Future[None]]] = OrderedDict()
+        self._queues: OrderedDict[tuple[int, str], list[_Waiter]] = OrderedDict()
 
     @property
     def waiting(self) -> int:
         return sum(map(len, self._queues.values()))
 
-    async def acquire(self, flow: str, rank: int = 0) -> None:
+    async def acquire(self, flow: str, rank: int = 0, part: str = "") -> None:
         """Wait for a turn, which `release` ends. Raise LimiterFullError."""
         key = (rank, flow)
         if self._may_hold(key):
@@ -91,7 +102,9 @@ class FairLimiter:
         if self.waiting >= self._max_waiting:
             self._make_room(key)
         turn = asyncio.get_running_loop().create_future()
-        self._queues.setdefault(key, deque()).append(turn)
+        queue = self._queues.setdefault(key, [])
+        lap = sum(waiter.part == part for waiter in queue)
+        insort(queue, _Waiter(turn, part, lap), key=lambda waiter: waiter.lap)
         try:
             await asyncio.shield(turn)  # only this class completes `turn`
         except asyncio.CancelledError:
@@ -108,7 +121,7 @@ class FairLimiter:
             del self._held[rank, flow]
         while (key := self._next_key()) is not None:
             queue = self._queues.pop(key)
-            queue.popleft().set_result(None)
+            queue.pop(0).turn.set_result(None)
             self._held[key] += 1
             if queue:
                 self._queues[key] = queue
@@ -131,14 +144,15 @@ class FairLimiter:
             raise LimiterFullError
         if heaviest[0] == key[0] and len(self._queues[heaviest]) <= own_waiters + 1:
             raise LimiterFullError
-        evicted = self._queues[heaviest][-1]
+        evicted = self._queues[heaviest][-1].turn
         self._leave(heaviest, evicted)
         evicted.set_exception(LimiterFullError())
 
     def _leave(self, key: tuple[int, str], turn: asyncio.Future[None]) -> None:
-        queue = self._queues[key]
-        queue.remove(turn)
-        if not queue:
+        queue = [waiter for waiter in self._queues[key] if waiter.turn is not turn]
+        if queue:
+            self._queues[key] = queue
+        else:
             del self._queues[key]
 
 

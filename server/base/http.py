@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+#: Who asks there watches the service, and is no visitor.
+MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 SESSION_COOKIE = "balise_session"
 DEVICE_COOKIE = "balise_device"
 
@@ -47,6 +49,12 @@ def session_token(connection: HTTPConnection) -> str:
 def device_token(connection: HTTPConnection) -> str:
     """Return the token by which this browser is recognised at a log-in, or an empty string."""
     return _cookie_value(connection, DEVICE_COOKIE)
+
+
+def bearer_token(connection: HTTPConnection) -> str:
+    """Return the token of the `Authorization` header, or an empty string."""
+    scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+    return token.strip() if scheme.lower() == "bearer" else ""
 
 
 def _cookie_value(connection: HTTPConnection, cookie: str) -> str:

@@ -16,11 +16,10 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
 from server.base.arrival import record_arrival
-from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.counters import VISITS
-from server.base.errors import Forbidden, Invalid, LengthRequired, Overloaded, ServiceError, TooLarge
+from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
 from server.base.forms import decode_large_form
-from server.base.http import DEVICE_COOKIE, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
+from server.base.http import DEVICE_COOKIE, MONITORING_PATHS, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -49,11 +48,6 @@ UNKNOWN_LENGTH = (
     "(« Transfer-Encoding: chunked »)."
 )
 CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
-#: Bytes above which a body waits for its turn: hardly a program is as long. How many wait; seconds of a turn at most.
-LARGE_BODY, MAX_WAITING_BODIES, TURN_SECONDS = 32 * 1024, 1000, 0.1
-CROWDED = "Beaucoup de grands envois arrivent en ce moment : réessayez dans quelques secondes."
-#: Who asks there watches the service, and is no visitor.
-MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
@@ -246,64 +240,26 @@ def _is_forged(scope: Scope) -> bool:
 class BoundedBody:
     """Refuses a body of more than `most` bytes before anything reads it whole, and one whose length is not announced.
 
-    Large ones are handed on in turn, one at a time for each address: they are parsed on the loop. A turn ends as its
-    answer begins, or after TURN_SECONDS: then it waits for something else.
-
     A body in chunks may have pieces of one byte: each is parsed in Python on the loop that serves everybody. The
     connection is closed by the refusal. Browsers, curl and proxies that buffer announce lengths.
     """
 
     def __init__(self, app: ASGIApp, most: int, refuse: Refuse) -> None:
         self._app, self._most, self._refuse = app, most, refuse
-        self._turns = FairLimiter(1, MAX_WAITING_BODIES, reserve=2)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
         try:
-            scope, receive, end_turn = await self._prepare(scope, receive)
+            if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
+                raise LengthRequired(UNKNOWN_LENGTH)
+            if scope["method"] not in SAFE_METHODS:
+                body = await self._read(scope, receive)
+                record_arrival()
+                receive = _resend(body, receive)
         except ServiceError as error:
             return await self._refuse(Request(scope), error)(scope, receive, send)
-
-        async def send_and_end_turn(message: Message) -> None:
-            end_turn()
-            await send(message)
-
-        try:
-            await self._app(scope, receive, send if end_turn is _end_nothing else send_and_end_turn)
-        finally:
-            end_turn()
-
-    async def _prepare(self, scope: Scope, receive: Receive) -> tuple[Scope, Receive, Callable[[], None]]:
-        """Return the request with its whole body, and what ends its turn. Raises ServiceError."""
-        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
-            raise LengthRequired(UNKNOWN_LENGTH)
-        if scope["method"] in SAFE_METHODS:
-            return scope, receive, _end_nothing
-        body = await self._read(scope, receive)
-        record_arrival()
-        scope, body = decode_large_form(scope, body)
-        is_large = len(body) > LARGE_BODY
-        end_turn = await self._begin_turn(str((scope.get("client") or ("",))[0])) if is_large else _end_nothing
-        return scope, _resend(body, receive), end_turn
-
-    async def _begin_turn(self, flow: str) -> Callable[[], None]:
-        """Wait for a turn, and return what ends it. Raises Overloaded."""
-        try:
-            await self._turns.acquire(flow)
-        except LimiterFullError:
-            raise Overloaded(CROWDED, retry_after=5) from None
-        held = True
-
-        def end() -> None:
-            nonlocal held
-            if held:
-                held = False
-                timer.cancel()
-                self._turns.release(flow)
-
-        timer = asyncio.get_running_loop().call_later(TURN_SECONDS, end)
-        return end
+        await self._app(scope, receive, send)
 
     async def _read(self, scope: Scope, receive: Receive) -> bytes:
         """Return the body. Raises TooLarge, at once where its length is announced, and Invalid for half a request."""
@@ -327,8 +283,21 @@ class BoundedBody:
         return TooLarge(f"Cette demande dépasse {format_size(self._most)}.")
 
 
-def _end_nothing() -> None:
-    """End no turn."""
+class LargeForms:
+    """Decodes large forms, whose bodies are whole, in their turn."""
+
+    def __init__(self, app: ASGIApp, refuse: Refuse) -> None:
+        self._app, self._refuse = app, refuse
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
+            body = (await receive()).get("body", b"")
+            try:
+                scope, body = decode_large_form(scope, body)
+            except ServiceError as error:
+                return await self._refuse(Request(scope), error)(scope, receive, send)
+            receive = _resend(body, receive)
+        await self._app(scope, receive, send)
 
 
 def _resend(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:

@@ -125,7 +125,8 @@ class Settings(BaseSettings):
     )
     guest_burst: Count = Field(
         default=1000,
-        description="guests from one address at once; also the log-ins that it tries in vain, to any account",
+        description="guests from one address at once; also the log-ins that it tries in vain, to accounts and to "
+        "logins of nobody each",
     )
     guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
     sign_up_burst: Count = Field(default=1000, description="accounts that one address opens, or tries to, at once")

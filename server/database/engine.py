@@ -169,6 +169,12 @@ class Database:
         """Return a session whose changes are dropped; the caller closes it."""
         return self._read_sessions()
 
+    def only_read(self, db: Session) -> None:
+        """Drop the changes of a writing session, which only reads from then on: the page of a refusal, which takes
+        long to render, keeps no other writer of SQLite waiting."""
+        db.rollback()
+        db.bind = self.engine
+
     @contextmanager
     def read(self) -> Iterator[Session]:
         """Yield a session whose changes are dropped."""

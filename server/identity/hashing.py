@@ -1,6 +1,7 @@
 """Password hashing off the event loop: Argon2 takes 0.1 s, four threads and 64 MiB, so few run at once, by address.
 
 It gives way to pages, and goes before the passwords of strangers for those whom a browser or a link tells to be known.
+Turns go round the addresses, and at an address round the logins that are tried from there.
 """
 
 import asyncio
@@ -13,13 +14,15 @@ from typing import TypeVar
 
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded
+from server.base.turns import end_turn
 from server.identity import secrets
 
 THREADS_PER_HASH = 4
 #: As helpers: a flood of passwords would take every processor from pages.
 NICE = 5
-#: Ranks of those who are known, and of others.
-KNOWN, UNKNOWN = 0, 1
+#: Ranks of those who are known, of others, and of who names no account: wrong logins are endless, right ones are not.
+#: While strangers keep the queue full, who waits less has named an account; the form of sign-ups tells as much.
+KNOWN, UNKNOWN, NOBODY = 0, 1, 2
 MAX_WAITING = 200  # a few classes at once; on two processors the last waits for some twenty seconds
 T = TypeVar("T")
 BUSY = "Beaucoup de monde se connecte en ce moment. Réessayez dans quelques secondes."
@@ -34,15 +37,18 @@ class PasswordHasher:
         self._threads = ThreadPoolExecutor(at_once + 1, thread_name_prefix="password", initializer=_give_way)
 
     async def hash(self, password: str, *, address: str, rank: int = UNKNOWN) -> str:
-        return await self._in_turn(address, rank, partial(secrets.hash_password, password))
+        return await self._in_turn(address, rank, "", partial(secrets.hash_password, password))
 
-    async def verify(self, password: str, stored: str | None, *, address: str, rank: int = UNKNOWN) -> bool:
+    async def verify(
+        self, password: str, stored: str | None, *, address: str, rank: int = UNKNOWN, login: str = ""
+    ) -> bool:
         """Verify a password in the same time whether the account exists (`stored` given) or not."""
-        return await self._in_turn(address, rank, partial(secrets.verify_password, password, stored))
+        return await self._in_turn(address, rank, login, partial(secrets.verify_password, password, stored))
 
-    async def _in_turn(self, address: str, rank: int, work: Callable[[], T]) -> T:
+    async def _in_turn(self, address: str, rank: int, login: str, work: Callable[[], T]) -> T:
+        end_turn()
         try:
-            await self._turns.acquire(address, rank)
+            await self._turns.acquire(address, rank, login)
         except LimiterFullError:
             raise Overloaded(BUSY, retry_after=5) from None
         try:

@@ -16,11 +16,13 @@ from starlette.concurrency import run_in_threadpool
 from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Forbidden, NotFound, RateLimited
 from server.base.settings import Settings
+from server.base.turns import record_sender
 from server.database import Database, utc_now
 from server.identity import devices, links, repository, secrets, tokens
-from server.identity.hashing import KNOWN, UNKNOWN, PasswordHasher
+from server.identity.hashing import KNOWN, NOBODY, PasswordHasher
 from server.identity.links import LinkCheck
-from server.identity.logins import latin_look_alike, normalise_login
+from server.identity.login_attempts import TOO_MANY_LOGINS, LoginAttempt, begin_login
+from server.identity.logins import latin_look_alike
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.identity.schemas import (
     NewAccount,
@@ -43,7 +45,6 @@ NO_PASSWORD = "Un invité n’a pas de mot de passe."
 TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
 DISABLED = "Ce compte est suspendu : adressez-vous à qui administre ce serveur."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
-TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
 TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez dans {seconds} s."
 
 
@@ -108,7 +109,7 @@ class AccountService:
         or Overloaded.
         """
         await run_in_threadpool(self._check_sign_up, form, address, invitation)
-        hashed = await self.hashing.hash(form.password, address=address)
+        hashed = await self.hashing.hash(form.password, address=address, rank=NOBODY)
         return await run_in_threadpool(self._insert_account, form, hashed, visitor, invitation, device)
 
     def _check_sign_up(self, form: NewAccount, address: str, invitation: str | None) -> None:
@@ -144,37 +145,27 @@ class AccountService:
         Raises RefusedForm, RateLimited or Overloaded.
         """
         try:
-            account, buckets, rank = await run_in_threadpool(self._account_for_login, login, address, device)
+            attempt = await run_in_threadpool(self._begin_login, login, address, device)
         except RateLimited:
             REFUSED_LOGINS.add("too_many")
             raise
-        stored = account.password_hash if account else None
-        is_correct = await self.hashing.verify(password, stored, address=address, rank=rank)
-        if not is_correct or account is None:
-            REFUSED_LOGINS.add("password")
-            raise RefusedForm({"password": WRONG_LOGIN})
-        return await run_in_threadpool(self._open_after_login, account, visitor, buckets, device)
+        account = attempt.account
+        if account is not None or not attempt.seconds_refused:
+            stored = account.password_hash if account else None
+            is_correct = await self.hashing.verify(
+                password, stored, address=address, rank=attempt.rank, login=attempt.login
+            )
+            if is_correct and account is not None:
+                return await run_in_threadpool(self._open_after_login, account, visitor, attempt.buckets, device)
+        if attempt.seconds_refused:
+            REFUSED_LOGINS.add("too_many")
+            raise await attempt.refusal()
+        REFUSED_LOGINS.add("password")
+        raise RefusedForm({"password": WRONG_LOGIN})
 
-    def _account_for_login(self, login: str, address: str, device: str) -> tuple[Account | None, Sequence[str], int]:
-        """Return the account of a login, the keys of the token buckets that this try has taken from, and its rank.
-
-        A browser in which the account has logged in before has a bucket of its own, whatever is tried elsewhere; all
-        other tries count by account and address, and by address. Raises RateLimited.
-        """
+    def _begin_login(self, login: str, address: str, device: str) -> LoginAttempt:
         with self.database.write() as db:
-            account = repository.find_account_by_typed_login(db, login)
-            folded = normalise_login(login)
-            known = devices.is_known(db, device, account)
-            if known:
-                buckets = {f"login-in:{secrets.digest(f'{folded} {device}')}": self.settings.login_bucket}
-            else:
-                buckets = {
-                    f"login:{secrets.digest(f'{folded} {address}')}": self.settings.login_bucket,
-                    f"login-from:{address}": self.settings.guest_bucket,
-                }
-            for key, bucket in buckets.items():
-                limits.take_token(db, key, bucket, TOO_MANY_LOGINS)
-        return account, list(buckets), KNOWN if known else UNKNOWN
+            return begin_login(db, self.settings, login, address, device)
 
     def _open_after_login(
         self, account: Account, visitor: Account | None, buckets: Sequence[str], device: str
@@ -346,4 +337,7 @@ def delete_expired(db: Session) -> None:
 
 
 def account_of_session(db: Session, token: str) -> Account | None:
-    return repository.find_account_by_session(db, secrets.digest(token), utc_now())
+    account = repository.find_account_by_session(db, secrets.digest(token), utc_now())
+    if account is not None:
+        record_sender(token, account.id, is_guest=account.is_guest)
+    return account

@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import NotFound
 from server.base.settings import Settings
+from server.base.turns import record_sender
 from server.database import Database, utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, ApiToken
@@ -52,6 +53,7 @@ def find_token_owner(database: Database, secret: str) -> Account | None:
     if row is None:
         return None
     account, last_used_at = row
+    record_sender(secret, account.id, is_guest=account.is_guest)
     if _is_update_due(last_used_at, now):
         with database.write() as db:
             repository.update_last_use(db, digest, now)

@@ -25,9 +25,25 @@ def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> N
     stored, updated_at = _lock_bucket(db, key, bucket, now)
     tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
     if tokens < 1:
-        wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
-        raise RateLimited(refusal.format(seconds=wait), retry_after=wait)
+        raise too_many(refusal, _seconds_to_token(tokens, bucket))
     write_core(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
+
+
+def seconds_to_token(db: Session, key: str, bucket: BucketSettings) -> int:
+    """Return the seconds until `key` has a token, 0 where it has one; none is taken."""
+    now = utc_now()
+    stored, updated_at = _lock_bucket(db, key, bucket, now)
+    tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
+    return 0 if tokens >= 1 else _seconds_to_token(tokens, bucket)
+
+
+def _seconds_to_token(tokens: float, bucket: BucketSettings) -> int:
+    return max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
+
+
+def too_many(refusal: str, seconds: int) -> RateLimited:
+    """Return the error of a bucket that has no token for so many seconds, which `{seconds}` in `refusal` tells."""
+    return RateLimited(refusal.format(seconds=seconds), retry_after=seconds)
 
 
 def give_back_token(db: Session, key: str) -> None:

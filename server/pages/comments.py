@@ -61,7 +61,7 @@ def comment(
         text = _said(reader.db, account, attempt.submission.account_id, texte, phrase)
         thread = service.begin_thread(reader.db, account, attempt, target, text, settings)
     except REFUSALS as refused:
-        reader.db.rollback()
+        database.only_read(reader.db)
         aim = Aim(lines, verification, Draft(texte, refused.detail))
         again = gradebook.find_attempt(reader.db, account, submission_id)
         return attempt_page(request, reader, database, again, aim, status=int(refused.status))
@@ -110,8 +110,10 @@ def ask(
     try:
         thread = service.begin_exercise_thread(reader.db, account, account.id, exercise.id, texte, settings)
     except REFUSALS as refused:
-        reader.db.rollback()
-        seed = None if exercise.answers is None else variants.get_or_create_seed(reader.db, account, exercise.id)
+        database.only_read(reader.db)
+        seed = (
+            None if exercise.answers is None else variants.seed_while_reading(reader.db, database, account, exercise.id)
+        )
         draft = Draft(texte, refused.detail)
         return exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
     return redirect(f"{exercise_href(exercise)}#fil-{thread.id}")
@@ -151,7 +153,7 @@ def reply(
         text = _said(reader.db, account, thread.account_id, texte, phrase)
         service.reply_to_thread(reader.db, account, thread, text, settings)
     except REFUSALS as refused:
-        reader.db.rollback()
+        database.only_read(reader.db)
         return _thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
     return _back(thread_id, retour)
 

@@ -13,6 +13,10 @@ import unicodedata
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
+
+from server.sandbox.piled_marks import has_piled_marks
+from server.sandbox.program_text import after_string, find_or_end
 
 _SPACES = {
     "\u00a0": "une espace insécable",
@@ -101,7 +105,7 @@ def find_foreign_characters(lines: Sequence[str]) -> list[ForeignCharacter]:
     Each has the replacement that repairs the program, where one does.
     """
     text = "\n".join(lines)
-    places = list(_foreign_places(text))[:_MOST_FOUND]
+    places = islice(_foreign_places(text), _MOST_FOUND)
     found = [
         ForeignCharacter(text.count("\n", 0, index) + 1, index, text[index], _candidates(text, index)[0])
         for index in places
@@ -134,8 +138,11 @@ def show_foreign_characters(line: str) -> str:
 
 
 def latin_spelling(name: str) -> str | None:
-    """Return a name without its unseen characters, its look-alike letters in Latin; None where nothing changes."""
+    """Return a name without its unseen characters, its look-alike letters in Latin; None where nothing changes, or
+    where marks are piled on a letter."""
     spelled = "".join(_LOOK_ALIKES.get(letter, letter) for letter in name if not _is_unseen(letter))
+    if has_piled_marks(name) or has_piled_marks(spelled):
+        return None
     spelled = unicodedata.normalize("NFKC", spelled)
     return spelled if spelled != unicodedata.normalize("NFKC", name) else None
 
@@ -194,9 +201,9 @@ def _foreign_places(text: str) -> Iterator[int]:
     while at < end:
         character = text[at]
         if character == "#":
-            at = _find(text, "\n", at)
+            at = find_or_end(text, "\n", at)
         elif character in "\"'":
-            at = _after_string(text, at)
+            at = after_string(text, at)
         elif character in _CLOSING:
             yield at
             closing = _closing_quote(text, at)
@@ -219,33 +226,10 @@ def _foreign_places(text: str) -> Iterator[int]:
 
 def _closing_quote(text: str, start: int) -> int:
     """Return the index of the quote that closes a typographic one on its line, before any plain string; 0 for none."""
-    for at in range(start + 1, _find(text, "\n", start)):
-        if text[at] in _CLOSING[text[start]]:
-            return at
-        if text[at] in '"#':
-            break
-    return 0
-
-
-def _find(text: str, sought: str, start: int) -> int:
-    found = text.find(sought, start)
-    return len(text) if found < 0 else found
-
-
-def _after_string(text: str, start: int) -> int:
-    """Return the index behind the string that begins at a quote."""
-    quote = text[start] * 3 if text.startswith(text[start] * 3, start) else text[start]
-    at = start + len(quote)
-    while at < len(text):
-        if text[at] == "\\":
-            at += 2
-        elif text.startswith(quote, at):
-            return at + len(quote)
-        elif len(quote) == 1 and text[at] == "\n":
-            return at
-        else:
-            at += 1
-    return len(text)
+    end = find_or_end(text, "\n", start)
+    stop = min(find_or_end(text, sign, start + 1, end) for sign in '"#')
+    closing = min(find_or_end(text, sign, start + 1, stop) for sign in _CLOSING[text[start]])
+    return closing if closing < stop else 0
 
 
 def _candidates(text: str, index: int) -> tuple[str, ...]:
@@ -268,12 +252,15 @@ def _candidates(text: str, index: int) -> tuple[str, ...]:
 
 def _parts_keyword(text: str, index: int) -> bool:
     """Whether a character without width stands between a keyword and a name, which would become one word."""
-    before, after = text[:index].rsplit("\n", 1)[-1], text[index + 1 :].split("\n", 1)[0]
+    before = text[max(0, index - _LONGEST_WORD) : index].rsplit("\n", 1)[-1]
+    after = text[index + 1 : index + 1 + _LONGEST_WORD].split("\n", 1)[0]
     left = before[len(before.rstrip(_WORD)) :]
     right = after[: len(after) - len(after.lstrip(_WORD))]
     return bool(left and right) and (keyword.iskeyword(left) or keyword.iskeyword(right))
 
 
+#: Characters of a word that is looked at: keywords are shorter.
+_LONGEST_WORD = 20
 _WORD = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
 
 
@@ -289,7 +276,10 @@ _READABLE = (1 << 60, 0)
 
 
 def _progress(text: str) -> tuple[int, int]:
-    """Return how far Python can read a text: the line and the column of its first syntax error."""
+    """Return how far Python can read a text: the line and the column of its first syntax error; nowhere where marks are
+    piled on a letter."""
+    if has_piled_marks(text):
+        return (0, 0)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

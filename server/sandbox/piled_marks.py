@@ -22,6 +22,11 @@ def find_piled_marks(source: bytes) -> int | None:
     return None if found is None else text.count("\n", 0, found.start()) + 1
 
 
+def has_piled_marks(text: str) -> bool:
+    """Whether a letter has too many marks: to normalise the text, as Python does with names, would take for ever."""
+    return not text.isascii() and _piled_marks().search(text) is not None
+
+
 @cache
 def _piled_marks() -> re.Pattern[str]:
     marks = "".join(letter for letter in map(chr, range(0x300, 0x1F000)) if unicodedata.combining(letter))

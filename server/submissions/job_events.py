@@ -17,6 +17,7 @@ from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
+from server.base.turns import end_turn
 from server.database import is_unavailable
 from server.queue.interfaces import JOB_STARTED_SUFFIX
 
@@ -151,6 +152,7 @@ class JobEvents:
         The job was enqueued a moment ago: until it changes, there is nothing to read.
         """
         deadline = time.monotonic() + seconds
+        end_turn()
         with _registered(self._end_watchers, key) as event:
             if key in self._recently_changed:
                 event.set()

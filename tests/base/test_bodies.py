@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 from datetime import UTC, datetime
 from typing import Any
@@ -10,10 +9,8 @@ from typing import Any
 import pytest
 from fastapi.routing import iter_route_contexts
 
-from server.base import middleware
 from server.base.arrival import arrival_time
 from server.base.middleware import BoundedBody
-from tests.support.quick import in_a_loop
 from tests.support.service import Site
 
 HOST = (b"host", b"testserver")
@@ -113,51 +110,3 @@ def test_half_a_request_is_none_at_any_address(site: Site) -> None:
 def unsafe_routes(site: Site) -> list[tuple[str, str]]:
     contexts = iter_route_contexts(site.app.routes)
     return [(route.path, method) for route in contexts for method in (route.methods or set()) - {"GET", "HEAD"}]
-
-
-def test_large_bodies_of_an_address_are_handed_on_one_by_one_until_they_wait_for_something_else(
-    site: Site, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(middleware, "TURN_SECONDS", 3600.0)
-    begun, answers = list[str](), dict[str, asyncio.Event]()
-
-    async def app(scope: Any, receive: Any, send: Any) -> None:
-        begun.append(scope["path"])
-        await answers[scope["path"]].wait()
-        await send({"type": "http.response.start", "status": 200, "headers": []})
-        await asyncio.Event().wait()
-
-    async def scene() -> None:
-        bounded = BoundedBody(app, most=1 << 20, refuse=lambda request, error: pytest.fail(str(error)))
-
-        def sends(path: str, address: str, size: int = middleware.LARGE_BODY + 1) -> asyncio.Task[None]:
-            answers[path] = asyncio.Event()
-            scope = {"type": "http", "method": "POST", "path": path, "headers": [], "client": (address, 1)}
-
-            async def receive() -> Any:
-                return {"type": "http.request", "body": b"x" * size, "more_body": False}
-
-            async def send(message: Any) -> None:
-                return
-
-            return asyncio.create_task(bounded(scope, receive, send))
-
-        async def until_begun(*paths: str) -> None:
-            while begun != list(paths):
-                await asyncio.sleep(0)
-
-        tasks = [sends("/a", "eve"), sends("/b", "eve"), sends("/c", "eve"), sends("/small", "eve", 9)]
-        await until_begun("/a", "/small")
-        tasks.append(sends("/d", "ada"))
-        await until_begun("/a", "/small", "/d")
-        answers["/a"].set()
-        await until_begun("/a", "/small", "/d", "/b")
-        monkeypatch.setattr(middleware, "TURN_SECONDS", 0.0)
-        answers["/b"].set()
-        tasks.append(sends("/e", "eve"))
-        await until_begun("/a", "/small", "/d", "/b", "/c", "/e")
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
-
-    in_a_loop(asyncio.wait_for(scene(), 300))

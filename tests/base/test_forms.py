@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from starlette.requests import Request
 
 from server.base.errors import Invalid, TooLarge
-from server.base.forms import LARGE, MAX_FIELDS, URL_ENCODED, decode_large_form, unescape
+from server.base.forms import LARGE, MAX_FIELDS, MAX_PARTS, URL_ENCODED, decode_large_form, unescape
 
 PADDING = ("remplissage", "x" * LARGE)
 
@@ -74,3 +74,17 @@ def test_a_form_of_many_fields_is_left_to_its_parser() -> None:
     """Three fields for each student of a large class: parts would take longer."""
     plain = request(b"&".join(b"n-%d=12%%2C5" % number for number in range(9000)))
     assert decode_large_form(*plain) == plain
+
+
+def parts(count: int, boundary: bytes) -> bytes:
+    part = b'--%s\r\nContent-Disposition: form-data; name="a"\r\n\r\n--b\r\n' % boundary
+    return part * count + b"--%s--\r\n" % boundary
+
+
+@pytest.mark.parametrize(
+    "kind", [b"multipart/form-data; boundary=x", b'Multipart/Form-Data; charset=utf-8; boundary="x"']
+)
+def test_a_form_of_too_many_parts_is_refused_before_its_parser_counts_them(kind: bytes) -> None:
+    with pytest.raises(TooLarge, match="1\u202f000 parties"):
+        decode_large_form(*request(parts(MAX_PARTS + 1, b"x"), kind))
+    assert len(fields(*decode_large_form(*request(parts(MAX_PARTS - 1, b"x"), kind)))) == MAX_PARTS - 1

@@ -63,6 +63,26 @@ def test_turns_go_round_the_addresses() -> None:
     in_a_loop(test())
 
 
+def test_within_a_flow_turns_go_round_its_parts() -> None:
+    async def test() -> None:
+        limiter, served = FairLimiter(1, 9), list[str]()
+
+        async def wait(name: str) -> None:
+            await limiter.acquire("a", part=name[0])
+            served.append(name)
+
+        tasks = []
+        for name in ("x1", "x2", "x3", "x4", "y1", "z1", "y2"):
+            tasks.append(asyncio.create_task(wait(name)))
+            await settled()
+        for _ in range(6):
+            limiter.release("a")
+            await settled()
+        assert served == ["x1", "x2", "y1", "z1", "x3", "y2", "x4"]
+
+    in_a_loop(test())
+
+
 def test_a_flood_gives_way_to_others_and_to_nobody_of_its_own() -> None:
     async def test() -> None:
         queue = Queue(1, 3)

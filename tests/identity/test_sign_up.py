@@ -11,7 +11,7 @@ from sqlalchemy import select
 
 from server.base.errors import Overloaded
 from server.identity import secrets
-from server.identity.hashing import KNOWN, PasswordHasher
+from server.identity.hashing import KNOWN, NOBODY, PasswordHasher
 from server.identity.models import Account
 from server.limits.models import Allowance
 from tests.support.quick import in_a_loop
@@ -132,3 +132,32 @@ def test_who_is_known_does_not_wait_behind_a_flood_of_passwords(monkeypatch: pyt
         await asyncio.gather(*flood, known)
 
     in_a_loop(scene())
+
+
+def test_a_first_log_in_goes_before_a_flood_of_wrong_logins_at_its_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And a login that is tried again and again waits behind one that is tried once."""
+    gate, begun = threading.Event(), list[str]()
+
+    def slow(password: str, _stored: str | None) -> bool:
+        begun.append(password)
+        gate.wait(300)
+        return False
+
+    monkeypatch.setattr(secrets, "verify_password", slow)
+
+    async def scene() -> None:
+        few = PasswordHasher(at_once=1)
+        tasks = [
+            asyncio.create_task(few.verify(f"n{k}", None, address="a", rank=NOBODY, login=f"n{k}")) for k in range(8)
+        ]
+        tasks += [asyncio.create_task(few.verify(f"x{k}", "h", address="a", login="x")) for k in range(4)]
+        await asyncio.sleep(0)
+        first = asyncio.create_task(few.verify("first", "h", address="a", login="ada"))
+        while len(begun) < 2:
+            await asyncio.sleep(0)
+        gate.set()
+        await asyncio.gather(*tasks, first)
+
+    in_a_loop(scene())
+    assert begun.index("first") <= 3, begun
+    assert begun.index("x3") < begun.index("n1")

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -59,11 +59,12 @@ RUNNING = "lease_token IS NOT NULL"
 
 
 def children(pid: int) -> list[int]:
-    """The children of a process, and theirs."""
+    """The children of a process, and theirs; none of a thread that ends meanwhile."""
     found = []
     for thread in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in thread.read_text().split():
-            found += [int(child), *children(int(child))]
+        with suppress(OSError):
+            for child in thread.read_text().split():
+                found += [int(child), *children(int(child))]
     return found
 
 

@@ -24,7 +24,7 @@ from server.api.assignment_schemas import AssignmentIn
 from server.api.column_schemas import ColumnIn, TypedMarksIn
 from server.api.schemas import NewSubmission
 from server.base.forms import decode_large_form
-from server.base.http import accepted_encodings, local_path, session_token, visitor_key
+from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
 from server.base.http_protocol import MAX_HEAD_BYTES
 from server.base.root_path import with_external_paths
 from server.base.school_time import parse_field
@@ -45,7 +45,7 @@ from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
 from server.marks.typed import parse_comment, parse_mark
 from server.reading import search
-from server.sandbox.foreign_characters import find_foreign_characters
+from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
 from server.steps.calls import MAX_CHARACTERS, parse_call
@@ -100,7 +100,10 @@ def _body(model: Any) -> Callable[[str], object]:
 
 def _cookie(text: str) -> object:
     headers = [(name, text.encode("utf-8", "replace")) for name in (b"cookie", b"accept-encoding")]
-    return session_token(Request({"type": "http", "headers": headers}))
+    request = Request(
+        {"type": "http", "headers": [*headers, (b"authorization", f"Bearer {text}".encode("utf-8", "replace"))]}
+    )
+    return session_token(request), bearer_token(request)
 
 
 def _large_form(text: str) -> object:
@@ -213,10 +216,11 @@ READERS: tuple[Reader, ...] = (
     Reader("a program's imports", _encoded(lambda code: import_set_of_program(code, None)), CODE, PROGRAMS),
     Reader(
         "a program's foreign characters",
-        lambda text: (require_text(text.encode(), Policy()), find_foreign_characters(text.split("\n"))),
+        lambda text: find_foreign_characters(text.split("\n")),
         CODE,
-        PROGRAMS,
+        {**TEXTS, **PROGRAMS},
     ),
+    Reader("a name in other letters", lambda text: (latin_spelling(text), describe_odd_letters(text)), CODE, TEXTS),
     Reader(
         "a program beside another", lambda text: compare_side_by_side(text, f"{text[5:]}a"), CODE, {**TEXTS, **PROGRAMS}
     ),
@@ -298,7 +302,8 @@ READERS: tuple[Reader, ...] = (
         """
         raw:server.api.routes.Api.matches raw:server.base.http._cookie_value raw:server.base.http.problem_document
         raw:server.base.middleware.AcceptEncoding.__call__
-        raw:server.base.middleware.BoundedBody._prepare raw:server.client.routes.download
+        raw:server.base.middleware.BoundedBody.__call__ raw:server.client.routes.download
+        raw:server.base.http.bearer_token raw:server.base.turns.FairTurns.__call__
         raw:server.base.middleware.BoundedBody._read raw:server.base.middleware.RequestLog.__call__
         raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside

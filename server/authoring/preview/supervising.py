@@ -23,8 +23,11 @@ from pathlib import Path
 
 from graders.courses import ROOMS
 
-#: Seconds that the import of a course may take: one that loops for ever leaves the version before it in place.
-START_TIMEOUT = 30.0
+#: Seconds of processor that the import of a course may take, and seconds in all: a busy machine ends no import, and one
+#: that loops for ever, or waits for ever, leaves the version before it in place.
+IMPORT_SECONDS, START_TIMEOUT, LOOK_SECONDS = 30.0, 120.0, 0.5
+#: What makes a process's number the one of its clock (Linux, `clock_getcpuclockid`).
+PROCESS_CLOCK = 2
 READY = b"ready"
 Report = Callable[[str], None]
 
@@ -94,7 +97,7 @@ class Supervisor:
         told, tells = os.pipe()
         server = _fork(lambda: self.serve(session, self.listener, lambda: _signal_ready(tells)), close=told)
         os.close(tells)
-        up = _wait_until_ready(told)
+        up = _wait_until_ready(server, told)
         os.close(told)
         if up and instead_of is not None:
             _kill(instead_of.server, signal.SIGTERM)
@@ -133,9 +136,12 @@ def _signal_ready(pipe: int) -> None:
     os.close(pipe)
 
 
-def _wait_until_ready(pipe: int) -> bool:
-    readable, _, _ = select.select([pipe], [], [], START_TIMEOUT)
-    return bool(readable) and os.read(pipe, len(READY)) == READY
+def _wait_until_ready(process: int, pipe: int) -> bool:
+    deadline = time.monotonic() + START_TIMEOUT
+    while not select.select([pipe], [], [], LOOK_SECONDS)[0]:
+        if time.monotonic() > deadline or time.clock_gettime((~process << 3) | PROCESS_CLOCK) > IMPORT_SECONDS:
+            return False
+    return os.read(pipe, len(READY)) == READY
 
 
 def _kill(process: int, number: signal.Signals = signal.SIGKILL) -> None:

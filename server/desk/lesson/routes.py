@@ -80,6 +80,7 @@ def run_lesson(
     class_id: str,
     account: SignedIn,
     reader: CurrentReader,
+    database: DatabaseOf,
     action: Field = "",
     exercice: Names = [],  # noqa: B006 (FastAPI copies it)
     suite: Field = Afterwards.none.value,
@@ -108,7 +109,7 @@ def run_lesson(
     except (Conflict, Invalid) as refused:
         if action not in {"commencer", "modifier"}:
             raise
-        reader.db.rollback()
+        database.only_read(reader.db)
         again = rights.require_right(reader.db, account, Right.run_lessons, class_id)
         return _render_lesson(request, reader, account, again, (plan, refused.detail))
     return redirect(href)

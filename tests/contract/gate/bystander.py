@@ -193,6 +193,9 @@ class Door:
     limit: Limit
     idle: list[float] = field(default_factory=list)
     flooded: list[float] = field(default_factory=list)
+    #: Seconds of processor of the web process meanwhile: a place in its queue, whatever else the machine does.
+    idle_work: list[float] = field(default_factory=list)
+    flooded_work: list[float] = field(default_factory=list)
 
     @property
     def is_open(self) -> bool:
@@ -200,7 +203,11 @@ class Door:
 
     def __str__(self) -> str:
         idle, flooded = 1000 * median(self.idle), 1000 * median(self.flooded)
-        return f"{idle:.0f} → {flooded:.0f} ms (×{flooded / idle:.1f}){'' if self.is_open else ' CLOSED'}"
+        work = 1000 * median(self.idle_work), 1000 * median(self.flooded_work)
+        return (
+            f"{idle:.0f} → {flooded:.0f} ms (×{flooded / idle:.1f}){'' if self.is_open else ' CLOSED'}"
+            f" [{work[0]:.0f} → {work[1]:.0f} ms of processor, ×{work[1] / work[0]:.1f}]"
+        )
 
 
 @dataclass
@@ -235,19 +242,23 @@ def measure(
     outcome = Outcome(names, {door: Door(page if door == "page" else VERDICT) for door in chosen})
     for _ in range(rounds):
         service.clear()
-        _sample(bystander, {door: outcome.doors[door].idle for door in chosen})
+        _sample(service, bystander, {name: (door.idle, door.idle_work) for name, door in outcome.doors.items()})
         with flooding(service, names) as done:
-            _sample(bystander, {door: outcome.doors[door].flooded for door in chosen})
+            _sample(
+                service, bystander, {name: (door.flooded, door.flooded_work) for name, door in outcome.doors.items()}
+            )
         outcome.done = done
         service.clear()
-        _sample(bystander, {door: outcome.doors[door].idle for door in chosen})
+        _sample(service, bystander, {name: (door.idle, door.idle_work) for name, door in outcome.doors.items()})
         if not outcome.closed:
             break
     return outcome
 
 
-def _sample(bystander: Bystander, into: dict[str, list[float]]) -> None:
-    measured: dict[str, Callable[[], float]] = {name: getattr(bystander, name) for name in into}
-    for name, samples in into.items():
+def _sample(service: Service, bystander: Bystander, into: dict[str, tuple[list[float], list[float]]]) -> None:
+    for name, (seconds, work) in into.items():
+        measured: Callable[[], float] = getattr(bystander, name)
         for _ in range(SAMPLES.get(name, 3)):
-            samples.append(measured[name]())
+            before = service.processor()
+            seconds.append(measured())
+            work.append(service.processor() - before)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -34,6 +35,8 @@ WIDE = {
     for name in ("SUBMISSION", "CELL", "STEP")
     for what, value in (("BURST", "100000"), ("REFILL_SECONDS", "0"))
 }
+#: What makes a process's number the one of its clock (Linux, `clock_getcpuclockid`).
+PROCESS_CLOCK = 2
 LOGIN, PASSWORD = "ada", "une phrase assez longue"
 
 
@@ -56,12 +59,18 @@ class Service:
     class_id: str
     target: Target
     solution: str
+    #: The web process that answers the bystander.
+    web: int = 0
 
     def clear(self) -> None:
         """Forget what waits, and wait until nothing runs."""
         with self.database.write() as db:
             db.execute(text("DELETE FROM job WHERE lease_token IS NULL"))
         until(lambda: not self._count("SELECT count(*) FROM job"), "nothing runs")
+
+    def processor(self) -> float:
+        """Return the seconds of processor that the bystander's web process has used, all its threads together."""
+        return time.clock_gettime((~self.web << 3) | PROCESS_CLOCK)
 
     def _count(self, query: str) -> int:
         with self.database.read() as db:
@@ -73,7 +82,7 @@ def one_machine(folder: Path) -> Iterator[Service]:
     live = Live(folder / "data", BALISE_WARM_UP="1", BALISE_WARM_FIGURES="1", **WIDE)
     try:
         settings = Settings(data_dir=folder / "data")
-        with opened((live.address,), settings) as service:
+        with opened((live.address,), settings, live.process.pid) as service:
             yield service
     finally:
         end(live)
@@ -97,7 +106,8 @@ def several_machines(folder: Path, database_url: str, nats_url: str) -> Iterator
             stack.callback(worker.wait)
             stack.callback(worker.terminate)
         settings = Settings(data_dir=folder / "one" / "data", database_url=database_url)
-        yield stack.enter_context(opened(tuple(live.address for live in machines), settings))
+        addresses = tuple(live.address for live in machines)
+        yield stack.enter_context(opened(addresses, settings, machines[0].process.pid))
 
 
 def end(live: Live) -> None:
@@ -107,7 +117,7 @@ def end(live: Live) -> None:
 
 
 @contextmanager
-def opened(addresses: tuple[str, ...], settings: Settings) -> Iterator[Service]:
+def opened(addresses: tuple[str, ...], settings: Settings, web: int) -> Iterator[Service]:
     """A class on a running service, and who attacks it."""
     database, exercise = Database(settings.url), load(render=False).exercises[EXERCISE]
     teacher, student, attacker = (new_account(database, role) for role in (Role.teacher, Role.student, Role.teacher))
@@ -147,6 +157,7 @@ def opened(addresses: tuple[str, ...], settings: Settings) -> Iterator[Service]:
             str(school_class.id),
             target,
             code,
+            web,
         )
     finally:
         database.close()

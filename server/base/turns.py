@@ -1,0 +1,222 @@
+"""Fair turns on the processor of a web process: a request of somebody quiet goes at once, others wait behind.
+
+One process serves everybody, and Python computes one thing at a time: who sends request after request takes as many
+shares as it has requests in progress, a page that somebody opens has one. So whoever has used much processor lately, or
+has many requests in progress, is served one request at a time, in turn with others like them, and lets the requests of
+the quiet go before. Nothing is lost by that: as much is computed in a second. A queue of bounded length waits, of which
+the busiest leave first (503).
+
+Processor time is counted by account. Visitors and guests cost nothing to become, so that theirs is counted by address
+as well: a class of guests behind the address of its school takes turns, one with another, as soon as it is busy; an
+account with a password never waits for what others of its address do. A visitor's session is known from its first
+request on, which looks it up anyway.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections import Counter
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
+from hashlib import blake2b
+from uuid import UUID
+
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from server.base.caches import LRUCache
+from server.base.concurrency import FairLimiter, LimiterFullError
+from server.base.errors import Overloaded, ServiceError
+from server.base.http import MONITORING_PATHS, bearer_token, client_address, session_token
+
+#: Seconds of processor after which one is busy; seconds in which half of what was used is forgotten.
+BUSY_SECONDS, HALF_LIFE = 0.5, 10.0
+#: Requests in progress beyond which one is busy: browsers open six connections.
+IN_PROGRESS = 6
+#: Requests that wait: ten of each in a class of 35 that has just been told to begin, all behind one address.
+MAX_WAITING = 400
+#: Seconds after which a turn ends by itself; seconds for which a turn lets requests of the quiet go before.
+TURN_SECONDS, GIVE_WAY_SECONDS = 0.5, 0.02
+#: Accounts and addresses that are remembered; sessions and tokens of which the account is.
+MAX_FLOWS, MAX_SENDERS = 10_000, 20_000
+QUIET, CROWD, BUSY = 0, 1, 2
+CROWDED = "Beaucoup de demandes arrivent en ce moment : réessayez dans quelques secondes."
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Whose a request is: the name of an account or of an address's visitors; and the crowd that it is one of, if any.
+
+    The crowd are all visitors and guests of an address.
+    """
+
+    name: str
+    crowd: str = ""
+
+
+class ProcessorClock:
+    """Shares the processor time of this process, at each moment equally, among the requests in progress."""
+
+    def __init__(self, spent: Callable[[], float] = time.process_time) -> None:
+        self._spent, self._last = spent, spent()
+        self._count, self._share = 0, 0.0
+
+    def begin(self) -> float:
+        """Return the moment at which a request begins, for `end`."""
+        self._advance()
+        self._count += 1
+        return self._share
+
+    def end(self, begun: float) -> float:
+        """Return the seconds of processor that a request is taken to have used since it began."""
+        self._advance()
+        self._count -= 1
+        return self._share - begun
+
+    def _advance(self) -> None:
+        now = self._spent()
+        if self._count:
+            self._share += (now - self._last) / self._count
+        self._last = now
+
+
+class Usage:
+    """Seconds of processor that each flow has used lately."""
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._used: LRUCache[str, tuple[float, float]] = LRUCache(MAX_FLOWS)
+
+    def of(self, name: str) -> float:
+        seconds, at = self._used.get(name) or (0.0, 0.0)
+        return seconds * 0.5 ** ((self._now() - at) / HALF_LIFE) if seconds else 0.0
+
+    def add(self, name: str, seconds: float) -> None:
+        self._used.put(name, (self.of(name) + seconds, self._now()))
+
+
+class Turns:
+    """The turns of one web process. For one event loop."""
+
+    def __init__(self, clock: ProcessorClock | None = None, usage: Usage | None = None) -> None:
+        self._clock, self._usage = clock or ProcessorClock(), usage or Usage()
+        self._limiter = FairLimiter(1, MAX_WAITING, reserve=1)
+        self._in_progress: Counter[str] = Counter()
+        self._quiet, self._no_quiet = 0, asyncio.Event()
+        self._no_quiet.set()
+
+    async def begin(self, flow: Flow) -> Callable[[], None]:
+        """Wait for the turn of a request, and return what ends it, however often that is called. Raises Overloaded."""
+        rank = self._rank(flow)
+        names = tuple(filter(None, (flow.name, flow.crowd)))
+        if rank != QUIET:
+            try:
+                await self._limiter.acquire(flow.name, rank)
+            except LimiterFullError:
+                raise Overloaded(CROWDED, retry_after=5) from None
+            try:
+                await self._give_way()
+            except BaseException:
+                self._limiter.release(flow.name, rank)
+                raise
+        self._in_progress.update(names)
+        self._count_quiet(rank, 1)
+        begun, is_over = self._clock.begin(), False
+
+        def end() -> None:
+            nonlocal is_over
+            if is_over:
+                return
+            is_over = True
+            timer.cancel()
+            seconds = self._clock.end(begun)
+            for name in names:
+                self._usage.add(name, seconds)
+                self._in_progress[name] -= 1
+                if not self._in_progress[name]:
+                    del self._in_progress[name]
+            self._count_quiet(rank, -1)
+            if rank != QUIET:
+                self._limiter.release(flow.name, rank)
+
+        timer = asyncio.get_running_loop().call_later(TURN_SECONDS, end)
+        return end
+
+    def _rank(self, flow: Flow) -> int:
+        if self._is_busy(flow.name):
+            return BUSY
+        return CROWD if flow.crowd and self._is_busy(flow.crowd) else QUIET
+
+    def _is_busy(self, name: str) -> bool:
+        return self._in_progress[name] >= IN_PROGRESS or self._usage.of(name) > BUSY_SECONDS
+
+    def _count_quiet(self, rank: int, change: int) -> None:
+        if rank == QUIET:
+            self._quiet += change
+            (self._no_quiet.clear if self._quiet else self._no_quiet.set)()
+
+    async def _give_way(self) -> None:
+        """Wait until no request of the quiet is in progress, for a moment at most."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(GIVE_WAY_SECONDS if self._quiet else None):
+                await self._no_quiet.wait()
+
+
+_senders: LRUCache[bytes, tuple[str, bool]] = LRUCache(MAX_SENDERS)
+_end_turn: ContextVar[Callable[[], None] | None] = ContextVar("end_turn", default=None)
+
+
+def record_sender(token: str, account: UUID, *, is_guest: bool) -> None:
+    """Remember whose a session or a token is, for the turns of the requests that show it."""
+    _senders.put(_key(token), (account.hex, is_guest))
+
+
+def end_turn() -> None:
+    """End the turn of this request, which will now wait for something else than the processor of this process."""
+    end = _end_turn.get()
+    if end is not None:
+        end()
+
+
+def flow_of(scope: Scope) -> Flow:
+    """Return whose a request is, as far as it is known before anything is read."""
+    connection = HTTPConnection(scope)
+    address = client_address(connection)
+    token = session_token(connection) or bearer_token(connection)
+    account, is_guest = (_senders.get(_key(token)) if token else None) or ("", True)
+    return Flow(account or f"visitors of {address}", f"crowd of {address}" if is_guest else "")
+
+
+def _key(token: str) -> bytes:
+    return blake2b(token.encode("utf-8", "replace"), digest_size=16).digest()
+
+
+class FairTurns:
+    """Has each request wait for its turn, which ends as its answer begins."""
+
+    def __init__(self, app: ASGIApp, refuse: Callable[[Request, ServiceError], Response]) -> None:
+        self._app, self._refuse = app, refuse
+        self._turns = Turns()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["path"] in MONITORING_PATHS:
+            return await self._app(scope, receive, send)
+        try:
+            end = await self._turns.begin(flow_of(scope))
+        except ServiceError as error:
+            return await self._refuse(Request(scope), error)(scope, receive, send)
+
+        def send_and_end(message: Message) -> Awaitable[None]:
+            if message["type"] == "http.response.body":
+                end()
+            return send(message)
+
+        _end_turn.set(end)
+        try:
+            await self._app(scope, receive, send_and_end)
+        finally:
+            end()
