@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from graders.core.answers.quantity import Quantity
 from graders.core.code.checks import Cases, Check, Trial, Untouched
 from graders.core.code.probes import Probes
-from graders.core.compare import comparison, shrinking
+from graders.core.compare import comparison, plain_values, shrinking
 from graders.core.contract.outcomes import Outcome
 from graders.robotics import poses
 from server.authoring.keys import KEYS
@@ -85,17 +85,26 @@ FIELD_MEANINGS: Mapping[type, Mapping[str, str]] = {
         "given": "des noms pour les erreurs seules",
     },
 }
-COMPARATORS = (comparison.CloseTo, comparison.ScalarCloseTo, comparison.SameIndices, poses.SamePose)
-SHRINKERS = (shrinking.keep, shrinking.shrink_number, shrinking.shrink_array, poses.shrink_pose)
+COMPARATORS = (
+    comparison.CloseTo, comparison.ScalarCloseTo, comparison.SameIndices, plain_values.SamePlainValue, poses.SamePose,
+)  # fmt: skip
+SHRINKERS = (
+    shrinking.keep, shrinking.shrink_number, shrinking.shrink_array, shrinking.shrink_text,
+    shrinking.shrink_plain_value, poses.shrink_pose,
+)  # fmt: skip
 #: What the docstrings say, in French.
 FRENCH_SUMMARIES = {
     "CloseTo": "tableaux ou nombres de même forme et, à la tolérance près, de mêmes valeurs",
     "ScalarCloseTo": "un nombre, à la tolérance près (`float`, `int`, scalaire de numpy, tableau 0-d)",
     "SameIndices": "les mêmes entiers, dans le même ordre",
+    "SamePlainValue": "n’importe quelles valeurs simples : textes, dictionnaires, ensembles, listes dans un ordre "
+    'libre avec `order="any"`, nombres à la tolérance près',
     "SamePose": "une pose (x, y, θ), l’angle modulo 2π (de `graders.robotics.poses`)",
     "keep": "ne simplifie pas cet argument",
     "shrink_number": "un nombre plus simple : 0, 1, moins de décimales",
     "shrink_array": "un tableau plus petit, de nombres plus simples",
+    "shrink_text": "un texte plus court",
+    "shrink_plain_value": "une valeur plus simple de la même sorte : une liste ou un texte plus courts, un nombre…",
     "shrink_pose": "une pose plus simple (de `graders.robotics.poses`)",
 }
 

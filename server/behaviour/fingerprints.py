@@ -27,6 +27,7 @@ from graders.core.code.stored_answers import (
     serialize_answers,
     structure_hash,
 )
+from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.program import Programs
 from graders.core.contract.verdict import Verdict
 from server.behaviour import repository
@@ -91,7 +92,8 @@ def search_limits(policy: Policy) -> Policy:
 
 def observable_versions(course: Course) -> Mapping[str, str]:
     """Return the versions of the exercises whose programs can be observed, by exercise."""
-    return {exercise.id: exercise.version for exercise in course.exercises.values() if exercise.kind == "code"}
+    exercises = (each for each in course.exercises.values() if each.kind == "code" and each.kit != SCENARIOS)
+    return {exercise.id: exercise.version for exercise in exercises}
 
 
 def queue_fingerprint(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:

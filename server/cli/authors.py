@@ -16,7 +16,7 @@ class Commands(Protocol):
 
 
 #: Kinds of skeletons: each is a folder of `server/authoring/skeletons`.
-KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
+KINDS = ("module", "page", "exercise", "declared", "choice", "numbers", "order", "replay")
 #: What copies a module instead, beside those that classes keep.
 EDITION = "edition"
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from graders.core.compare import words
+from graders.core.compare.python_values import restore_numbers
 from graders.core.compare.told_apart import text_pair
 from graders.core.contract.headline import headline
 from graders.core.contract.outcomes import Blame
@@ -67,7 +68,7 @@ def _counterexample(example: Counterexample) -> Iterator[str]:
         yield from _value(name, value)
     expected, got = example.expected, example.got
     if not (isinstance(expected, str) or isinstance(got, str)):
-        expected, got = text_pair(expected, got)
+        expected, got = text_pair(restore_numbers(expected), restore_numbers(got))
     yield from _value("attendu", expected)
     yield from _value("obtenu", got)
 
@@ -78,7 +79,7 @@ def _value(name: str, value: Any) -> Iterator[str]:
 
 def _compact(value: Any) -> str:
     """French numbers, as in the messages; `--json` has all their digits."""
-    return words.text(value)
+    return words.text(restore_numbers(value))
 
 
 def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:

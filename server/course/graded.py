@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.definition import MODULE_FILE
-from graders.core.contract.kits import find_kits
+from graders.core.contract.kits import SCENARIOS, kits_for
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
+from graders.core.declared.exercise import DeclaredDefinition
+from graders.core.declared.grading import DeclaredGrader
 from server.course import toml_file
 from server.course.closure import Imports
 from server.course.models import CourseFault, Problem
@@ -87,7 +89,7 @@ def read_graded(sources: Sources, path: Path, card: ExerciseFile) -> Graded:
     starter, solution = (NO_ANSWERS, "") if known is None else _read_starter_and_solution(sources, path, card)
     if known is None:
         grader = make()
-        if isinstance(grader, CodeGrader):
+        if isinstance(grader, CodeGrader | DeclaredGrader):
             starter = python_of(path / STARTER)
             solution = _check_compiles(grader.solution, sources.graders(path) / SOLUTION)
         known = _exercise_facts(sources, path, card, grader)
@@ -104,6 +106,7 @@ def _read_starter_and_solution(sources: Sources, path: Path, card: ExerciseFile)
 
 def _exercise_facts(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> ExerciseFacts:
     kit = _kit_name(path, grader) if isinstance(grader, CodeGrader) else ""
+    kit = SCENARIOS if isinstance(grader, DeclaredGrader) else kit
     ticked = _choice_question_ids(grader) if card.kind == "answers" else ()
     promises = _promises(grader) if isinstance(grader, CodeGrader) else {}
     return ExerciseFacts(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked, promises)
@@ -128,11 +131,11 @@ def _load_grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:
     return makers[card.kind](sources, path, card)
 
 
-def _load_code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader:
+def _load_code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader | DeclaredGrader:
     definition = sources.definition(path)
     if definition is None:
         raise CourseFault(_missing_grader(sources, path))
-    if not isinstance(definition, CodeDefinition):
+    if not isinstance(definition, CodeDefinition | DeclaredDefinition):
         raise CourseFault(_wrong_kind(path, card))
     if not card.functions:
         raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
@@ -145,7 +148,7 @@ def _load_code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeG
 
 def _kit_name(path: Path, grader: CodeGrader) -> str:
     kit = grader.kit(stream(0, "kit")).module
-    if kit not in find_kits(path.parents[1]):
+    if kit not in kits_for(path.parents[1]):
         raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
     return kit
 
@@ -154,7 +157,7 @@ def _load_answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> An
     from server.course import questions
 
     definition = sources.definition(path)
-    if isinstance(definition, CodeDefinition):
+    if isinstance(definition, CodeDefinition | DeclaredDefinition):
         raise CourseFault(_wrong_kind(path, card))
     if card.functions:
         raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, cast
 
+from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
 from server.course.kinds import LessonKind
 from server.sandbox.policy import Policy
@@ -255,9 +256,8 @@ class Module:
 
     `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules;
     `folder` is where it stands.
-    `kits` are what its programs may find: by name, the source texts of its files by their paths (see
-    `graders.core.contract.kits`). The one that bears the slug is of one file, and any program's but for exercises that
-    ask for another.
+    `kits` are what its programs may find: by name, the source texts of its files by their paths. The one that bears the
+    slug is of one file, and any program's but for exercises that ask for another.
     """
 
     slug: str
@@ -346,5 +346,5 @@ class Course:
 
     @cached_property
     def kits(self) -> Mapping[str, Mapping[str, str]]:
-        """The kits of all the modules, by name."""
-        return MappingProxyType(dict(kit for module in self.modules.values() for kit in module.kits.items()))
+        """The kits of all the modules and that of declared exercises, by name."""
+        return MappingProxyType(scenario_kit() | dict(kit for it in self.modules.values() for kit in it.kits.items()))

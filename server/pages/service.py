@@ -9,6 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from graders.core.code.grading import CodeGrader
+from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.streams import stream
@@ -71,7 +72,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     saved = withheld.load_saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
-    kit = kits.file_of(reader.course.modules[exercise.module], exercise.kit)
+    kit = "" if exercise.kit == SCENARIOS else kits.file_of(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
         **common_parts(reader, exercise, latest, saved),
         functions=exercise.functions,

@@ -81,7 +81,7 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> 
         if submission.outcome is Outcome.OK
     ]
     question = {
-        "course": [exercise.starter, *module.kits[exercise.kit].values()],
+        "course": [exercise.starter, *module.kits.get(exercise.kit, {}).values()],
         "model": exercise.solution,
         "known": known,
         "codes": [copy.code for copy in sent],

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from graders.core.compare.python_values import MORE, is_numeric, is_python_text, python_text, restore_numbers
 from graders.core.compare.told_apart import NOISE, are_near, number_pair
 from graders.core.compare.words import number
 
@@ -15,6 +16,8 @@ MAX_CELLS, MAX_LISTS = 100, 6
 #: A number is marked where it differs by more; the finer tolerance counts where the coarse one marks nothing.
 MARKED, MARKED_ALONE = 1e-6, 1e-9
 SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}
+#: Characters of a value that is written in one line, as Python does.
+MAX_PYTHON_LINE = 200
 Kind = Literal["text", "matrix", "plan", "list", "fields"]
 
 
@@ -81,11 +84,24 @@ def _number_pairs(value: Any, other: Any) -> Iterator[tuple[Any, Any]]:
 
 
 def _layout(value: Any, beside: _Beside) -> ValueView:
+    if isinstance(value, Mapping) and _is_summary(value):
+        return _summary(value)
+    if isinstance(value, Mapping | list) and (line := python_line(value)):
+        return ValueView("text", line)
     if isinstance(value, Mapping):
-        return _summary(value) if _is_summary(value) else _fields(value)
+        return _fields(value)
     if isinstance(value, list) and value:
         return _sequence(value, beside)
     return ValueView("text", _format_beside(value, beside.value))
+
+
+def python_line(value: Any) -> str:
+    """Return a short dictionary or list in Python's notation; empty for numbers alone, and for plans."""
+    restored = restore_numbers(value)
+    if is_numeric(restored) or (isinstance(value, list) and value and all(isinstance(row, list) for row in value)):
+        return ""
+    line = python_text(restored)
+    return line if len(line) <= MAX_PYTHON_LINE and MORE not in line else ""
 
 
 def name_parts(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
@@ -258,4 +274,4 @@ def _plain(value: Any) -> str:
         return "[" + ", ".join(_plain(item) for item in value) + "]"
     if isinstance(value, str) and value in SPECIAL:
         return {"nan": "np.nan", "inf": "np.inf", "-inf": "-np.inf"}[value]
-    return repr(value)
+    return value if isinstance(value, str) and is_python_text(value) else repr(value)

@@ -7,12 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.local import LOCAL
 from server.authoring import new
 from server.cli.authors import KINDS
 from server.cli.check import cases
 from server.course import Course
+from server.grading.sandbox_grader import SandboxPrograms
 from server.replays.service import load as load_replay
+from server.sandbox import Sandbox
 from tests.authoring.conftest import WRITTEN
 
 
@@ -26,14 +29,15 @@ def test_all_that_is_written_holds_together(course: Course) -> None:
     assert outside == []
     module = course.modules["l21"]
     assert [lesson.slug for lesson in module.lessons] == ["gain", "premiers-pas"]
-    assert [exercise.slug for exercise in module.exercises] == ["gain", "verification", "calcul", "demo"], "in order"
+    assert [exercise.slug for exercise in module.exercises] == ["gain", "mots", "verification", "calcul", "demo"]
 
 
-def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course) -> None:
+def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course, sandbox: Sandbox) -> None:
     tried = 0
     for exercise in course.exercises.values():
         for case in cases(exercise):
-            judgement = exercise.grader.grade(case.write(3), LOCAL, seed=3, version=exercise.version)
+            programs = SandboxPrograms(sandbox, exercise.policy) if exercise.kit == SCENARIOS else LOCAL
+            judgement = exercise.grader.grade(case.write(3), programs, seed=3, version=exercise.version)
             assert case.judge(judgement) == "", (exercise.id, case.subject)
             tried += 1
     assert tried > 15

@@ -19,7 +19,7 @@ def test_a_well_formed_course_has_no_problem(course_folder: CourseFolder) -> Non
     exercise = course.exercises["m9/a"]
     assert [function.signature for function in exercise.functions] == ["double(x)"]
     assert "Une question" in exercise.hints[0]
-    assert course.kits == {"m9": {"m9.py": "def configurer():\n    return {}\n"}}
+    assert course.kits["m9"] == {"m9.py": "def configurer():\n    return {}\n"}
 
 
 BROKEN = {

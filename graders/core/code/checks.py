@@ -20,7 +20,8 @@ from graders.core.code.bench import Bench
 from graders.core.code.drawable import drawable_as
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
-from graders.core.compare.comparison import Comparator, Mismatch
+from graders.core.compare.comparison import Comparator, Mismatch, compare
+from graders.core.compare.python_values import in_counterexample
 from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.compare.told_apart import text_pair
 from graders.core.contract.findings import FigureData
@@ -269,7 +270,7 @@ class Cases(Check):
         expected = self.expected(*args)
         if isinstance(answer, StudentFault):
             return Failure(args, expected, None, None, answer)
-        mismatch = self.compare(expected, answer.value)
+        mismatch = compare(self.compare, expected, answer.value)
         return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
 
     def _reject(self, bench: Bench, failure: Failure) -> NoReturn:
@@ -289,16 +290,18 @@ class Cases(Check):
         inputs = dict(zip(self.names, failure.args, strict=True))
         call = (self.function, failure.args)
         if failure.fault:
-            return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected, call=call)
+            shown_inputs = {name: in_counterexample(value) for name, value in inputs.items()}
+            expected = in_counterexample(failure.expected)
+            return fault_rejection(failure.fault, inputs=shown_inputs, expected=expected, call=call)
         assert failure.mismatch is not None
         inputs_text = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
         expected_text, got_text = text_pair(failure.expected, failure.got)
         message = f"Pour {inputs_text}, on attend {expected_text} et {self.function} renvoie {got_text}."
         return Rejection(
-            f"{message} {failure.mismatch.message}",
-            inputs=inputs,
-            expected=failure.expected,
-            got=failure.got,
+            f"{message} {failure.mismatch.message}".rstrip(),
+            inputs={name: in_counterexample(value) for name, value in inputs.items()},
+            expected=in_counterexample(failure.expected),
+            got=in_counterexample(failure.got),
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,
             figure=self.figure_data(failure.args, failure.expected, failure.got),

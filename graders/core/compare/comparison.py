@@ -46,7 +46,18 @@ class Mismatch:
         return self.words if isinstance(self.words, str) else self.words()
 
 
-Comparator = Callable[[Value, Value], Mismatch | None]
+#: Returns None where the values agree, else why they do not: a mismatch, or a French sentence.
+Comparator = Callable[[Value, Value], Mismatch | str | None]
+
+
+def compare(comparator: Comparator, expected: Value, got: Value) -> Mismatch | None:
+    """Return the mismatch that a comparator finds. Raises TypeError for one that returns something else."""
+    found = comparator(expected, got)
+    if isinstance(found, str):
+        return Mismatch(found)
+    if found is not None and not isinstance(found, Mismatch):
+        raise TypeError(f"comparateur {comparator!r} : il renvoie {found!r}, ni None, ni une phrase, ni un Mismatch")
+    return found
 
 
 #: Multiples of the tolerance within which, and beyond which, a batch comparison decides, whatever the rounding.

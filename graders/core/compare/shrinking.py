@@ -68,3 +68,71 @@ def neighbours(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[
     for position, shrinker in enumerate(shrinkers):
         for candidate in shrinker(arguments[position]):
             yield (*arguments[:position], candidate, *arguments[position + 1 :])
+
+
+def shrink_text(value: str) -> Iterator[str]:
+    """Propose the empty text, each half, the text without one of its characters, then with simpler ones."""
+    yield from _shorter(value)
+    for at, character in enumerate(value):
+        for simpler in "a ":
+            if character not in (simpler, " ") and character != simpler:
+                yield value[:at] + simpler + value[at + 1 :]
+
+
+def shrink_list(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
+    """Return the shrinker of lists and tuples whose items `item` shrinks: fewer items, then simpler ones."""
+
+    def shrink(value: Value) -> Iterator[Value]:
+        kind = type(value)
+        yield from _shorter(value)
+        for at, member in enumerate(value):
+            for simpler in item(member):
+                yield kind((*value[:at], simpler, *value[at + 1 :]))
+
+    return shrink
+
+
+def shrink_dict(item: Shrinker = keep) -> Callable[[Value], Iterator[Value]]:
+    """Return the shrinker of dictionaries whose values `item` shrinks: fewer keys, then simpler values."""
+
+    def shrink(value: Value) -> Iterator[Value]:
+        for left_out in value:
+            yield {key: member for key, member in value.items() if key != left_out}
+        for changed in value:
+            for simpler in item(value[changed]):
+                yield {key: simpler if key == changed else member for key, member in value.items()}
+
+    return shrink
+
+
+def shrink_plain_value(value: Value) -> Iterator[Value]:
+    """Propose simpler values of the same type, whatever it is."""
+    if isinstance(value, bool):
+        yield from (False,) if value else ()
+    elif isinstance(value, int):
+        yield from (int(number) for number in _simpler_numbers(value) if number == int(number))
+    elif isinstance(value, float):
+        yield from shrink_number(value) if math.isfinite(value) else ()
+    elif isinstance(value, str):
+        yield from shrink_text(value)
+    elif isinstance(value, list | tuple):
+        yield from shrink_list(shrink_plain_value)(value)
+    elif isinstance(value, set):
+        yield from (value - {member} for member in sorted(value, key=repr))
+    elif isinstance(value, dict):
+        yield from shrink_dict(shrink_plain_value)(value)
+    elif isinstance(value, np.ndarray) and value.dtype.kind == "f":
+        yield from shrink_array(value)
+
+
+def _shorter(value: Value) -> Iterator[Value]:
+    """Yield a sequence's empty beginning, its halves, and itself without one item."""
+    half = len(value) // 2
+    if value:
+        yield value[:0]
+    if half:
+        yield value[:half]
+        yield value[half:]
+    if len(value) > 1:
+        for left_out in range(len(value)):
+            yield value[:left_out] + value[left_out + 1 :]

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.words import MINUS, fraction_of_pi, number, text, tidy
+from graders.core.compare.python_values import is_numeric, python_pair
+from graders.core.compare.words import MINUS, NumberText, fraction_of_pi, number, text, tidy
 from graders.core.contract.values import Value
 
 DIGITS, MOST_DIGITS = 6, 17
@@ -58,6 +59,9 @@ def angle_pair(value: float, other: float) -> tuple[str, str]:
 
 def text_pair(value: Value, other: Value, *, digits: int = DIGITS) -> tuple[str, str]:
     """Return two plain values as lines: each number beside its counterpart has the digits that tell them apart."""
+    if not (is_numeric(value) and is_numeric(other)):
+        texts = text(value, digits=digits), text(other, digits=digits)
+        return texts if texts[0] != texts[1] else python_pair(value, other, digits)
     texts = text(value, digits=digits), text(other, digits=digits)
     for noise in (NOISE, 0.0):
         left, right = _pair(value, other, digits, noise)
@@ -156,11 +160,9 @@ def _pair(value: Any, other: Any, digits: int, noise: float) -> tuple[Any, Any]:
     if _is_number(value) and _is_number(other):
         if are_near(value, other, noise):
             return value, other
-        return number_pair(value, other, digits)
+        first, second = number_pair(value, other, digits)
+        return NumberText(first), NumberText(second)
     value, other = (it.tolist() if isinstance(it, np.ndarray) and it.size <= _LARGEST else it for it in (value, other))
-    if isinstance(value, dict) and isinstance(other, dict) and value.keys() == other.keys():
-        pairs = {key: _pair(value[key], other[key], digits, noise) for key in value}
-        return {key: pair[0] for key, pair in pairs.items()}, {key: pair[1] for key, pair in pairs.items()}
     if isinstance(value, list | tuple) and isinstance(other, list | tuple) and len(value) == len(other):
         both = [_pair(left, right, digits, noise) for left, right in zip(value, other, strict=True)]
         return type(value)(left for left, _ in both), type(other)(right for _, right in both)

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from graders.core.compare.python_values import is_numeric, python_text
 from graders.core.contract.values import Floats, Value
 
 #: Limits of one value: items on a level, total items as a multiple of that, characters of a text, a key, all texts.
@@ -167,35 +168,48 @@ def fraction_of_pi(value: float) -> str | None:
     return None
 
 
+class NumberText(str):
+    """A number that is written already, in the place of the number."""
+
+    __slots__ = ()
+
+
 def text(value: Value, *, digits: int = 6) -> str:
-    """A plain value in one readable French line: long arrays are cut, and so is what would make a line of a table."""
+    """A plain value in one readable line: long arrays are cut, and so is what would make a line of a table.
+
+    Numbers are written in French; a value that holds anything else, as Python writes it.
+    """
+    if not _is_written_in_french(value):
+        return _cut(python_text(value, digits), MAX_LINE)
     room = _Room(LINE_ITEMS, LINE_ALL)
     line = _text(value, digits, room)
     return _cut(line if room.items > 0 else _text(value, digits, _Room(LINE_ITEMS, LINE_ITEMS)), MAX_LINE)
+
+
+def _is_written_in_french(value: Value) -> bool:
+    if isinstance(value, list | tuple):
+        return all(map(_is_written_in_french, value))
+    return isinstance(value, NumberText) or is_numeric(value)
 
 
 def _text(value: Value, digits: int, room: _Room) -> str:
     if type(value) is float:  # which most are
         return number(value, digits)
     if isinstance(value, np.ndarray):
-        if value.size > 40:
+        if value.size > LINE_ITEMS:
             return f"un tableau de forme {shape_text(value.shape)}"
         return _text(value.tolist(), digits, room)
-    if isinstance(value, bool | np.bool_):
-        return "vrai" if value else "faux"
-    if isinstance(value, int | float | complex | np.number):
-        return number(value.item() if isinstance(value, np.generic) else value, digits)
-    return _items_text(value, digits, room) if isinstance(value, list | tuple | dict) else room.text(str(value))
+    if isinstance(value, list | tuple):
+        return _items_text(value, digits, room)
+    if isinstance(value, NumberText):
+        return room.text(str(value))
+    return number(value.item() if isinstance(value, np.generic) else value, digits)
 
 
-def _items_text(value: list[Value] | tuple[Value, ...] | dict[str, Value], digits: int, room: _Room) -> str:
-    if isinstance(value, dict):
-        members = room.taken(value.items())
-        pieces = [f"{room.text(str(key), MAX_KEY)} : {_text(item, digits, room)}" for key, item in members]
-    else:
-        pieces = [_text(item, digits, room) for item in room.taken(value)]
+def _items_text(value: list[Value] | tuple[Value, ...], digits: int, room: _Room) -> str:
+    pieces = [_text(item, digits, room) for item in room.taken(value)]
     line = " ; ".join(pieces + [MORE] * (len(pieces) < len(value)))
-    return line if isinstance(value, dict) else f"[{line}]" if isinstance(value, list) else f"({line})"
+    return f"[{line}]" if isinstance(value, list) else f"({line})"
 
 
 def shape_text(shape: tuple[int, ...]) -> str:

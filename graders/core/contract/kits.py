@@ -11,6 +11,8 @@ from pathlib import Path
 
 #: The default kit.
 PLAIN = Path(__file__).with_name("plain_kit.py")
+#: The kit of declared exercises, which every course has: its name, and its file.
+SCENARIOS, SCENARIO_FILE = "scenarios", Path(__file__).with_name("scenario_kit.py")
 #: The files of a kit by relative path: "l20.py", "rclpy/node.py".
 Files = dict[str, Path]
 
@@ -22,6 +24,16 @@ def find_kits(module: Path) -> dict[str, Files]:
     own = {file.name: file if file.is_file() else PLAIN}
     folders = sorted(path for path in home.iterdir() if _is_kit(path)) if home.is_dir() else []
     return {module.name: own} | {folder.name: own | dict(_below(folder)) for folder in folders}
+
+
+def kits_for(module: Path) -> dict[str, Files]:
+    """Return the files of each kit that an exercise of a module may ask for."""
+    return find_kits(module) | {SCENARIOS: {f"{SCENARIOS}.py": SCENARIO_FILE}}
+
+
+def scenario_kit() -> dict[str, dict[str, str]]:
+    """Return the kit of declared exercises, with the source of its file."""
+    return {SCENARIOS: {f"{SCENARIOS}.py": SCENARIO_FILE.read_text(encoding="utf-8")}}
 
 
 def _is_kit(path: Path) -> bool:

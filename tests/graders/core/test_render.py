@@ -34,7 +34,7 @@ def test_numbers_are_french(value: float, text: str) -> None:
 
 def test_values_are_one_line() -> None:
     assert render.text(np.array([1.0, 2.5])) == "[1 ; 2,5]"
-    assert render.text((1, [True, None])) == "(1 ; [vrai ; None])"
+    assert render.text((1, [True, None])) == "(1, [True, None])"
     assert render.text(np.zeros((9, 9))) == "un tableau de forme (9, 9)"
     assert len(render.text("x" * 10_000)) <= render.MAX_TEXT
 

@@ -1,0 +1,279 @@
+"""What a declared exercise is: its functions, checks, rules, solution and known mistakes, read from plain data.
+
+The same data is a TOML file in a course's folder and a record of a teacher's library; `to_data` gives it back.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from graders.core.compare.comparison import TOLERANCE
+from graders.core.compare.plain_values import SamePlainValue
+from graders.core.contract.verdict import MAX_POINTS
+from graders.core.declared.draws_reading import parse_draws
+from graders.core.declared.generators import Draws, Variables
+from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.rules import Rule
+from graders.core.declared.scenarios import Scenario, parse_scenario
+
+FUNCTION = re.compile(r"[^\W\d]\w*")
+IDENTITY = re.compile(r"[a-z0-9_]+")
+#: Bounds of a declaration: checks, cases of one, draws of one, mistakes, characters of a program, of a text.
+MAX_CHECKS, MAX_CASES, MAX_DRAWS, MAX_MISTAKES, MAX_PROGRAM, MAX_WORDS = 12, 60, 60, 20, 20_000, 2000
+DEFAULT_DRAWS = 12
+Watched = Literal["value", "printed"]
+
+
+@dataclass(frozen=True)
+class DrawnCase:
+    """The values of drawn variables, and the case that they make."""
+
+    variables: Variables
+    scenario: Scenario
+
+
+@dataclass(frozen=True)
+class DrawnCases:
+    """Cases made of drawn variables: `call` is a case in which the variables stand for their values."""
+
+    draws: Draws
+    call: str
+    count: int
+    functions: tuple[str, ...]
+
+    def case(self, variables: Variables) -> DrawnCase:
+        return DrawnCase(variables, Scenario(parse_scenario(self.call, self.functions, variables=variables)))
+
+    def draw(self, rng: np.random.Generator) -> Iterator[DrawnCase]:
+        """Yield the cases of one grading."""
+        for _ in range(self.count):
+            yield self.case(self.draws.draw(rng))
+
+    def simpler(self, case: DrawnCase) -> Iterator[DrawnCase]:
+        """Yield allowed cases that are simpler in one variable."""
+        return map(self.case, self.draws.simpler(case.variables))
+
+
+@dataclass(frozen=True)
+class DeclaredCheck:
+    """A check: cases written by hand, then drawn ones, compared with the solution's answers."""
+
+    id: str
+    title: str
+    points: float
+    hint: str
+    cases: tuple[Scenario, ...]
+    drawn: DrawnCases | None
+    comparator: SamePlainValue
+    watched: Watched = "value"
+
+
+@dataclass(frozen=True)
+class DeclaredMistake:
+    """A known mistake: a program that makes it, and its words."""
+
+    id: str
+    title: str
+    explanation: str
+    question: str
+    program: str
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A declared exercise."""
+
+    functions: tuple[str, ...]
+    checks: tuple[DeclaredCheck, ...]
+    rules: tuple[Rule, ...]
+    solution: str
+    mistakes: tuple[DeclaredMistake, ...]
+    data: Mapping[str, Any] = field(compare=False)
+
+    @property
+    def digest(self) -> str:
+        """A digest of all that may change a verdict."""
+        return hashlib.sha256(json.dumps(self.data, sort_keys=True, default=str).encode()).hexdigest()
+
+
+class _TableReader:
+    """The members of one table, each taken once; at the end of the block, one that is left is an error."""
+
+    def __init__(self, data: object, place: str) -> None:
+        if not isinstance(data, dict):
+            raise MalformedDeclaration("il faut une table", place)
+        self._left, self.place = dict(data), place
+
+    def __enter__(self) -> _TableReader:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: object) -> None:
+        if error is None and self._left:
+            raise MalformedDeclaration(f"clé inconnue : « {min(self._left)} »", self.place)
+
+    def at(self, key: str) -> str:
+        return f"{self.place}.{key}" if self.place else key
+
+    def text(self, key: str, default: str | None = None, *, longest: int = MAX_WORDS) -> str:
+        value = self._left.pop(key, default)
+        if not isinstance(value, str):
+            raise MalformedDeclaration("il manque ce texte" if value is None else "il faut un texte", self.at(key))
+        if len(value) > longest:
+            raise MalformedDeclaration(f"{len(value)} caractères ; {longest} au plus", self.at(key))
+        return value
+
+    def number(self, key: str, default: float) -> float:
+        value = self._left.pop(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value < 1e12:
+            raise MalformedDeclaration("il faut un nombre positif", self.at(key))
+        return float(value)
+
+    def flag(self, key: str, default: bool) -> bool:
+        value = self._left.pop(key, default)
+        if not isinstance(value, bool):
+            raise MalformedDeclaration("il faut true ou false", self.at(key))
+        return value
+
+    def choice(self, key: str, options: Mapping[str, Any], default: str) -> Any:
+        value = self.text(key, default)
+        if value not in options:
+            raise MalformedDeclaration(f"« {value} » : {', '.join(options)}", self.at(key))
+        return options[value]
+
+    def texts(self, key: str, *, most: int) -> tuple[str, ...]:
+        values = self._left.pop(key, [])
+        if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
+            raise MalformedDeclaration("il faut une liste de textes", self.at(key))
+        if len(values) > most:
+            raise MalformedDeclaration(f"{len(values)} éléments ; {most} au plus", self.at(key))
+        return tuple(values)
+
+    def tables(self, key: str, *, most: int) -> list[tuple[str, object]]:
+        values = self._left.pop(key, [])
+        if not isinstance(values, list) or len(values) > most:
+            raise MalformedDeclaration(f"il faut au plus {most} tables", self.at(key))
+        return [(f"{self.at(key)}[{index}]", value) for index, value in enumerate(values)]
+
+    def files(self, key: str) -> tuple[tuple[str, str], ...]:
+        values = self._left.pop(key, {})
+        if not isinstance(values, dict) or not all(isinstance(it, str) for pair in values.items() for it in pair):
+            raise MalformedDeclaration("il faut des noms de fichiers et leurs textes", self.at(key))
+        return tuple(values.items())
+
+    def lines(self, key: str) -> tuple[str, ...] | None:
+        return self.texts(key, most=MAX_CASES) if key in self._left else None
+
+
+_ORDERS = {"oui": "same", "non": "any", "ensemble": "set"}
+_WATCHED: dict[str, Watched] = {"valeur": "value", "affichage": "printed"}
+
+
+def read_declaration(data: Mapping[str, Any]) -> Declaration:
+    """Read a declaration. Raises MalformedDeclaration, with the place of what is wrong."""
+    with _TableReader(dict(data), "") as table:
+        functions = table.texts("fonctions", most=MAX_CHECKS)
+        if not functions or not all(FUNCTION.fullmatch(name) for name in functions):
+            raise MalformedDeclaration("au moins une fonction, par son nom", "fonctions")
+        solution = table.text("solution", longest=MAX_PROGRAM)
+        checks = tuple(_check(*entry, functions) for entry in table.tables("verifications", most=MAX_CHECKS))
+        rules = (
+            *_rules(table.texts("interdits", most=MAX_CASES), "interdits", required=False),
+            *_rules(table.texts("demandes", most=MAX_CASES), "demandes", required=True),
+        )
+        mistakes = tuple(_mistake(*entry) for entry in table.tables("erreurs", most=MAX_MISTAKES))
+    _require_distinct([check.id for check in checks], "verifications")
+    _require_distinct([mistake.id for mistake in mistakes], "erreurs")
+    total = sum(check.points for check in checks)
+    if abs(total - MAX_POINTS) > 1e-9:
+        raise MalformedDeclaration(f"les points font {total:g} ; il en faut {MAX_POINTS:g}", "verifications")
+    return Declaration(functions, checks, rules, solution, mistakes, dict(data))
+
+
+def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredCheck:
+    with _TableReader(data, place) as table:
+        identity = _identity(table)
+        lines, files = table.lines("entrees"), table.files("fichiers")
+        cases = tuple(
+            Scenario(_read_case(text, functions, f"{place}.cas[{index}]"), lines, files)
+            for index, text in enumerate(table.texts("cas", most=MAX_CASES))
+        )
+        drawn = _drawn(table, functions)
+        if not cases and drawn is None:
+            raise MalformedDeclaration("il faut au moins un cas, ou des tirages", place)
+        comparator = SamePlainValue(
+            tolerance=table.number("tolerance", TOLERANCE),
+            absolute=table.flag("absolue", False),
+            order=table.choice("ordre", _ORDERS, "oui"),
+            strict=table.flag("types_stricts", False),
+            spaces=table.flag("espaces", True),
+        )
+        watched = table.choice("regarder", _WATCHED, "valeur")
+        points = table.number("points", MAX_POINTS)
+        return DeclaredCheck(
+            identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched
+        )
+
+
+def _drawn(table: _TableReader, functions: tuple[str, ...]) -> DrawnCases | None:
+    text, call = table.text("tirages", ""), table.text("appel", "")
+    conditions, count = table.texts("conditions", most=MAX_CASES), int(table.number("combien", DEFAULT_DRAWS))
+    if not text and not call:
+        return None
+    if not (text and call):
+        raise MalformedDeclaration("« tirages » et « appel » vont ensemble", table.place)
+    if not 0 < count <= MAX_DRAWS:
+        raise MalformedDeclaration(f"de 1 à {MAX_DRAWS}", table.at("combien"))
+    try:
+        drawn = DrawnCases(parse_draws(text, conditions), call, count, functions)
+        next(drawn.draw(np.random.default_rng(0)))
+    except MalformedDeclaration as error:
+        raise error.at(table.at("tirages")) from error
+    return drawn
+
+
+def _read_case(text: str, functions: tuple[str, ...], place: str) -> Any:
+    try:
+        return parse_scenario(text, functions)
+    except MalformedDeclaration as error:
+        raise error.at(place) from error
+
+
+def _rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:
+    for index, word in enumerate(words):
+        try:
+            yield Rule.read(word, required=required)
+        except MalformedDeclaration as error:
+            raise error.at(f"{place}[{index}]") from error
+
+
+def _mistake(place: str, data: object) -> DeclaredMistake:
+    with _TableReader(data, place) as table:
+        return DeclaredMistake(
+            _identity(table),
+            table.text("titre"),
+            table.text("explication"),
+            table.text("question"),
+            table.text("programme", longest=MAX_PROGRAM),
+        )
+
+
+def _identity(table: _TableReader) -> str:
+    identity = table.text("id")
+    if not IDENTITY.fullmatch(identity):
+        raise MalformedDeclaration(
+            f"« {identity} » : des minuscules sans accent, des chiffres et « _ »", table.at("id")
+        )
+    return identity
+
+
+def _require_distinct(names: Sequence[str], place: str) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise MalformedDeclaration(f"deux fois le même « id » : {', '.join(twice)}", place)

@@ -1,0 +1,308 @@
+"""Grading of declared exercises: the solution and the student's file play the same scenarios, in separate processes.
+
+The trusted side draws the scenarios, compares what both did, simplifies a counterexample, and words the verdict. No
+code of the author runs in this process.
+"""
+
+from __future__ import annotations
+
+import ast
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from graders.core.code.calling import tell_once
+from graders.core.code.folder import Specimen, read_specimens
+from graders.core.compare.python_values import python_pair, python_text
+from graders.core.contract.findings import Finding, Judgement, make_verdict
+from graders.core.contract.kits import SCENARIOS
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import KitSettings, Programs, StudentFault, clock_of
+from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_early_verdict
+from graders.core.contract.streams import stream
+from graders.core.contract.values import Value
+from graders.core.contract.verdict import CheckResult, Diagnosis
+from graders.core.declared.declaration import Declaration, DeclaredCheck
+from graders.core.declared.judging import Case, Failure, fails_alike, is_answered, judge, observed
+from graders.core.declared.playing import Played, Player
+from graders.core.declared.scenario_values import Reference
+from graders.core.declared.scenarios import Scenario
+from graders.core.declared.wording import failed_finding, fault_finding, slip_diagnosis
+
+#: Bounds of the search for a simpler counterexample: scenarios in one exchange, in all, and seconds.
+SIMPLER_AT_ONCE, MAX_SIMPLER, SIMPLER_SECONDS = 12, 72, 0.25
+#: Drawn cases of one check among the probes, and the seed of their draws.
+PROBES_OF_A_CHECK, PROBE_SEED = 8, 20
+#: Digits by which two programs are told apart.
+PROBE_DIGITS = 9
+#: Answers of a program to the probes.
+Fingerprint = tuple[str, ...]
+
+
+class SolutionFault(Exception):
+    """The author's solution failed where it must answer: our fault for a student, the author's to mend."""
+
+
+@dataclass(frozen=True)
+class DeclaredGrader:
+    """Grades one declared exercise; `fingerprints` are those of its mistakes, where they were made at publication."""
+
+    exercise: str
+    declaration: Declaration
+    folder: Path | None = None
+    fingerprints: Mapping[str, Fingerprint] | None = None
+    _made: dict[str, Mapping[str, Fingerprint]] = field(default_factory=dict, repr=False, compare=False)
+    _making: threading.Lock = field(default_factory=threading.Lock, repr=False, compare=False)
+
+    @property
+    def solution(self) -> str:
+        return self.declaration.solution
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        return self.declaration.functions
+
+    def kit(self, seed: int) -> KitSettings:
+        """Return the kit of a program: the driver plays the calls of the exercise's functions."""
+        drawn = int(stream(seed, "kit").integers(2**62))
+        return KitSettings(SCENARIOS, {"seed": drawn, "functions": self.functions})
+
+    def grade(
+        self,
+        source: bytes,
+        programs: Programs,
+        *,
+        seed: int,
+        version: str,
+        while_naming: WhileNaming = no_early_verdict,
+    ) -> Judgement:
+        """Return the judgement of a file; see `Grader.grade`. Raises SolutionFault where the solution fails."""
+        started = time.perf_counter()
+        kit = self.kit(seed)
+        cases = {check.id: self.cases(check, seed) for check in self.declaration.checks}
+        student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
+        try:
+            findings = tell_once(self._findings(source, student, solution, cases, clock_of(programs)))
+            stdout = student.stdout()
+            checked = time.perf_counter()
+            diagnosis = None
+            if any(not finding.passed for finding in findings) and self.declaration.mistakes and student.functions:
+                early = make_verdict(self.exercise, version, seed, findings, None, stdout=stdout, timings={})
+                with while_naming(Judgement(early)):
+                    diagnosis = self._named(findings, student, programs) or slip_diagnosis(findings)
+        finally:
+            student.close()
+            solution.close()
+        ended = time.perf_counter()
+        timings = {"checks_ms": checked - started, "diagnosis_ms": ended - checked, "total_ms": ended - started}
+        milliseconds = {name: round(1000.0 * seconds, 3) for name, seconds in timings.items()}
+        return Judgement(
+            make_verdict(self.exercise, version, seed, findings, diagnosis, stdout=stdout, timings=milliseconds)
+        )
+
+    def cases(self, check: DeclaredCheck, seed: int) -> list[Case]:
+        """Return the cases of a check: by hand, then drawn from the seed."""
+        drawn = check.drawn.draw(stream(seed, check.id)) if check.drawn else ()
+        return [*map(Case, check.cases), *(Case(each.scenario, each) for each in drawn)]
+
+    def _findings(
+        self,
+        source: bytes,
+        student: Player,
+        solution: Player,
+        cases: Mapping[str, Sequence[Case]],
+        clock: Callable[[], float],
+    ) -> list[Finding]:
+        checks = self.declaration.checks
+        scenarios = [case.scenario for check in checks for case in cases[check.id]]
+        try:
+            got = student.start(scenarios)
+        except StudentFault as fault:
+            return [fault_finding(check, fault) for check in checks]
+        right = self._right_answers(solution, scenarios)
+        broken = next(filter(None, (rule.broken_at(source) for rule in self.declaration.rules)), None)
+        findings, at = [], 0
+        for check in checks:
+            span = slice(at, at + len(cases[check.id]))
+            at = span.stop
+            if broken is not None:
+                findings.append(failed_finding(check, broken[0], sign=broken[0], got="interdit par l’énoncé"))
+                continue
+            trios = zip(cases[check.id], right[span], got[span], strict=True)
+            failure = next(filter(None, (judge(check, *trio) for trio in trios)), None)
+            if failure is None:
+                findings.append(Finding(CheckResult(check.id, check.title, True, check.points, check.points)))
+                continue
+            simplest = self._simplest(check, failure, student, solution, clock)
+            findings.append(self._failed(check, simplest))
+        return findings
+
+    def _right_answers(self, solution: Player, scenarios: Sequence[Scenario]) -> list[Played]:
+        right = solution.play(scenarios)
+        for scenario, played in zip(scenarios, right, strict=True):
+            if played.fault is not None and played.raised is None:
+                raise SolutionFault(f"{scenario.text()} : {played.fault.message}")
+        return right
+
+    def _simplest(
+        self, check: DeclaredCheck, failure: Failure, student: Player, solution: Player, clock: Callable[[], float]
+    ) -> Failure:
+        """Return the simplest failure found from one, within bounds; the same kind of failure throughout."""
+        until, left = clock() + SIMPLER_SECONDS, MAX_SIMPLER
+        while failure.case.drawn is not None and check.drawn is not None and left > 0 and clock() < until:
+            if failure.got.fault is not None and failure.got.fault.fatal:
+                break
+            simpler = check.drawn.simpler(failure.case.drawn)
+            batch = [
+                Case(each.scenario, each) for each, _ in zip(simpler, range(min(left, SIMPLER_AT_ONCE)), strict=False)
+            ]
+            left -= len(batch)
+            scenarios = [case.scenario for case in batch]
+            right = solution.play(scenarios) if batch else []
+            trios = zip(batch, right, student.play(scenarios) if batch else [], strict=True)
+            judged = (judge(check, *trio) for trio in trios if is_answered(trio[1]))
+            better = next((other for other in judged if other is not None and fails_alike(failure, other)), None)
+            if better is None:
+                break
+            failure = better
+        return failure
+
+    def _failed(self, check: DeclaredCheck, failure: Failure) -> Finding:
+        """Return the finding of a failing case."""
+        scenario, fault = failure.case.scenario, failure.got.fault
+        statement = scenario.statements[min(failure.step, len(scenario.statements) - 1)]
+        inputs = self._inputs(scenario)
+        expected = observed(check, failure.right, failure.step)
+        if failure.mismatch is None:
+            assert fault is not None
+            return fault_finding(check, fault, inputs=inputs, expected=expected, text=scenario.text())
+        got = observed(check, failure.got, failure.step)
+        texts = python_pair(expected, got)
+        if check.watched == "printed":
+            message = f"Avec {scenario.text()}, on attend l’affichage {texts[0]}, et c’est {texts[1]}."
+        elif len(scenario.statements) == 1:
+            verb = "lève" if failure.got.raised else "renvoie"
+            message = f"Pour {scenario.text()}, on attend {texts[0]} et {scenario.function} {verb} {texts[1]}."
+        else:
+            message = f"Dans « {scenario.text()} », {statement.text()} doit donner {texts[0]} et donne {texts[1]}."
+        return failed_finding(
+            check,
+            f"{message} {failure.mismatch.message}".strip(),
+            inputs=inputs,
+            expected=expected,
+            got=got,
+            cause=failure.mismatch.cause,
+            slip=failure.mismatch.slip,
+        )
+
+    def _inputs(self, scenario: Scenario) -> dict[str, Value]:
+        """Return what a counterexample gives: the arguments by name for one call of a function, else the whole case."""
+        given: dict[str, Value] = {}
+        first = scenario.statements[0]
+        names = self._parameters.get(first.callee, ())
+        if len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
+            given = dict(zip(names, first.arguments, strict=False))
+        else:
+            given = {"cas": Reference(scenario.text())}
+        if scenario.lines is not None:
+            given["lignes lues"] = list(scenario.lines)
+        given |= {f"fichier {name}": text for name, text in scenario.files}
+        return given
+
+    @cached_property
+    def _parameters(self) -> dict[str, tuple[str, ...]]:
+        """The names of the parameters of the solution's functions."""
+        return {
+            node.name: tuple(argument.arg for argument in (*node.args.posonlyargs, *node.args.args))
+            for node in ast.parse(self.solution).body
+            if isinstance(node, ast.FunctionDef)
+        }
+
+    def probes(self) -> list[Scenario]:
+        """Return the scenarios by whose answers mistakes are known: the same for every seed."""
+        return [
+            case.scenario
+            for check in self.declaration.checks
+            for case in (
+                *map(Case, check.cases),
+                *self.cases(replace(check, cases=()), PROBE_SEED)[:PROBES_OF_A_CHECK],
+            )
+        ]
+
+    def make_fingerprints(self, programs: Programs) -> dict[str, Fingerprint]:
+        """Run the known mistakes on the probes, behind the walls; return their answers, exceptions and time-outs."""
+        return {
+            mistake.id: self.fingerprint(mistake.program.encode(), programs) for mistake in self.declaration.mistakes
+        }
+
+    def fingerprint(self, source: bytes, programs: Programs) -> Fingerprint:
+        """Return what a file answers to the probes."""
+        player = Player(programs, source, self.kit(PROBE_SEED))
+        try:
+            return tuple(map(_probe_answer, player.play(self.probes())))
+        finally:
+            player.close()
+
+    def _known_fingerprints(self, programs: Programs) -> Mapping[str, Fingerprint]:
+        if self.fingerprints is not None:
+            return self.fingerprints
+        with self._making:
+            if "mistakes" not in self._made:
+                self._made["mistakes"] = self.make_fingerprints(programs)
+        return self._made["mistakes"]
+
+    def _named(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
+        """Return the known mistake that answers every probe as the student's file does."""
+        answers = tuple(map(_probe_answer, student.play(self.probes())))
+        known = self._known_fingerprints(programs)
+        mistake = next((each for each in self.declaration.mistakes if known.get(each.id) == answers), None)
+        if mistake is None:
+            return None
+        explains = tuple(finding.result.id for finding in findings if not finding.passed)
+        words = f"{mistake.explanation}\n\n{mistake.question}"
+        return Diagnosis(mistake.id, mistake.title, words, explains=(explains,), certain=True)
+
+    def rehearse(self) -> None:
+        """Nothing is slow the first time: no code of the author runs here."""
+
+    def mistake_ids(self) -> frozenset[str]:
+        return frozenset(mistake.id for mistake in self.declaration.mistakes)
+
+    def known_submissions(self) -> Iterator[KnownSubmission]:
+        """Yield the solution, the mistakes and the specimens, with their expected verdicts."""
+        yield KnownSubmission("référence", _always(self.solution.encode()), Outcome.OK)
+        for mistake in self.declaration.mistakes:
+            yield KnownSubmission(f"erreur {mistake.id}", _always(mistake.program.encode()), diagnosis=mistake.id)
+        for specimen in self.specimens():
+            subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
+            yield KnownSubmission(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+
+    def specimens(self) -> Iterator[Specimen]:
+        """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
+        return read_specimens(self.folder) if self.folder else iter(())
+
+
+def _probe_answer(played: Played) -> str:
+    if played.fault is not None:
+        return f"{played.fault.outcome.value} {played.fault.exception or ''}"
+    return python_text(_typeless([*played.values, played.printed]), PROBE_DIGITS)
+
+
+def _typeless(value: Value) -> Value:
+    """Return a value in which 1.0 is 1, and a tuple or an array is a list: what comparators take for the same."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_typeless(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _typeless(value[key]) for key in sorted(value, key=repr)}
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _always(source: bytes) -> Callable[[int], bytes]:
+    return lambda _seed: source

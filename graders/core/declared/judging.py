@@ -1,0 +1,106 @@
+"""Comparison of what the solution and a student's program did in one case."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graders.core.compare.comparison import Mismatch
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.values import Value
+from graders.core.declared.declaration import DeclaredCheck, DrawnCase
+from graders.core.declared.playing import Played, is_exception
+from graders.core.declared.scenarios import Scenario
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case of a check; `drawn` where it may be simplified."""
+
+    scenario: Scenario
+    drawn: DrawnCase | None = None
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A failing case, with what the solution and the student's program did, and why they disagree."""
+
+    case: Case
+    right: Played
+    got: Played
+    mismatch: Mismatch | None
+    step: int = 0
+
+
+def judge(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:
+    """Return why a program's answer to a case is not the solution's; None where they agree."""
+    last = len(case.scenario.statements) - 1
+    if right.raised is not None:
+        return _judge_exception(check, case, right, got)
+    if got.fault is not None:
+        return Failure(case, right, got, None, last)
+    if got.raised is not None:
+        step = len(got.values) - 1
+        raised = Mismatch(f"L’exception {got.raised} est levée.", cause=Outcome.RUNTIME_ERROR)
+        return Failure(case, right, got, raised, step)
+    return _judge_values(check, case, right, got)
+
+
+def _judge_exception(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:
+    """Judge a scenario that the solution ends with an exception."""
+    assert right.raised is not None
+    if got.raised is not None and is_exception(got.raised, right.raised):
+        return None
+    if got.fault is not None and got.raised is None:
+        return Failure(case, right, got, None, len(case.scenario.statements) - 1)
+    step = len(right.values) - (right.fault is None)
+    obtained = got.raised or _value_at(got, step)
+    return Failure(case, right, got, check.comparator(right.raised, obtained) or Mismatch(""), step)
+
+
+def _judge_values(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:
+    """Judge a scenario that no exception ended."""
+    last = len(case.scenario.statements) - 1
+    if check.watched == "printed":
+        printed = _printed_mismatch(check, right.printed, got.printed)
+        return Failure(case, right, got, printed, last) if printed else None
+    for step, statement in enumerate(case.scenario.statements):
+        wanted = _value_at(right, step)
+        if not statement.is_shown or (wanted is None and step != last):
+            continue
+        mismatch = check.comparator(wanted, _value_at(got, step))
+        if mismatch is not None:
+            return Failure(case, right, got, mismatch, step)
+    return None
+
+
+def _printed_mismatch(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
+    """Compare what was printed; spaces at the end of lines and empty lines at the end never count."""
+    wanted, obtained = ("\n".join(line.rstrip() for line in it.rstrip().split("\n")) for it in (expected, got))
+    if not got.strip() and expected.strip():
+        return Mismatch("Rien n’est affiché : il manque sans doute un « print ».")
+    return check.comparator(wanted, obtained)
+
+
+def _value_at(played: Played, step: int) -> Value:
+    return played.values[step] if step < len(played.values) else None
+
+
+def observed(check: DeclaredCheck, played: Played, step: int) -> Value:
+    """Return what a check looks at in one step: an exception, what was printed, or a value."""
+    if played.raised is not None:
+        return played.raised
+    return played.printed if check.watched == "printed" else _value_at(played, step)
+
+
+def is_answered(right: Played) -> bool:
+    """Whether the solution answered: a value, or an exception of its own."""
+    return right.fault is None or right.raised is not None
+
+
+def fails_alike(first: Failure, other: Failure) -> bool:
+    """Whether two failures are of one kind: the same exception, or wrong values of the same cause."""
+    kinds = [
+        (it.mismatch.slip, it.mismatch.cause) if it.mismatch else (it.got.fault and it.got.fault.exception, None)
+        for it in (first, other)
+    ]
+    return kinds[0] == kinds[1]

@@ -1,0 +1,126 @@
+"""Playing of scenarios on a program: the solution's, a mistake's, a student's, each in processes of its own."""
+
+from __future__ import annotations
+
+import builtins
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from graders.core.compare.python_values import Raised
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import KitSettings, PlannedCalls, Program, Programs, Reply, StudentFault
+from graders.core.contract.values import Value
+from graders.core.declared.scenario_values import decode_values
+from graders.core.declared.scenarios import Scenario
+
+#: Launches of one file in one grading, and faults after which its calls stop.
+MAX_LAUNCHES, MAX_FAULTS = 4, 4
+UNREADABLE = StudentFault(Outcome.INVALID_OUTPUT, "la fonction renvoie une valeur qui ne se lit pas")
+
+
+@dataclass(frozen=True)
+class Played:
+    """What a program did in one scenario: the values of its statements, what it printed; `fault` where it stopped."""
+
+    values: tuple[Value, ...] = ()
+    printed: str = ""
+    fault: StudentFault | None = None
+
+    @property
+    def raised(self) -> Raised | None:
+        """The exception with which the scenario ended."""
+        if self.fault is not None:
+            return Raised(self.fault.exception) if self.fault.exception else None
+        last = self.values[-1] if self.values else None
+        return last if isinstance(last, Raised) else None
+
+
+def is_exception(name: str, expected: str) -> bool:
+    """Whether an exception of this name is the expected one, or a Python exception derived from it."""
+    kind, other = (getattr(builtins, each, None) for each in (name, expected))
+    return issubclass(kind, other) if isinstance(kind, type) and isinstance(other, type) else name == expected
+
+
+class Player:
+    """Plays scenarios on the program of one file; a program that died is launched again, a few times."""
+
+    def __init__(self, programs: Programs, source: bytes, kit: KitSettings) -> None:
+        self._programs, self._source, self._kit = programs, source, kit
+        self._program: Program | None = None
+        self._launches = 0
+        self._dead: StudentFault | None = None
+        self._printed: list[str] = []
+
+    def start(self, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Load the file and play the first scenarios, which travel with it. Raises StudentFault where it does not
+        load."""
+        batches = _batches(scenarios)
+        self._launches += 1
+        self._program = self._programs.open(self._source, self._kit, batches)
+        return self._play(batches, len(scenarios))
+
+    @property
+    def functions(self) -> frozenset[str]:
+        return self._program.functions if self._program else frozenset()
+
+    def play(self, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Return what the program does in each scenario, in order."""
+        if self._dead is not None:
+            return [Played(fault=self._dead)] * len(scenarios)
+        if self._program is None:
+            try:
+                return self.start(scenarios)
+            except StudentFault as fault:
+                self._dead = fault
+                return [Played(fault=fault)] * len(scenarios)
+        return self._play(_batches(scenarios), len(scenarios))
+
+    def _play(self, batches: Sequence[PlannedCalls], count: int) -> list[Played]:
+        assert self._program is not None
+        played: list[list[Played]] = [[] for _ in batches]
+        for number, answers in self._program.call_batches(batches):
+            played[number] += [_played(answer) for answer in answers]
+        last = next((each.fault for batch in played for each in batch if each.fault and each.fault.fatal), None)
+        if last is not None:
+            self._bury(last)
+        whole: list[Played] = []
+        for batch, got in zip(batches, played, strict=True):
+            stopped = last or (got[-1].fault if got and got[-1].fault else UNREADABLE)
+            whole += [*got, *[Played(fault=stopped)] * (len(batch.calls) - len(got))]
+        return whole[:count]
+
+    def _bury(self, fault: StudentFault) -> None:
+        """Close a dead program; another one is launched for the next scenarios, unless it died too often."""
+        self.close()
+        if self._launches >= MAX_LAUNCHES:
+            self._dead = fault
+
+    def stdout(self) -> str:
+        """Return what the programs of this file have printed."""
+        now = self._program.stdout() if self._program else ""
+        return "".join([*self._printed, now])
+
+    def close(self) -> None:
+        if self._program is not None:
+            self._printed.append(self._program.stdout())
+            self._program.close()
+            self._program = None
+
+
+def _batches(scenarios: Sequence[Scenario]) -> list[PlannedCalls]:
+    return [
+        PlannedCalls(function, [scenario.arguments() for scenario in group], faults=MAX_FAULTS)
+        for function, group in itertools.groupby(scenarios, key=lambda scenario: scenario.function)
+    ]
+
+
+def _played(answer: Reply | StudentFault) -> Played:
+    if isinstance(answer, StudentFault):
+        return Played(fault=answer)
+    try:
+        values, printed = answer.value
+        decoded = tuple(decode_values(values))
+    except (TypeError, ValueError):
+        return Played(fault=UNREADABLE)
+    return Played(decoded, printed) if isinstance(printed, str) else Played(fault=UNREADABLE)

@@ -1,0 +1,91 @@
+"""Values of scenarios on their way to a program and back: base types stand for themselves, tuples are tags."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graders.core.compare.python_values import Opaque, Raised, python_text
+from graders.core.contract.values import Value
+
+
+@dataclass(frozen=True)
+class FunctionSource:
+    """A function given as an argument, by its source."""
+
+    source: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """An earlier name of the case, or a function of the program."""
+
+    name: str
+
+
+def value_text(value: Value) -> str:
+    """Return a value of a case as Python writes it."""
+    if isinstance(value, FunctionSource):
+        return value.source
+    if isinstance(value, Reference):
+        return value.name
+    return python_text(value)
+
+
+def encode_value(value: Value) -> Value:
+    """Return a value as the driver reads it: tuples are tags, lists and base types stand for themselves."""
+    if isinstance(value, list):
+        return [encode_value(item) for item in value]
+    encoders: tuple[tuple[Any, str, Callable[[Any], Value]], ...] = (
+        (FunctionSource, "f", lambda function: function.source),
+        (Reference, "r", lambda reference: reference.name),
+        (tuple, "t", lambda items: [encode_value(item) for item in items]),
+        (set | frozenset, "s", lambda items: [encode_value(item) for item in sorted(items, key=repr)]),
+        (dict, "d", lambda pairs: [[encode_value(key), encode_value(item)] for key, item in pairs.items()]),
+        (bytes, "b", list),
+    )
+    return next(((tag, encode(value)) for kind, tag, encode in encoders if isinstance(value, kind)), value)
+
+
+def decode_values(answer: Value) -> Iterator[Value]:
+    """Yield the values of the steps that a driver returned. Raises ValueError for what no driver returns."""
+    if not isinstance(answer, list):
+        raise ValueError("no list of values")
+    for item in answer:
+        yield decode_value(item)
+
+
+def decode_value(value: Value) -> Value:
+    """Return a value that a driver encoded. Raises ValueError for what no driver returns."""
+    if isinstance(value, list):
+        return [decode_value(item) for item in value]
+    if not isinstance(value, tuple):
+        return value
+    if len(value) != 2 or not isinstance(value[0], str):
+        raise ValueError("no tag")
+    tag, content = value
+    if tag == "o" and isinstance(content, str):
+        return Opaque(content[:80])
+    if tag not in _DECODERS or not isinstance(content, list):
+        raise ValueError("unknown tag, or no content")
+    return _DECODERS[tag](content)
+
+
+_DECODERS: dict[str, Callable[[list[Value]], Value]] = {
+    "e": lambda names: Raised(next((str(name)[:80] for name in names), "Exception")),
+    "b": bytes,
+    "d": lambda pairs: {_frozen(decode_value(key)): decode_value(item) for key, item in pairs},
+    "s": lambda items: {_frozen(decode_value(item)) for item in items},
+    "t": lambda items: tuple(decode_value(item) for item in items),
+    "g": lambda items: [decode_value(item) for item in items],
+}
+
+
+def _frozen(value: Value) -> Value:
+    """Return a member of a set: a value that can be hashed."""
+    if isinstance(value, list | dict | set | np.ndarray):
+        raise ValueError("no member of a set")
+    return value

@@ -1,0 +1,88 @@
+"""Findings of declared checks, and their counterexamples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from graders.core.compare.python_values import in_counterexample
+from graders.core.compare.slips import SLIPS
+from graders.core.compare.told_apart import tidy_pair
+from graders.core.compare.words import to_jsonable
+from graders.core.contract.findings import Finding
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import StudentFault
+from graders.core.contract.values import Value
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
+from graders.core.declared.declaration import DeclaredCheck
+from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
+
+
+def _shown(value: Value) -> Value:
+    if isinstance(value, FunctionSource | Reference):
+        return value_text(value)
+    return in_counterexample(value) if not isinstance(value, list | tuple | dict) else _shown_container(value)
+
+
+def _shown_container(value: Value) -> Value:
+    kept = in_counterexample(value)
+    holds_function = isinstance(value, list | tuple) and any(isinstance(item, FunctionSource) for item in value)
+    return ", ".join(map(value_text, value)) if holds_function else kept
+
+
+def failed_finding(
+    check: DeclaredCheck,
+    message: str,
+    *,
+    inputs: Mapping[str, Value] | None = None,
+    expected: Value = None,
+    got: Value = None,
+    cause: Outcome = Outcome.WRONG_ANSWER,
+    slip: str | None = None,
+    sign: object = None,
+) -> Finding:
+    counterexample = None
+    if inputs is not None:
+        shown = {name: to_jsonable(_shown(value)) for name, value in inputs.items()}
+        pair = tidy_pair(to_jsonable(_shown(expected)), to_jsonable(_shown(got)))
+        counterexample = Counterexample(shown, *pair)
+    result = CheckResult(
+        id=check.id,
+        title=check.title,
+        passed=False,
+        points=0,
+        max_points=check.points,
+        message=message,
+        counterexample=counterexample,
+        hint=(check.hint or None) if cause is Outcome.WRONG_ANSWER else None,
+        cause=None if cause is Outcome.WRONG_ANSWER else cause,
+    )
+    return Finding(result, cause, slip, None, None if sign is None else str(sign))
+
+
+def fault_finding(
+    check: DeclaredCheck,
+    fault: StudentFault,
+    *,
+    inputs: Mapping[str, Value] | None = None,
+    expected: Value = None,
+    text: str = "",
+) -> Finding:
+    where = "".join(f"\n  {frame}" for frame in fault.frames)
+    got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
+    finding = failed_finding(
+        check, fault.message + where, inputs=inputs, expected=expected, cause=fault.outcome,
+        sign=(fault.outcome.value, fault.exception, fault.line) if fault.line else fault.message,
+    )  # fmt: skip
+    example = finding.result.counterexample
+    if example is None:
+        return finding
+    return replace(finding, result=replace(finding.result, counterexample=replace(example, got=got)))
+
+
+def slip_diagnosis(findings: Sequence[Finding]) -> Diagnosis | None:
+    slip = next((finding.slip for finding in findings if finding.slip), None)
+    if slip is None:
+        return None
+    words = SLIPS[slip]
+    return Diagnosis(words.id, words.title, f"{words.explanation}\n\n{words.question}")

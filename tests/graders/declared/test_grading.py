@@ -1,0 +1,149 @@
+"""Naming, simplifying and refusals of declared exercises."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import Verdict
+from graders.core.declared.declaration import read_declaration
+from graders.core.declared.grading import DeclaredGrader, SolutionFault
+from graders.core.declared.malformed import MalformedDeclaration
+from server.grading.sandbox_grader import SandboxPrograms
+from server.sandbox import Sandbox
+
+from .conftest import POLICY
+from .kinds import declare
+
+MEAN = "def moyenne(t):\n    return sum(t) / len(t) if t else 0.0\n"
+INTEGER = {
+    "id": "division_entiere",
+    "titre": "La division est entière",
+    "explication": "`//` arrondit vers le bas.",
+    "question": "Que vaut 1 // 2 ?",
+    "programme": "def moyenne(t):\n    return sum(t) // len(t) if t else 0.0\n",
+}
+EMPTY = {
+    "id": "liste_vide",
+    "titre": "La liste vide est oubliée",
+    "explication": "Elle n’a aucun élément.",
+    "question": "Que vaut len([]) ?",
+    "programme": "def moyenne(t):\n    return sum(t) / len(t)\n",
+}
+DECLARATION = declare(
+    "moyenne", MEAN, "moyenne([])", "moyenne([1, 2])", tirages="t = liste(entier(-9, 9), 2, 8)", appel="moyenne(t)",
+    erreurs=[INTEGER, EMPTY],
+)  # fmt: skip
+
+
+def graded(sandbox: Sandbox, declaration: dict[str, Any], source: str, seed: int = 3) -> Verdict:
+    grader = DeclaredGrader("essai/un", read_declaration(declaration))
+    programs = SandboxPrograms(sandbox, POLICY, asked=grader.functions)
+    return grader.grade(source.encode(), programs, seed=seed, version="1").verdict
+
+
+def test_a_known_mistake_is_named_by_its_answers_whatever_its_text(sandbox: Sandbox) -> None:
+    other = "import math\ndef moyenne(t):\n    if not t:\n        return 0\n    return math.floor(sum(t) / len(t))\n"
+    named = graded(sandbox, DECLARATION, other).diagnosis
+    assert named is not None
+    assert named.id == "division_entiere"
+    assert "Que vaut 1 // 2 ?" in named.explanation
+    assert graded(sandbox, DECLARATION, "def moyenne(t):\n    return t[0] if t else 0.0\n").diagnosis is None
+
+
+def test_drawn_counterexamples_are_simplified_within_what_may_be_drawn(sandbox: Sandbox) -> None:
+    declaration = declare("moyenne", MEAN, tirages="t = liste(entier(-9, 9), 2, 8)", appel="moyenne(t)")
+    (check,) = graded(sandbox, declaration, "def moyenne(t):\n    return sum(t)\n").checks
+    assert check.counterexample is not None
+    given = check.counterexample.inputs["t"]
+    assert len(given) == 2
+    assert sum(abs(number) for number in given) == 1
+
+
+def test_the_same_seed_gives_the_same_verdict(sandbox: Sandbox) -> None:
+    wrong = "def moyenne(t):\n    return sum(t)\n"
+    first, second = (graded(sandbox, DECLARATION, wrong, seed=5).to_json() for _ in range(2))
+    assert {**first, "timings": {}} == {**second, "timings": {}}
+
+
+@pytest.mark.parametrize(
+    ("source", "outcome"),
+    [
+        ("def moyenne(t:\n    pass\n", Outcome.SYNTAX_ERROR),
+        ("def autre(t):\n    return 0\n", Outcome.MISSING_FUNCTION),
+        ("def moyenne(t):\n    return sum(t) / len(t)\n", Outcome.RUNTIME_ERROR),
+        ("def moyenne(t):\n    while True:\n        pass\n", Outcome.TIMEOUT),
+        ("import os\ndef moyenne(t):\n    os._exit(0)\n", Outcome.RUNTIME_ERROR),
+        ("def moyenne(t):\n    return [0] * 10**6\n", Outcome.OUTPUT_LIMIT),
+        ("import os\ndef moyenne(t):\n    return os\n", Outcome.INVALID_OUTPUT),
+    ],
+)
+def test_each_end_of_a_program_has_its_outcome(sandbox: Sandbox, source: str, outcome: Outcome) -> None:
+    verdict = graded(sandbox, DECLARATION, source)
+    assert verdict.outcome is outcome, verdict.checks
+    assert verdict.points == 0
+
+
+def test_no_expected_value_is_in_the_process_of_the_student(sandbox: Sandbox) -> None:
+    """All that a program can reach, its caller's frames included, holds the steps and nothing of the solution."""
+    spy = (
+        "import sys\ndef moyenne(t):\n    frame, seen = sys._getframe(), []\n"
+        "    while frame:\n        seen.append(repr(frame.f_locals)[:4000])\n        frame = frame.f_back\n"
+        "    print(seen)\n    return 0\n"
+    )
+    declaration = declare("moyenne", "def moyenne(t):\n    return 1234567.25\n", "moyenne([1])")
+    assert "1234567" not in graded(sandbox, declaration, spy).stdout
+
+
+def test_a_solution_that_fails_is_our_own_fault(sandbox: Sandbox) -> None:
+    declaration = declare("f", "def f(x):\n    while True:\n        pass\n", "f(1)")
+    with pytest.raises(SolutionFault, match=r"f\(1\)"):
+        graded(sandbox, declaration, "def f(x):\n    return 1\n")
+
+
+@pytest.mark.parametrize(
+    ("changes", "place", "words"),
+    [
+        ({"fonctions": []}, "fonctions", "au moins une fonction"),
+        ({"inconnu": 1}, "", "clé inconnue : « inconnu »"),
+        ({"cas": ["autre(1)"]}, "verifications[0].cas[0]", "n’est pas une de vos fonctions"),
+        ({"cas": ["f(__import__('os'))"]}, "verifications[0].cas[0]", "seules set, bytes"),
+        ({"cas": ["f(x)"]}, "verifications[0].cas[0]", "« x » n’est pas connu ici"),
+        ({"cas": ["f((1"]}, "verifications[0].cas[0]", "n’est pas du Python"),
+        ({"cas": ["f(" + "[" * 60 + "]" * 60 + ")"]}, "verifications[0].cas[0]", "imbriquées"),
+        ({"cas": ["f(9 ** 9 ** 9)"]}, "verifications[0].cas[0]", "seuls +, -, * et /"),
+        ({"cas": ["p = f(1); p.__class__()"]}, "verifications[0].cas[0]", "deux soulignés"),
+        ({"cas": ["import os"]}, "verifications[0].cas[0]", "écrivez des appels"),
+        ({"points": 12}, "verifications", "les points font 12"),
+        ({"tirages": "a = entier(3, 1)", "appel": "f(a)"}, "verifications[0].tirages", "rien entre ces deux bornes"),
+        ({"tirages": "a = hasard()", "appel": "f(a)"}, "verifications[0].tirages", "de générateurs"),
+        (
+            {"tirages": "a = entier(0, 9)", "appel": "f(a)", "conditions": ["a > 9"]},
+            "verifications[0].tirages",
+            "jamais",
+        ),
+        (
+            {"tirages": "a = liste(entier(0, 1), 9000, 9001)", "appel": "f(a)"},
+            "verifications[0].tirages",
+            "2000 au plus",
+        ),
+        ({"tirages": "a = entier(0, 1)"}, "verifications[0]", "vont ensemble"),
+        ({"ordre": "peut-être"}, "verifications[0].ordre", "oui, non, ensemble"),
+        ({"tolerance": -1}, "verifications[0].tolerance", "nombre positif"),
+        ({"interdits": ["a b"]}, "interdits[0]", "un nom de fonction"),
+        ({"erreurs": [{**EMPTY, "id": "É"}]}, "erreurs[0].id", "minuscules sans accent"),
+        ({"erreurs": [EMPTY, EMPTY]}, "erreurs", "deux fois le même"),
+        ({"solution": 3}, "solution", "il faut un texte"),
+    ],
+)
+def test_a_malformed_declaration_is_told_with_its_place(changes: dict[str, Any], place: str, words: str) -> None:
+    declaration = declare("f", "def f(x):\n    return x\n", "f(1)")
+    of_check = {key for key in changes if key not in {*declaration, "inconnu", "interdits", "erreurs"}}
+    declaration["verifications"][0].update({key: changes[key] for key in of_check})
+    declaration.update({key: value for key, value in changes.items() if key not in of_check})
+    with pytest.raises(MalformedDeclaration) as refused:
+        read_declaration(declaration)
+    assert refused.value.place == place
+    assert words in refused.value.message
