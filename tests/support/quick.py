@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
-from collections.abc import Coroutine, Iterable
+from collections.abc import Collection, Coroutine, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache, partial
@@ -42,6 +42,13 @@ def some(values: Iterable[T]) -> list[T]:
 def one_in(count: int, cases: Iterable[Any]) -> list[Any]:
     """Parameters of a test: one in so many of these in the fast suite, the others among the slow tests."""
     return [case if k % count == 0 else _slow(case) for k, case in enumerate(some(cases))]
+
+
+def only(chosen: Collection[Any], cases: Iterable[Any]) -> list[Any]:
+    """Parameters of a test: those chosen in the fast suite, the others among the slow tests."""
+    known = some(cases)
+    assert set(chosen) <= set(known), "what is chosen is one of the cases"
+    return [case if case in chosen else _slow(case) for case in known]
 
 
 def _slow(case: Any) -> Any:

@@ -11,6 +11,7 @@ from graders.core.code.mutants import MutantAnswerCache
 from graders.core.code.probes import ProbeAnswer, ProbeFault, Probes
 from graders.core.code.reachability import PIECE_SEPARATOR, reachable_pieces
 from graders.core.contract.local import call_function, kit_names
+from tests.support.quick import only
 from tests.support.shipped import CODE
 
 
@@ -51,7 +52,11 @@ def _by_the_whole_text(text: str, probes: Probes) -> ProbeAnswer:
     return probes.read(args, value)
 
 
-@pytest.mark.parametrize("name", CODE)
+#: One of each form: functions that call each other, the functions of a loop, a class, constants of a kit.
+FORMS = ("l20/poses", "l20/slam_graphe", "l20/noeud_ros", "l20/predire2d")
+
+
+@pytest.mark.parametrize("name", only(FORMS, CODE))
 def test_the_whole_text_answers_as_what_is_reached_of_it(name: str) -> None:
     """The last of those that share their answers, which the first has given; of a few, that it costs little."""
     prober = CODE[name].prober

@@ -16,7 +16,6 @@ from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.judge import judge
 from graders.plotting import counterexample
 from reference.registration import kabsch
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import failed, judgement_of, named, verdict_of
@@ -69,11 +68,6 @@ def mistake(name: str) -> Any:
 @pytest.mark.parametrize("seed", range(12))
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).outcome is Outcome.OK
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/kabsch/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 1).score == 0.0
 
 
 @pytest.mark.parametrize(

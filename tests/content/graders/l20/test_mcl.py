@@ -25,7 +25,6 @@ from graders.l20.mcl import memory, probes, runs, steps
 from graders.l20.mcl.replays import REPLAYS
 from graders.l20.mcl.scenes import HALL_KIT
 from graders.plotting import counterexample
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, model_with, named, verdict_of
@@ -53,11 +52,6 @@ def test_the_solution_gets_full_marks_and_leaves_films() -> None:
         assert len(scene["frames"]) == steps_made + 1
         assert ("réussi" in scene["summary"][0]) is film["ok"]
     assert graded.films["suivi"]["ok"]
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/mcl/starter.py").read_text(encoding="utf-8")
-    assert checked(GRADER.exercise, starter, 0).verdict.score == 0.0
 
 
 NAMED = ("rotation_oubliee", "bruit_partage", "cap_absent_du_lidar", "jamais_reechantillonne", "copies_oubliees")

@@ -18,7 +18,6 @@ from graders.l20.modele_faisceau.checks import SameField, SameLogarithm, distanc
 from graders.plotting import counterexample
 from reference.errors import InvalidArgumentError
 from reference.sensors.beam import BeamModel, plain_log_likelihood
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, named, verdict_of
@@ -47,11 +46,6 @@ def changed(change: str) -> str:
 
 def test_the_solution_gets_full_marks() -> None:
     assert verdict(GRADER.solution, 1).score == 1.0
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/modele_faisceau/starter.py").read_text(encoding="utf-8")
-    assert checked(GRADER.exercise, starter, 1).verdict.score == 0.0
 
 
 STYLES = sorted((GRADER.folder / "specimens/ok").glob("*.py"))

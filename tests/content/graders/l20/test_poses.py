@@ -8,7 +8,6 @@ import pytest
 
 from graders.core.contract.local import LOCAL
 from graders.plotting import counterexample
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
 from tests.support.verdicts import verdict_of
@@ -22,11 +21,6 @@ SEEDS = range(10)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).score == 1.0
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/poses/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 1).score == 0.0
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, i
 from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import judgement_of, verdict_of
@@ -44,11 +43,6 @@ def specimen(path: str) -> str:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).score == 1.0
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/predire2d/starter.py").read_text(encoding="utf-8")
-    assert [verdict(starter, seed).score for seed in range(2)] == [0.0] * 2
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
-from server.base.files import ROOT as PROJECT
 from tests.support.quick import THEMES, one_in
 from tests.support.shipped import CODE
 from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of
@@ -38,11 +37,6 @@ def misconception(name: str) -> str:
 @pytest.mark.parametrize("seed", range(2))
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).outcome is Outcome.OK
-
-
-def test_the_starter_earns_nothing() -> None:
-    starter = (PROJECT / "curriculum/l20/exercices/slam_graphe/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 1).score == 0.0
 
 
 GAUGE = "1e9 * np.eye(3)"
