@@ -322,14 +322,6 @@ def variable_name(field: str) -> str:
     return f"{PREFIX}{field.upper()}"
 
 
-def settings_table() -> Iterator[tuple[str, str, str]]:
-    """Name, default and meaning of each, as they are documented."""
-    for name, field in Settings.model_fields.items():
-        extra = field.json_schema_extra
-        default = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
-        yield variable_name(name), str(default), field.description or ""
-
-
 def misspelt_variables(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
     """The variables that look like settings and are none, each with the setting that was probably meant."""
     for name in sorted(environment):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from datetime import timedelta
 
 import pytest
@@ -27,15 +26,9 @@ SPELLINGS = [
 PRINTS = "\nprint(m.composer((1, 2, 0), (1, 0, 0)))\n"
 
 
-@pytest.fixture(scope="module")
-def sandbox(course: Course) -> Iterator[Sandbox]:
-    with Sandbox(course.kits) as sandbox:
-        yield sandbox
-
-
 @pytest.fixture
-def pupil(site: Site, course: Course, sandbox: Sandbox) -> Pupil:
-    return Pupil(site, course, sandbox)
+def pupil(site: Site, course: Course, course_sandbox: Sandbox) -> Pupil:
+    return Pupil(site, course, course_sandbox)
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -27,15 +26,9 @@ BROKEN = {
 }
 
 
-@pytest.fixture(scope="module")
-def sandbox(course: Course) -> Iterator[Sandbox]:
-    with Sandbox(course.kits) as sandbox:
-        yield sandbox
-
-
 @pytest.fixture
-def pupil(site: Site, course: Course, sandbox: Sandbox) -> Pupil:
-    pupil = Pupil(site, course, sandbox)
+def pupil(site: Site, course: Course, course_sandbox: Sandbox) -> Pupil:
+    pupil = Pupil(site, course, course_sandbox)
     pupil.begin()
     return pupil
 

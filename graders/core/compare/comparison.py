@@ -75,11 +75,6 @@ class RowComparator(ABC):
         compared alone.
         """
 
-    def all_rows_agree(self, expected: Floats, got: Floats) -> bool:
-        """Whether all rows certainly agree."""
-        gaps = self.row_errors(expected, got)
-        return gaps is not None and bool((gaps <= WELL_WITHIN).all())
-
 
 def row_errors(expected: Floats, got: Floats, tolerance: float) -> Floats:
     """Return the error of each row in multiples of the tolerance of `close`; inf where a number is NaN."""

@@ -26,7 +26,7 @@ from graders.core.code.stored_answers import (
     to_stored,
 )
 from graders.core.contract.local import LOCAL
-from tests.support.quick import the_course
+from tests.support.quick import only, the_course
 from tests.support.shipped import CODE
 
 
@@ -103,9 +103,7 @@ def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(
     assert starter.example.function in functions
 
 
-@pytest.mark.parametrize(
-    "exercise_id", ["l20/poses", *(pytest.param(one, marks=pytest.mark.slow) for one in CODE if one != "l20/poses")]
-)
+@pytest.mark.parametrize("exercise_id", only(["l20/poses"], CODE))
 def test_misconceptions_behave_each_in_its_own_way(exercise_id: str) -> None:
     """Every catalogued mistake is seen, and but for mistakes that no input of the exercise tells apart, told apart."""
     grader = CODE[exercise_id]

@@ -217,9 +217,6 @@ class _Blind:
     def sample_motion(self, states: np.ndarray, control: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         return states + control
 
-    def transition(self, states: np.ndarray, control: np.ndarray, edges: np.ndarray) -> np.ndarray:
-        return np.eye(len(states))
-
     def log_likelihood(self, states: np.ndarray, measurement: float) -> np.ndarray:
         return np.full(len(states), -np.inf)
 

@@ -276,7 +276,6 @@ def test_what_is_seen_at_once_is_seen_one_by_one(compare: RowComparator, shape: 
             got.flat[0] = rng.choice([np.nan, np.inf, -np.inf])
         gaps = compare.row_errors(expected, got)
         assert gaps is not None
-        assert compare.all_rows_agree(expected, got) == all(gaps <= WELL_WITHIN)
         for one, other, gap in zip(expected.tolist(), got.tolist(), gaps, strict=True):
             sure = True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None
             seen.add(sure)

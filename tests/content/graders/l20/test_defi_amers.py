@@ -14,7 +14,7 @@ from graders.core.contract.values import Floats
 from graders.l20.defi_amers import asked, maps, optimum, system
 from graders.l20.defi_amers.replays import REPLAYS
 from graders.plotting import counterexample
-from tests.support.quick import THEMES, some
+from tests.support.quick import THEMES, only, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
 
@@ -23,7 +23,6 @@ graded = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
 
 SYSTEM_CHECKS = {"systeme_exemples", "systeme_hasard", "systeme_tours"}
-MAP_CHECKS = {"exact", "partage", "poids", "demi_tour", "tour"}
 SPECIMENS = {one.path.stem: one.path.read_text(encoding="utf-8") for one in GRADER.specimens()}
 HONEST = sorted(one.path.stem for one in GRADER.specimens() if one.outcome is Outcome.OK)
 #: Quick, and as unlike as can be: numeric, recursive, in the other convention.
@@ -77,9 +76,7 @@ def test_maps_settle_well_before_the_last_iteration() -> None:
             assert all(any(j == seen[1] for seen in one.sightings) for j in range(len(one.landmarks)))
 
 
-@pytest.mark.parametrize(
-    "name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in HONEST]
-)
+@pytest.mark.parametrize("name", only(FEW, HONEST))
 def test_honest_styles_pass(name: str) -> None:
     assert failed(verdict(SPECIMENS[name], 4)) == set()
 
@@ -111,9 +108,7 @@ STYLES = {
 NAMED = ("in place",)
 
 
-@pytest.mark.parametrize(
-    "style", [one if one in NAMED else pytest.param(one, marks=pytest.mark.slow) for one in STYLES]
-)
+@pytest.mark.parametrize("style", only(NAMED, STYLES))
 def test_a_mistake_is_named_in_another_program_than_the_model(style: str) -> None:
     name, old, new = STYLES[style]
     assert named(verdict(edited(old, new), 6)) == name

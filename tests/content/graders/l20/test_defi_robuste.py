@@ -16,7 +16,7 @@ from graders.l20.defi_robuste import graphs, kernel, robust
 from graders.l20.defi_robuste.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_dimension, graduated_non_convexity
-from tests.support.quick import THEMES, some
+from tests.support.quick import THEMES, only, some
 from tests.support.shipped import CODE
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
 
@@ -105,7 +105,7 @@ def fine(one: graphs.Robust, answer: tuple[Floats, Floats]) -> bool:
 
 @pytest.mark.parametrize(
     ("false", "seed"),
-    [pair if pair == ALL_GRAPHS[-1] else pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL_GRAPHS],
+    only([ALL_GRAPHS[-1]], ALL_GRAPHS),
 )
 def test_every_kernel_passes_and_no_mistake_does(false: int, seed: int) -> None:
     one = graphs.robust_graph(seed, false)
@@ -134,7 +134,7 @@ def test_what_comes_back_in_other_forms_is_read_and_nonsense_is_refused() -> Non
         assert robust.judge(one, wrong) is not None
 
 
-@pytest.mark.parametrize("name", [one if one in FEW else pytest.param(one, marks=pytest.mark.slow) for one in HONEST])
+@pytest.mark.parametrize("name", only(FEW, HONEST))
 def test_honest_styles_pass(name: str) -> None:
     assert failed(verdict(SPECIMENS[name], 4)) == set()
 
@@ -157,9 +157,7 @@ STYLES = {
 NAMED = ("rank", "told last")
 
 
-@pytest.mark.parametrize(
-    "style", [one if one in NAMED else pytest.param(one, marks=pytest.mark.slow) for one in STYLES]
-)
+@pytest.mark.parametrize("style", only(NAMED, STYLES))
 def test_a_mistake_is_named_in_another_program_than_the_model(style: str) -> None:
     name, old, new = STYLES[style]
     assert named(verdict(edited(old, new), 6)) == name

@@ -23,7 +23,7 @@ from graders.scene.films import wire
 from reference.localisation.grid_filter import correct, predict
 from server.base.files import ROOT as PROJECT
 from server.figures.program import MAX_REPLAY_BYTES
-from tests.support.quick import some
+from tests.support.quick import only, some
 from tests.support.replays import layer, unpacked
 from tests.support.shipped import CODE
 
@@ -70,9 +70,7 @@ def mistaken(exercise: str, mistake: str) -> Filmed:
     return run(exercise, next(m.source for m in CODE[f"l20/{exercise}"].misconceptions if m.id == mistake))
 
 
-@pytest.mark.parametrize(
-    "exercise", [name if name in COMPARED else pytest.param(name, marks=pytest.mark.slow) for name in FILMED]
-)
+@pytest.mark.parametrize("exercise", only(COMPARED, FILMED))
 def test_a_right_program_can_be_watched_and_parts_from_nothing(exercise: str) -> None:
     for check, scene in some(solution(exercise).scenes.items()):
         body = json.dumps(scene, allow_nan=False)
