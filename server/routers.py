@@ -13,6 +13,7 @@ from server.desk.likeness.routes import router as likeness_router
 from server.desk.marks.column_routes import router as columns_router
 from server.desk.marks.journal import router as journal_router
 from server.desk.marks.routes import router as marks_router
+from server.desk.objectives.routes import router as objectives_router
 from server.desk.own.routes import router as own_router
 from server.desk.people.erasing import router as erasing_router
 from server.desk.people.management import router as keeping_router
@@ -51,6 +52,7 @@ ROUTERS = (
     comments_router,
     board_router,
     lesson_router,
+    objectives_router,  # before those of students, whose paths take any name
     classes_router,
     erasing_router,
     keeping_router,

@@ -16,6 +16,7 @@ from server.course.schemas import (
     FrontMatter,
     FunctionEntry,
     ModuleFile,
+    ObjectiveEntry,
     PathEntry,
     PolicyEntry,
     TermEntry,
@@ -91,7 +92,24 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "order": Key("sa place parmi les pages de cette sorte", "10"),
         "minutes": Key("durée d’une séance", "120"),
         "objectives": Key("ce que l’on saura faire après", '["Écrire un filtre bayésien sur une grille."]'),
+        "objective": Key(
+            "au lieu d’`objectives` : une table par objectif, avec ses exercices (voir plus bas)",
+            '[{ id = "poses", text = "Composer des poses.", short = "Les poses", exercises = ["poses"] }]',
+        ),
         "solution": Key("ce qu’elle dit reste fermé à une classe jusqu’à ce qu’on l’ouvre", "true"),
+    },
+    ObjectiveEntry: {
+        "id": Key("nom, unique dans le module", '"poses"'),
+        "text": Key("ce que l’on saura faire, à l’infinitif", '"Composer, inverser et comparer des poses."'),
+        "short": Key("le même en quelques mots, pour les tableaux", '"Composer des poses"'),
+        "exercises": Key(
+            "exercices dont la réussite le montre ; `exercice:fonction` n’en prend que les erreurs de cette fonction",
+            '["poses", "metriques:rpe"]',
+        ),
+        "mistakes": Key(
+            "erreurs d’autres exercices qui le concernent ; d’un exercice nommé ici, celles-là seulement",
+            '["verification/angle_non_ramene"]',
+        ),
     },
     ExerciseFile: {
         "title": Key("titre de l’exercice", '"Composer, inverser et comparer des poses"'),

@@ -15,6 +15,7 @@ from server.course import glossary, toml_file
 from server.course.editions import MODULE_SLUG
 from server.course.kinds import BY_FOLDER
 from server.course.models import CourseFault, Drawing, Lesson, Problem
+from server.course.objectives import build_objective
 from server.course.schemas import FrontMatter
 from server.text.markup import LessonName, Names, Picture, Source, Target, Text
 from server.text.markup.blocks import EQUATION, KINDS
@@ -100,7 +101,8 @@ class Library:
             order=card.order,
             minutes=card.minutes,
             summary=card.summary,
-            objectives=tuple(card.objectives),
+            objectives=tuple(card.objectives) + tuple(entry.text for entry in card.objective),
+            skills=tuple(build_objective(entry, path.stem) for entry in card.objective),
             text=Text(Source(body, path, line, page=path.stem, names=self.names)),
             solution=card.solution,
         )

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
-from server.course.kinds import LessonKind
+from server.course.kinds import KINDS, LessonKind
+from server.course.objectives import Objective
 from server.sandbox.policy import Policy
 from server.text.markup import Cell, Heading, Names, Section, Text
 from server.text.markup.text import no_names
@@ -156,6 +157,7 @@ class Lesson:
     """A text to read. What its front matter says is here at once; its text is read and rendered at the first need.
 
     `solution`: it tells the answers of a paper, and is opened as an exercise's solution is (`id` names it then).
+    `skills`: those of its objectives that name what practises them.
     """
 
     module: str
@@ -169,6 +171,7 @@ class Lesson:
     objectives: tuple[str, ...]
     text: Text
     solution: bool = False
+    skills: tuple[Objective, ...] = ()
 
     @property
     def id(self) -> str:
@@ -286,6 +289,16 @@ class Module:
     def label(self) -> str:
         """Its number, and its edition where it is not the first."""
         return self.number + edition_of(self.slug).words
+
+    @cached_property
+    def practised_objectives(self) -> tuple[Objective, ...]:
+        """The objectives of its lessons that exercises practise, in reading order."""
+        return tuple(
+            objective
+            for lesson in sorted(self.lessons, key=lambda lesson: KINDS.index(lesson.kind))
+            for objective in lesson.skills
+            if objective.exercises
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,8 +105,21 @@ class ExerciseFile(Strict):
     limits: PolicyEntry = PolicyEntry()
 
 
+class ObjectiveEntry(Strict):
+    """One `[[objective]]` of a lesson: an infinitive, its exercises (`slug` or `slug:function`) and mistakes."""
+
+    id: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$")]
+    text: PlainText
+    short: PlainText
+    exercises: list[Annotated[str, Field(pattern=r"^[a-z0-9_]+(:\w+)?$")]] = []
+    mistakes: list[Annotated[str, Field(pattern=r"^[a-z0-9_]+/\w+$")]] = []
+
+
 class FrontMatter(Strict):
-    """Between the `+++` lines of a lesson. `solution`: what it tells is held back from a class until it is opened."""
+    """Between the `+++` lines of a lesson. `solution`: what it tells is held back from a class until it is opened.
+
+    Its objectives are plain texts, or tables with the exercises that practise them.
+    """
 
     title: PlainText
     label: PlainText
@@ -114,6 +127,7 @@ class FrontMatter(Strict):
     order: int
     minutes: Annotated[int, Field(ge=0)] = 0
     objectives: list[PlainText] = []
+    objective: list[ObjectiveEntry] = []
     solution: bool = False
 
 

@@ -11,6 +11,7 @@ from server.rights.models import Right
 STAFF_TABS: tuple[tuple[Right, str, str], ...] = (
     (Right.read_work, "Séance", "/seance"),
     (Right.read_work, "Tableau", "/tableau"),
+    (Right.read_work, "Objectifs", "/objectifs"),
     (Right.see_students, "Devoirs", "/devoirs"),
     (Right.read_marks, "Carnet", "/carnet"),
     (Right.read_work, "Questions", "/questions"),

@@ -81,7 +81,7 @@ def _unique(titles: Sequence[str]) -> tuple[str, ...]:
     return tuple(numbered)
 
 
-def _person(student: StudentRecord) -> tuple[str, str, str, str]:
+def person_cells(student: StudentRecord) -> tuple[str, str, str, str]:
     """Return family name, given name, login and groups; the whole name first where the list has no family name."""
     names = (student.family_name, student.given_name) if student.family_name else (student.name, "")
     return *names, student.login, ", ".join(student.groups)
@@ -94,7 +94,7 @@ def marks_sheet(gradebook: Gradebook) -> Sheet:
     """Return the table of students × assignments and columns, with the averages."""
     rows = [
         (
-            *_person(row.member),
+            *person_cells(row.member),
             *(mark_cell(mark) for mark in row.marks),
             *(column_cell(mark) for mark in row.columns),
             round_or_none(row.average),
@@ -115,7 +115,7 @@ def exercises_sheet(gradebook: Gradebook) -> Sheet:
     """Return a table with a line for each student, assignment and exercise."""
     titles = unique_titles(gradebook.assignments)
     rows = [
-        (*_person(row.member), title, gradebook.title_of(exercise.exercise), *_details(exercise, mark))
+        (*person_cells(row.member), title, gradebook.title_of(exercise.exercise), *_details(exercise, mark))
         for row in gradebook.rows
         for title, mark in zip(titles, row.marks, strict=True)
         for exercise in mark.exercises

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from server.authoring import shapes
+from server.authoring import objectives, shapes
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import PreviewSession
 from server.base.files import write_atomically
@@ -25,7 +25,13 @@ def write_faults(session: PreviewSession) -> None:
     os.nice(NICENESS)
     sys.dont_write_bytecode = True
     course = read_course(session.course_folder, render=True)
-    found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
+    found = [
+        *course.problems,
+        *shapes.faults(course),
+        *objectives.faults(course),
+        *lessons.faults(course),
+        *of_replays(course),
+    ]
     write_atomically(session.faults_file, json.dumps([[str(fault.path), fault.line, fault.message] for fault in found]))
 
 

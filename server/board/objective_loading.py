@@ -1,0 +1,96 @@
+"""Load where the students of a class stand in its objectives, in the caller's transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import feedback
+from server.assignments.feedback import NO_HOLDS, FeedbackHolds
+from server.assignments.service import counting_exercises
+from server.board.objectives import (
+    ClassObjective,
+    MistakeFinder,
+    ObjectiveState,
+    PractisedObjective,
+    find_states,
+    group_by_student,
+    practised_objectives,
+    summarise_class,
+)
+from server.board.progress import ClassProgress
+from server.classes.models import SchoolClass
+from server.course import Course
+from server.gradebook.histories import Attempts, load_attempts, load_revisions
+
+
+@dataclass(frozen=True, eq=False)
+class ClassObjectives:
+    """The objectives of a class and the states of its students, from their attempts."""
+
+    progress: ClassProgress
+    module: str
+
+    @cached_property
+    def practised(self) -> tuple[PractisedObjective, ...]:
+        module = self.progress.course.modules.get(self.module)
+        return () if module is None else practised_objectives(module, frozenset(self.progress.scope.exercises))
+
+    @cached_property
+    def attempts(self) -> Mapping[UUID, Mapping[str, Attempts]]:
+        return group_by_student(self.progress.attempts)
+
+    @cached_property
+    def states(self) -> Mapping[UUID, tuple[ObjectiveState, ...]]:
+        """The states of each student, in the order of the list."""
+        finder = MistakeFinder(self.progress.course)
+        return {
+            student.id: find_states(self.practised, self.attempts.get(student.id, {}), finder)
+            for student in self.progress.students
+        }
+
+    def summarise(self, week_ends: Sequence[datetime]) -> tuple[ClassObjective, ...]:
+        return summarise_class(self.practised, self.states, week_ends)
+
+
+def load_student_states(
+    db: Session,
+    course: Course,
+    school_class: SchoolClass,
+    student: UUID,
+    now: datetime,
+    until: datetime | None,
+    *,
+    as_student: bool,
+) -> tuple[ObjectiveState, ...]:
+    """Return the states of one student, of the attempts sent by `until`.
+
+    `as_student`: of what they may know: without the attempts that a test holds, and the diagnoses that are held.
+    """
+    module = course.modules.get(school_class.module)
+    if module is None:
+        return ()
+    counted = tuple(counting_exercises(db, course, school_class, now))
+    attempts = load_attempts(db, load_revisions(db, [student]), counted, until)
+    own = group_by_student(attempts).get(student, {})
+    if as_student:
+        own = hide_held_attempts(own, feedback.load_all_holds(db, student))
+    return find_states(practised_objectives(module, frozenset(counted)), own, MistakeFinder(course))
+
+
+def hide_held_attempts(own: Mapping[str, Attempts], holds: Mapping[str, FeedbackHolds]) -> Mapping[str, Attempts]:
+    """Return the attempts without what is held back from their author. Pure."""
+    shown: dict[str, Attempts] = {}
+    for exercise, series in own.items():
+        hold = holds.get(exercise, NO_HOLDS)
+        visible = [attempt for attempt in series if hold.test_holding(attempt.sent_at) is None]
+        if hold.diagnosis is not None:
+            visible = [replace(attempt, diagnosis=None) for attempt in visible]
+        if visible:
+            shown[exercise] = visible
+    return shown

@@ -1,0 +1,382 @@
+"""Builds the contexts of the pages of objectives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from itertools import groupby
+from uuid import UUID
+
+from markupsafe import Markup
+from sqlalchemy.orm import Session
+
+from server.base import school_time
+from server.board.catalogue import find_misconception
+from server.board.objective_loading import ClassObjectives, load_student_states
+from server.board.objectives import RULE, ClassObjective, Mastery, ObjectiveState, PractisedObjective
+from server.board.schemas import FEWEST_FOR_A_SHARE
+from server.board.service import load_progress
+from server.classes.models import SchoolClass
+from server.course import Course
+from server.course.kinds import SEANCE
+from server.course.models import Lesson
+from server.desk.board.links import BoardLinks, misconception_href
+from server.desk.schemas import ClassHead
+from server.desk.views import class_head, class_href
+from server.rights.service import ClassAccess
+from server.web.fragments import FRAGMENTS
+from server.web.rendering import jinja_environment
+from server.web.views import exercise_href, lesson_href
+from server.web.words import plural
+
+WEEK, WEEKS_SHOWN = timedelta(days=7), 6
+MAX_NEXT_STEPS = 3
+MAX_MISTAKES = 4
+MAX_WEAK = 3
+
+Link = tuple[str, str]
+SIGNS = {Mastery.mastered: "✓", Mastery.started: "…", Mastery.weak: "!", Mastery.none: "·"}
+WORDS = {
+    Mastery.mastered: "acquis",
+    Mastery.started: "en cours",
+    Mastery.weak: "à retravailler",
+    Mastery.none: "pas commencé",
+}
+SHOWN_STATES = (Mastery.mastered, Mastery.started, Mastery.weak, Mastery.none)
+#: The order in which a student goes on: what went wrong, what was begun, what comes next.
+NEXT_ORDER = {Mastery.weak: 0, Mastery.started: 1, Mastery.none: 2}
+
+
+@dataclass(frozen=True)
+class ObjectiveGroup:
+    """The objectives of one lesson, unfolded where `is_open`; `summary`: in words, beside the title."""
+
+    title: str
+    is_open: bool
+    rows: tuple[ObjectiveRow, ...] | tuple[OwnObjectiveRow, ...]
+    summary: str = ""
+
+
+@dataclass(frozen=True)
+class StateCount:
+    """The students of a class in one state: `share` is for the width of a bar, `people` their names and pages."""
+
+    state: Mastery
+    sign: str
+    word: str
+    count: int
+    share: float
+    people: tuple[Link, ...]
+
+
+@dataclass(frozen=True)
+class ObjectiveRow:
+    """An objective in a class. `percent`: of those who have begun it, who have mastered it; empty for few students."""
+
+    id: str
+    short: str
+    text: str
+    counts: tuple[StateCount, ...]
+    weekly: str
+    percent: str
+    exercises: tuple[Link, ...]
+    mistakes: tuple[tuple[str, str, int], ...]
+
+
+@dataclass(frozen=True)
+class ClassObjectivesPage:
+    head: ClassHead
+    has_students: bool
+    body: Markup
+
+
+@dataclass(frozen=True)
+class OwnObjectiveRow:
+    """A student in an objective. `mistakes`: titles; `rest`: exercises to solve still; `lesson`: what to read again."""
+
+    objective: PractisedObjective
+    state: Mastery
+    sign: str
+    word: str
+    short: str
+    text: str
+    since: datetime | None
+    solved: tuple[Link, ...]
+    rest: tuple[Link, ...]
+    mistakes: tuple[str, ...]
+    lesson: Link
+
+    @property
+    def step(self) -> Link | None:
+        """The exercise with which the student goes on."""
+        return self.rest[0] if self.rest else None
+
+
+@dataclass(frozen=True)
+class StudentObjectivesPage:
+    """The objectives of a student; `is_own`: read by the student."""
+
+    head: ClassHead
+    name: str
+    href: str
+    is_own: bool
+    groups: tuple[ObjectiveGroup, ...]
+    steps: tuple[OwnObjectiveRow, ...]
+    counts: str
+    rule: str
+    gone: str = ""
+
+
+def lesson_of(course: Course, module: str, slug: str) -> Lesson:
+    return next(lesson for lesson in course.modules[module].lessons if lesson.slug == slug)
+
+
+def lesson_title(lesson: Lesson) -> str:
+    return f"{lesson.label} · {lesson.title.partition(' :')[0]}" if lesson.kind is SEANCE else lesson.title
+
+
+def load_class_objectives(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> ClassObjectives:
+    return ClassObjectives(load_progress(db, course, school_class, now), school_class.module)
+
+
+def build_class_page(db: Session, course: Course, access: ClassAccess, now: datetime) -> ClassObjectivesPage:
+    """Build the page of a class; its body is rendered anew where something changed, or a day has gone by."""
+    loaded = load_class_objectives(db, course, access.school_class, now)
+    today = school_time.to_local(loaded.progress.now).date()
+    key = ("objectives", loaded.progress.version, today, school_time.time_zone().key)
+    return ClassObjectivesPage(
+        head=class_head(course, access, "/objectifs"),
+        has_students=bool(loaded.progress.students),
+        body=FRAGMENTS.get_or_render(key, lambda: _render_body(loaded, access.school_class)),
+    )
+
+
+def _render_body(loaded: ClassObjectives, school_class: SchoolClass) -> str:
+    progress = loaded.progress
+    links = BoardLinks(progress.course, class_href(school_class), progress.students)
+    week_ends = [progress.now - WEEK * weeks for weeks in reversed(range(WEEKS_SHOWN))]
+    rows = loaded.summarise(week_ends)
+    groups = [
+        ObjectiveGroup(
+            lesson_title(lesson),
+            lesson.kind is SEANCE,
+            tuple(_class_row(links, row, len(progress.students)) for row in own),
+        )
+        for lesson, own in _by_lesson(progress.course, school_class.module, rows)
+    ]
+    macros = jinja_environment().get_template("classes/objective_parts.html").module
+    return str(macros.class_objectives(groups, links.href, RULE))  # type: ignore[attr-defined]
+
+
+def _by_lesson(
+    course: Course, module: str, rows: Sequence[ClassObjective]
+) -> Iterator[tuple[Lesson, Sequence[ClassObjective]]]:
+    for slug, own in groupby(rows, key=lambda row: row.practised.objective.lesson):
+        yield lesson_of(course, module, slug), list(own)
+
+
+def _class_row(links: BoardLinks, row: ClassObjective, students: int) -> ObjectiveRow:
+    begun = students - row.count(Mastery.none)
+    percent = f"{round(100 * row.count(Mastery.mastered) / begun)} %" if begun >= FEWEST_FOR_A_SHARE else ""
+    shown = [number for number in row.weekly if number] or [0]
+    return ObjectiveRow(
+        id=row.practised.objective.id,
+        short=row.practised.objective.short,
+        text=row.practised.objective.text,
+        counts=tuple(
+            StateCount(
+                state,
+                SIGNS[state],
+                WORDS[state],
+                row.count(state),
+                round(100 * row.count(state) / max(1, students), 1),
+                _people(links, row.students[state]),
+            )
+            for state in SHOWN_STATES
+        ),
+        weekly=" → ".join(map(str, shown)),
+        percent=percent,
+        exercises=tuple((links.title(name), links.exercise_href(name)) for name in row.practised.exercises),
+        mistakes=tuple(
+            (
+                find_misconception(links.course, exercise, mistake).diagnosis.title,
+                misconception_href(links.href, exercise, mistake),
+                count,
+            )
+            for (exercise, mistake), count in row.mistakes[:MAX_MISTAKES]
+        ),
+    )
+
+
+def _people(links: BoardLinks, accounts: Sequence[UUID]) -> tuple[Link, ...]:
+    wanted = set(accounts)
+    return tuple(
+        (student.name, f"{links.href}/eleves/{student.id}/objectifs")
+        for student in links.students
+        if student.id in wanted
+    )
+
+
+def build_student_page(
+    db: Session,
+    course: Course,
+    access: ClassAccess,
+    student: UUID,
+    name: str,
+    now: datetime,
+    *,
+    is_own: bool,
+    until: datetime | None = None,
+    gone: str = "",
+) -> StudentObjectivesPage:
+    """Build the page of one student, for their teacher or for themselves: nothing on it is of other students."""
+    school_class = access.school_class
+    states = load_student_states(db, course, school_class, student, now, until, as_student=is_own)
+    rows = [_own_row(course, school_class.module, state) for state in states]
+    groups = []
+    for slug, group in groupby(rows, key=lambda row: row.objective.objective.lesson):
+        lesson, own = lesson_of(course, school_class.module, slug), tuple(group)
+        is_open = any(row.state in {Mastery.weak, Mastery.started} for row in own)
+        groups.append(ObjectiveGroup(lesson_title(lesson), is_open, own, count_states(own)))
+    return StudentObjectivesPage(
+        head=class_head(course, access, "" if is_own else "/objectifs"),
+        name=name,
+        href=f"{class_href(school_class)}/eleves/{student}",
+        is_own=is_own,
+        groups=tuple(groups),
+        steps=choose_steps(rows),
+        counts=count_states(rows),
+        rule=RULE,
+        gone=gone,
+    )
+
+
+def count_states(rows: Sequence[OwnObjectiveRow]) -> str:
+    """Return how many objectives are in each state, in words: « 3 acquis, 2 pas commencés »."""
+    counts = [(state, sum(row.state is state for row in rows)) for state in SHOWN_STATES]
+    return ", ".join(
+        plural(count, WORDS[state], WORDS[state] + ("s" if state is Mastery.none else ""))
+        for state, count in counts
+        if count
+    )
+
+
+def choose_steps(rows: Sequence[OwnObjectiveRow]) -> tuple[OwnObjectiveRow, ...]:
+    """Return what a student does next: each an exercise of its own, the most pressing first."""
+    steps: dict[Link, OwnObjectiveRow] = {}
+    waiting = [row for row in rows if row.state in NEXT_ORDER and row.step is not None]
+    for row in sorted(waiting, key=lambda row: NEXT_ORDER[row.state]):
+        if row.step is not None:
+            steps.setdefault(row.step, row)
+    return tuple(steps.values())[:MAX_NEXT_STEPS]
+
+
+def _own_row(course: Course, module: str, found: ObjectiveState) -> OwnObjectiveRow:
+    objective = found.objective.objective
+    stars = {exercise.id: exercise.stars for exercise in course.modules[module].exercises}
+    rest = [name for name in found.objective.exercises if name not in found.solved and not stars.get(name)]
+    with_mistake = [exercise for exercise, _ in found.mistakes]
+    rest.sort(key=lambda name: (name not in with_mistake, name not in found.failing))
+    lesson = lesson_of(course, module, objective.lesson)
+    return OwnObjectiveRow(
+        objective=found.objective,
+        state=found.state,
+        sign=SIGNS[found.state],
+        word=WORDS[found.state],
+        short=objective.short,
+        text=objective.text,
+        since=found.mastered_at if found.state is Mastery.mastered else None,
+        solved=tuple(_exercise_link(course, name) for name in found.solved),
+        rest=tuple(_exercise_link(course, name) for name in rest) if found.state is not Mastery.mastered else (),
+        mistakes=tuple(
+            find_misconception(course, exercise, mistake).diagnosis.title for exercise, mistake in found.mistakes
+        ),
+        lesson=(lesson.label, lesson_href(lesson)),
+    )
+
+
+def _exercise_link(course: Course, name: str) -> Link:
+    exercise = course.exercises.get(name)
+    return (name, "") if exercise is None else (exercise.title, exercise_href(exercise))
+
+
+@dataclass(frozen=True)
+class CouncilRow:
+    """A student on the sheet of the conseil de classe: one line or two, of them alone."""
+
+    name: str
+    href: str
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CouncilPage:
+    head: ClassHead
+    since: datetime
+    until: datetime
+    first_day: str
+    rows: tuple[CouncilRow, ...]
+    rule: str
+
+
+def build_council_page(db: Session, course: Course, access: ClassAccess, now: datetime, since: datetime) -> CouncilPage:
+    """Build the sheet of a class for the period from `since`."""
+    loaded = load_class_objectives(db, course, access.school_class, now)
+    href = class_href(access.school_class)
+    return CouncilPage(
+        head=class_head(course, access, "/objectifs"),
+        since=since,
+        until=loaded.progress.now,
+        first_day=f"{school_time.to_local(since):%Y-%m-%d}",
+        rows=tuple(
+            CouncilRow(
+                student.name,
+                f"{href}/eleves/{student.id}/objectifs",
+                describe_student(course, loaded, student.id, since),
+            )
+            for student in loaded.progress.students
+        ),
+        rule=RULE,
+    )
+
+
+def describe_student(course: Course, loaded: ClassObjectives, student: UUID, since: datetime) -> tuple[str, ...]:
+    """Return what is to be said of a student in one line or two, without a word on any other."""
+    states = loaded.states[student]
+    times = [
+        attempt.sent_at
+        for series in loaded.attempts.get(student, {}).values()
+        for attempt in series
+        if since <= attempt.sent_at
+    ]
+    mastered = [found for found in states if found.state is Mastery.mastered]
+    begun = sum(found.state is not Mastery.none for found in states)
+    lately = [found for found in mastered if found.mastered_at is not None and found.mastered_at >= since]
+    if not begun:
+        return ("Aucun objectif commencé.",)
+    first = f"{plural(len(mastered), 'objectif acquis', 'objectifs acquis')} sur {plural(begun, 'commencé')}"
+    if 0 < len(lately) < len(mastered):
+        first += f", dont {len(lately)} dans la période"
+    weeks = len({(moment - since) // WEEK for moment in times})
+    work = f"{plural(len(times), 'essai')} sur {plural(weeks, 'semaine')}" if times else "aucun essai dans la période"
+    lines = [f"{first} ; {work}."]
+    weak = [found for found in states if found.state is Mastery.weak]
+    if weak:
+        names = [_lowered(found.objective.objective.short) for found in weak]
+        others = f" et {len(names) - MAX_WEAK} autres" if len(names) > MAX_WEAK + 1 else ""
+        shown = names[:MAX_WEAK] if others else names
+        lines.append(f"À retravailler : {', '.join(shown)}{others}.{_remaining_mistake(course, weak)}")
+    return tuple(lines)
+
+
+def _lowered(short: str) -> str:
+    return short[0].lower() + short[1:]
+
+
+def _remaining_mistake(course: Course, weak: Sequence[ObjectiveState]) -> str:
+    """Return a sentence with the first mistake that remains; empty where none is known."""
+    mistakes = [mistake for found in weak for mistake in found.mistakes]
+    if not mistakes:
+        return ""
+    return f" Erreur qui demeure : « {find_misconception(course, *mistakes[0]).diagnosis.title} »."
