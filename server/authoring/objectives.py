@@ -9,6 +9,7 @@ from graders.core.code.grading import CodeGrader
 from server.course import Course, Exercise, Module, Problem, toml_file
 from server.course.models import Lesson
 from server.course.objectives import Objective
+from server.course.practice import practised_objectives
 from server.course.toml_places import line_of
 
 UNKNOWN_EXERCISE = "« exercises » : exercice inconnu « {name} »"
@@ -38,7 +39,7 @@ class ExerciseMistakes:
 def faults(course: Course) -> Iterator[Problem]:
     """Yield the faults of all modules that have objectives with exercises. Loads their graders."""
     for module in course.modules.values():
-        if module.practised_objectives:
+        if practised_objectives(module):
             yield from _module_faults(module)
 
 
@@ -53,7 +54,7 @@ def _module_faults(module: Module) -> Iterator[Problem]:
             ids.add(objective.id)
             for key, message in found:
                 yield Problem(lesson.text.source.path, _line_of(lesson, index, key), message)
-    objectives = module.practised_objectives
+    objectives = practised_objectives(module)
     for slug, exercise in exercises.items():
         for message in _uncarried(objectives, slug, exercise):
             yield Problem(module.folder / "exercices" / slug / "exercise.toml", None, message)

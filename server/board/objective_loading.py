@@ -18,9 +18,9 @@ from server.board.objectives import (
     MistakeFinder,
     ObjectiveState,
     PractisedObjective,
+    counting_objectives,
     find_states,
     group_by_student,
-    practised_objectives,
     summarise_class,
 )
 from server.board.progress import ClassProgress
@@ -39,7 +39,7 @@ class ClassObjectives:
     @cached_property
     def practised(self) -> tuple[PractisedObjective, ...]:
         module = self.progress.course.modules.get(self.module)
-        return () if module is None else practised_objectives(module, frozenset(self.progress.scope.exercises))
+        return () if module is None else counting_objectives(module, frozenset(self.progress.scope.exercises))
 
     @cached_property
     def attempts(self) -> Mapping[UUID, Mapping[str, Attempts]]:
@@ -80,7 +80,7 @@ def load_student_states(
     own = group_by_student(attempts).get(student, {})
     if as_student:
         own = hide_held_attempts(own, feedback.load_all_holds(db, student))
-    return find_states(practised_objectives(module, frozenset(counted)), own, MistakeFinder(course))
+    return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
 
 
 def hide_held_attempts(own: Mapping[str, Attempts], holds: Mapping[str, FeedbackHolds]) -> Mapping[str, Attempts]:

@@ -14,6 +14,7 @@ from server.board.catalogue import find_misconception
 from server.board.stuck import failures_without_progress
 from server.course import Course, Module
 from server.course.objectives import Objective
+from server.course.practice import practised_objectives
 from server.gradebook.histories import Attempts, AttemptsByPair
 
 #: Exercises to solve for an objective, or all where it has fewer.
@@ -66,11 +67,11 @@ class ObjectiveState:
     mastered_at: datetime | None
 
 
-def practised_objectives(module: Module, counted: Collection[str]) -> tuple[PractisedObjective, ...]:
+def counting_objectives(module: Module, counted: Collection[str]) -> tuple[PractisedObjective, ...]:
     """Return the objectives of a module that some counting exercise practises, in reading order."""
     stars = {exercise.slug: exercise.stars for exercise in module.exercises if exercise.id in counted}
     practised = []
-    for objective in module.practised_objectives:
+    for objective in practised_objectives(module):
         slugs = [slug for slug in objective.exercises if slug in stars]
         others = [slug for slug in objective.mistakes if slug in stars and slug not in slugs]
         plain = sum(not stars[slug] for slug in slugs)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
-from server.course.kinds import KINDS, LessonKind
+from server.course.kinds import LessonKind
 from server.course.objectives import Objective
 from server.sandbox.policy import Policy
 from server.text.markup import Cell, Heading, Names, Section, Text
@@ -156,7 +156,7 @@ class Exercise:
 class Lesson:
     """A text to read. What its front matter says is here at once; its text is read and rendered at the first need.
 
-    `solution`: it tells the answers of a paper, and is opened as an exercise's solution is (`id` names it then).
+    `solution`: it tells the answers of a paper, and is opened as an exercise's solution is (`id` names it then);
     `skills`: those of its objectives that name what practises them.
     """
 
@@ -290,16 +290,6 @@ class Module:
         """Its number, and its edition where it is not the first."""
         return self.number + edition_of(self.slug).words
 
-    @cached_property
-    def practised_objectives(self) -> tuple[Objective, ...]:
-        """The objectives of its lessons that exercises practise, in reading order."""
-        return tuple(
-            objective
-            for lesson in sorted(self.lessons, key=lambda lesson: KINDS.index(lesson.kind))
-            for objective in lesson.skills
-            if objective.exercises
-        )
-
 
 @dataclass(frozen=True, eq=False)
 class Course:
@@ -334,8 +324,7 @@ class Course:
 
     def title_of(self, exercise: str) -> str:
         """Return the title of an exercise by its id, or the id of one that has left the course."""
-        served = self.exercises.get(exercise)
-        return served.title if served else exercise
+        return self.exercises[exercise].title if exercise in self.exercises else exercise
 
     def title_at(self, path: str) -> str:
         """Return the title of the lesson or exercise at an address, empty where nothing is there any more."""
@@ -349,8 +338,7 @@ class Course:
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
-        served = self.exercises.get(exercise)
-        return served.version if served else UNKNOWN_VERSION
+        return self.exercises[exercise].version if exercise in self.exercises else UNKNOWN_VERSION
 
     def reused(self, exercise: str) -> Sequence[Exercise]:
         """The exercises whose functions the programs of an exercise may import."""

@@ -15,8 +15,8 @@ from server.board.objectives import (
     Mastery,
     MistakeFinder,
     PractisedObjective,
+    counting_objectives,
     find_states,
-    practised_objectives,
     summarise_class,
 )
 from server.course import Course
@@ -94,7 +94,7 @@ def test_a_class_is_counted_week_by_week() -> None:
 def test_a_challenge_shows_an_objective_but_is_not_required(course: Course) -> None:
     module = course.modules["l20"]
     counted = {f"l20/{slug}" for slug in ("mcl", "defi_kidnappe", "kabsch")}
-    rows = {row.objective.id: row for row in practised_objectives(module, counted)}
+    rows = {row.objective.id: row for row in counting_objectives(module, counted)}
     assert rows["monte-carlo"].exercises == ("l20/mcl", "l20/defi_kidnappe")
     assert rows["monte-carlo"].required == 1
     assert rows["recalage"].required == 1, "of five exercises, one counts here"

@@ -18,6 +18,7 @@ from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import Db
 from server.desk.objectives import views
+from server.desk.objectives.council import build_council_page
 from server.desk.requests import ShortQuery, redirect_to_login
 from server.desk.talk.work_views import find_student_work
 from server.identity.dependencies import SignedIn
@@ -86,7 +87,7 @@ def show_council_sheet(request: Request, class_id: str, reader: CurrentReader, d
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     now = utc_now()
-    view = views.build_council_page(reader.db, reader.course, access, now, _parse_day(depuis) or now - TERM)
+    view = build_council_page(reader.db, reader.course, access, now, _parse_day(depuis) or now - TERM)
     return render_page(request, "classes/council.html", reader.account, page=view)
 
 
