@@ -23,19 +23,8 @@ if TYPE_CHECKING:
     from graders.core.contract.protocol import Grader
 
 __all__ = [
-    "Cell",
-    "Course",
-    "CourseFault",
-    "Drawing",
-    "Exercise",
-    "FunctionSpec",
-    "Heading",
-    "Lesson",
-    "Module",
-    "Problem",
-    "ReadingPath",
-    "Section",
-    "Term",
+    "Cell", "Course", "CourseFault", "Drawing", "Exercise", "FunctionSpec", "Heading", "Lesson", "Module", "Problem",
+    "ReadingPath", "Section", "Term",
 ]  # fmt: skip
 
 
