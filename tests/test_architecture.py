@@ -49,6 +49,13 @@ def test_top_level_is_as_it_was_drawn() -> None:
     assert {name for name in tops if not name.startswith(".")} <= TOP_LEVEL
 
 
+def test_the_front_end_holds_its_sources_alone() -> None:
+    """What is built of them, third-party code among it, belongs to no commit."""
+    frontend = PROJECT / "server" / "frontend"
+    sources = {".npmrc", "build.mjs", "build_hook.py", "package.json", "package-lock.json", "src"}
+    assert {path.name for path in frontend.iterdir()} - {"__pycache__", "node_modules"} == sources
+
+
 def test_files_stay_readable() -> None:
     long = {
         str(path.relative_to(PROJECT)): lines

@@ -16,7 +16,7 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-FRONTEND = Path(__file__).parent
+FRONTEND = Path(__file__).resolve().parent  # npm and esbuild run in it
 STATIC = FRONTEND.parent / "static"
 STAMP = "stamp.txt"
 TIMEOUT_SECONDS = 300

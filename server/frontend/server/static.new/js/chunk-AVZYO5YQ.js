@@ -1,1 +1,0 @@
-import{a as t,b as n}from"./chunk-T5OOHDE6.js";var a="balise-sans-nom";function e(){let{account:t,role:e}=document.querySelector("[data-part=account]").dataset;("visitor"===e||"guest"===e)&&n(a,t)}function l(e,l){let u=t(a);if(null===u||u===e)return null;let r=t(l(u));return null!==r&&n(l(u),null),r}export{e as a,l as b};

@@ -1,1 +1,0 @@
-function t(t){try{return localStorage.getItem(t)}catch{return null}}function e(t,e){try{return null===e?localStorage.removeItem(t):localStorage.setItem(t,e),!0}catch{return!1}}export{t as a,e as b};

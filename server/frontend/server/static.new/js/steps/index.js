@@ -1,1 +1,0 @@
-import{a as s,b as a,c as r,d as e,e as o}from"../chunk-GDNBUGCP.js";import"../chunk-OEKEPJL6.js";export{s as ask,a as asked,e as refused,r as replay,o as show};

@@ -1,1 +1,0 @@
-document.documentElement.classList.add("js");try{let e=localStorage.getItem("balise-theme");("light"===e||"dark"===e)&&(document.documentElement.dataset.theme=e)}catch{}
