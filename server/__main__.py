@@ -1,7 +1,6 @@
-"""`python -m server` is `balise`."""
-
 import sys
 
 from server.cli import main
 
-sys.exit(main())
+if __name__ == "__main__":
+    sys.exit(main())
