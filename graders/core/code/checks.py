@@ -18,6 +18,7 @@ import numpy as np
 from graders.core.code.batch_judging import judge_batch, take_plain_answers
 from graders.core.code.bench import Bench
 from graders.core.code.drawable import drawable_as
+from graders.core.code.shared_results import SHARED, find_changed_result
 from graders.core.code.simplifying import fails_alike, shrink_and_reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch, compare
@@ -129,7 +130,7 @@ class Trial(Check):
 
 @dataclass(frozen=True, kw_only=True)
 class Untouched(Check):
-    """The functions must not modify their arguments. `inputs` draws the arguments of each function.
+    """The functions must not modify their arguments, nor what they returned. `inputs` draws arguments of each.
 
     Functions in `chance` draw random numbers: they are first called RANDOM_CALLS times, as one may raise only rarely.
     """
@@ -163,6 +164,22 @@ class Untouched(Check):
             bench.observe(batch.function, ",".join(changed), ok=not changed)
             if changed:
                 raise self._rejection(batch.function, changed[0], args, after)
+            self._keep_results(bench, batch.function, args)
+
+    def _keep_results(self, bench: Bench, function: str, args: Arguments) -> None:
+        """Results that the student returned must stay as they were, whatever is called next."""
+        calls = [args, self.inputs(np.random.default_rng(0))[function]]
+        found = find_changed_result(bench.runner, bench.kit, function, calls)
+        if found is None:
+            return
+        bench.observe(function, SHARED, ok=False)
+        raise Rejection(
+            f"{function} réécrit ce qu’elle a renvoyé : gardé, le premier résultat change à l’appel suivant.",
+            inputs=dict(zip(self.names[function], calls[0], strict=True)),
+            expected=found.before,
+            got=found.after,
+            slip=SHARED,
+        )
 
     def _after(self, bench: Bench, batch: PlannedCalls) -> Arguments:
         """Return the arguments after the last of the calls."""

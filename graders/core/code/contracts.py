@@ -15,6 +15,9 @@ from typing import NamedTuple
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.compare.forms import ValueForm, text_list, with_tolerance
 
+#: The types of what programs are given.
+PLAIN = "Un nombre est toujours un flottant, un tableau un tableau numpy de flottants."
+
 
 @dataclass(frozen=True)
 class Boundary:
@@ -56,9 +59,11 @@ class FunctionContract:
         return tuple(PromiseLine(label, text) for label, text in self._told() if text)
 
     def _told(self) -> Iterator[tuple[str, str]]:
-        yield "Reçoit", f"{_taken(self.takes)}.{' Vos arguments restent intacts.' if self.untouched else ''}"
+        intact = " Vos arguments doivent rester intacts." if self.untouched else ""
+        yield "Reçoit", f"{_taken(self.takes)}. {PLAIN}{intact}"
         yield "Sans valeur donnée", text_list([f"{name} vaut {value}" for name, value in self.defaults] or [""])
-        yield "Renvoie", f"{self.returns.words}."
+        lasting = " Un résultat renvoyé ne doit plus changer." if self.untouched else ""
+        yield "Renvoie", f"{self.returns.words}.{lasting}"
         yield "Convient", self.returns.also
         yield "Précision", self.returns.told_precision()
         yield "Jugé aussi", " ; ".join(edge.words for edge in self.boundaries if edge.holds)

@@ -24,6 +24,7 @@ from graders.core.code.mutations import Model, Mutant
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, read_answer, same_probe_answer
 from graders.core.code.runner import Runner
+from graders.core.code.shared_results import SHARED, find_changed_result
 from graders.core.code.stateless import is_stateless, may_keep_state
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
@@ -108,6 +109,10 @@ class Prober:
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
                 if not names:
                     fallback += self._fallback_names(index, sequence)
+            probes = self.probes[index]
+            if not names and find_changed_result(runner, probes.kit, probes.function, probes.calls) is not None:
+                mistakes += [SHARED] if SHARED not in mistakes else []
+                certain = False
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
 
     def _borne_out(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:

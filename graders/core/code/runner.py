@@ -66,7 +66,7 @@ class Runner:
         self.budget = budget
         self.clock = clock_of(programs)
         self._started_at, self._answer_count = self.clock(), 0
-        self._programs = programs
+        self.programs = programs
         self._source = source
         self._kit = kit
         self._launches = 0
@@ -110,7 +110,7 @@ class Runner:
     def _start(self, kit: KitSettings, launches: int, max_launches: int, ahead: Sequence[PlannedCalls] = ()) -> Program:
         if launches > max_launches:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
-        return self._programs.open(self._source, kit, ahead)
+        return self.programs.open(self._source, kit, ahead)
 
     @property
     def seconds_per_call(self) -> float:
@@ -320,8 +320,8 @@ class Runner:
     def announce_launches(self, launches: int) -> None:
         """Announce further launches of the file, so that they can be prepared."""
         self._announced += launches
-        if self._announced and isinstance(self._programs, PreparablePrograms):
-            self._programs.prepare(self._source, self._kit, self._announced)
+        if self._announced and isinstance(self.programs, PreparablePrograms):
+            self.programs.prepare(self._source, self._kit, self._announced)
 
     @contextmanager
     def side_program(self, kit: KitSettings, ahead: Sequence[PlannedCalls] = ()) -> Iterator[Program]:

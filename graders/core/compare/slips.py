@@ -90,6 +90,13 @@ SLIPS = {
             "Quelle variable de votre code existe encore quand la fonction est finie ?",
         ),
         Slip(
+            "resultat_partage",
+            "Un résultat que l'appel suivant change",
+            "Votre fonction renvoie à chaque appel le même tableau, qu'elle réécrit : celui qui garde un résultat "
+            "le voit changer à l'appel d'après.",
+            "Où est créé le tableau que vous renvoyez : dans la fonction, ou une fois pour toutes ?",
+        ),
+        Slip(
             "hasard",
             "Un résultat tiré au hasard",
             "Avec les mêmes arguments, votre fonction ne renvoie pas deux fois la même chose, et le même fichier "

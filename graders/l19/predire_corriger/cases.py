@@ -9,7 +9,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graders.core.contract.values import Arguments
+from graders.core.contract.values import Arguments, Floats
+
+#: How far a drawn reading is from what was believed.
+APART = 0.3
 
 
 def moves_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -43,9 +46,17 @@ def any_readings(rng: np.random.Generator) -> Iterator[Arguments]:
     yield -4.5, 0.36, -3.25, 2.25
     yield 7.75, 5.29, 6.5, 0.09
     for _ in range(8):
-        m, z = np.round(rng.uniform(-9.0, 9.0, 2), 2) + 0.0
+        m, z = _apart(rng)
         v, r = np.round(rng.uniform(0.05, 8.0, 2), 2)
         yield float(m), float(v), float(z), float(r)
+
+
+def _apart(rng: np.random.Generator) -> Floats:
+    """A mean and a reading that is well away from it: what happens near it is judged by hand."""
+    while True:
+        pair: Floats = np.round(rng.uniform(-9.0, 9.0, 2), 2) + 0.0
+        if abs(pair[1] - pair[0]) > APART:
+            return pair
 
 
 def is_telling_move(args: Arguments) -> bool:

@@ -65,9 +65,11 @@ class Search:
 def calibrate(bench: Bench, walk: Walk, guess: float | None = None) -> Search:
     """Look for one threshold > 0 that separates for every query of the walk. Raises StudentFault.
 
-    With a `guess`, a threshold that separates on another walk: what was asked again there is not once more.
+    With a `guess`, a threshold that separates on another walk: what was asked again there is not once more, and the
+    search goes on below a threshold that finds one scan too many in the place of the right one, as a program does that
+    returns the first it meets: whether it fails must not depend on how near the guess was.
     """
-    search = _close_in(bench, walk, guess or 1.0)
+    search = _close_in(bench, walk, guess or 1.0, patient=guess is not None)
     if search.outcome is Outcome.FOUND:
         return search if guess else _again(bench, search)
     most = _ask(bench, walk, walk.queries[0], HUGE)
@@ -103,15 +105,17 @@ def _lost(bench: Bench, most: Search) -> Search:
     return replace(least, outcome=Outcome.REVERSED) if reversed_ else replace(most, outcome=Outcome.NEVER)
 
 
-def _close_in(bench: Bench, walk: Walk, threshold: float) -> Search:
+def _close_in(bench: Bench, walk: Walk, threshold: float, *, patient: bool = False) -> Search:
     low, high, leap = 1.0 / HUGE, HUGE, 2.0
     too_low: Search | None = None
     too_high: Search | None = None
+    hopeless: Search | None = None
     while math.log10(high / low) > NARROW:
         search = _try(bench, walk, threshold)
-        if search.outcome is not Outcome.MIXED or search.hopeless:
+        if search.outcome is not Outcome.MIXED or (search.hopeless and not patient):
             return search
-        if search.missed is not None:
+        hopeless = hopeless or (search if search.hopeless else None)
+        if search.missed is not None and not search.hopeless:
             low, too_low = search.threshold, search
         else:
             high, too_high = search.threshold, search
@@ -120,7 +124,7 @@ def _close_in(bench: Bench, walk: Walk, threshold: float) -> Search:
             threshold = min(threshold, low * leap)
         elif too_low is None:
             threshold = max(threshold, high / leap)
-    return _closed(too_low, too_high)
+    return hopeless or _closed(too_low, too_high)
 
 
 def _closed(too_low: Search | None, too_high: Search | None) -> Search:

@@ -70,17 +70,18 @@ def _conclude(bench: Bench, search: Search, remark: str = "") -> None:
 
 
 def traps(bench: Bench) -> None:
-    """Places that share a number: two of this grading, the look-alikes that never change, which are told first.
+    """Places that share a number: the look-alikes that never change, then two of this grading.
 
     For a signature that is one number, two places that share that one, too. One that starts from an extreme ray, of
     which noise makes another, escapes from some traps and not from others: it is turned away before.
     """
     _must_ignore_heading(bench)
     must_ignore_ties(bench)
-    drawn = _search(bench, "signature", partial(scenes.trap, kit_seed(bench), _draw_seed(bench.rng)))
-    search = _search(bench, "signature", lookalikes, drawn.threshold if drawn.found_one else None)
-    own = _own_trap(bench) if search.found_one and drawn.found_one else None
+    search = _search(bench, "signature", lookalikes)
     if search.found_one:
+        draw = partial(scenes.trap, kit_seed(bench), _draw_seed(bench.rng))
+        drawn = _search(bench, "signature", draw, search.threshold)
+        own = _own_trap(bench) if drawn.found_one else None
         search = _search(bench, "signature", own) if own else drawn
     bench.observe("signature", search.outcome.value, ok=search.found_one)
     if not search.found_one:

@@ -146,6 +146,8 @@ def within_range(rng: Rng) -> Iterator[Arguments]:
     yield ROOM, 1.4, 5.5, 0.0, 4.0
     yield ROOM, 1.4, 5.5, 0.0, 9.0
     yield ROOM, 4.6, 3.3, math.pi, 2.7
+    yield ROOM, 3.2, 5.5, math.pi, 4.0
+    yield ROOM, 3.2, 4.8, -2.6, 5.0
     yield ROOM, 4.6, 3.3, -QUARTER, 0.45
     yield ROOM, 4.4, 5.3, -1.2, 3.15
     yield ROOM, 4.4, 5.3, -1.2, 5.0
@@ -193,7 +195,7 @@ def _drawn(rng: Rng, libres: Grid, portee_max: float, *, along_an_axis: bool = F
         if along_an_axis:
             angle = float(rng.choice([0.0, QUARTER, math.pi, -QUARTER]))
         args = (libres, round(float(x), 2), round(float(y), 2), angle, portee_max)
-        if judged(args):
+        if judged(args) and (angle or along_an_axis):
             return args
 
 

@@ -7,13 +7,18 @@ import numpy as np
 from graders.core.code.contracts import Boundary, FunctionContract
 from graders.core.compare.compound_forms import TupleForm
 from graders.core.compare.forms import WHOLE, ArrayForm, array, power_text
+from graders.core.compare.words import number
 from graders.l20.mcl.answers import MOST, SUM_TOLERANCE
+from graders.l20.mcl.steps import FEWEST_DISTINCT, FILLS, STILL_SCANS, WIDE, WINS
 
 PARTICLES = ArrayForm(shape=("n", 3), called="des particules")
 WEIGHTS = array("n")
 AFTER = TupleForm(
     parts={"particules": ArrayForm(shape=("m", 3), called="des particules"), "poids": array("m")},
-    precision=f"Les poids sont positifs, de somme 1 à {power_text(SUM_TOLERANCE)} près ; m va jusqu’à {MOST}.",
+    precision=f"Les poids sont positifs, de somme 1 à {power_text(SUM_TOLERANCE)} près ; m va jusqu’à {MOST}. Des "
+    f"particules confondues se dispersent : au moins {FEWEST_DISTINCT} poses différentes, mais la moitié d’entre elles "
+    f"à moins de {number(WIDE)} du déplacement. Le nuage qui explique le scan finit avec plus de {100 * WINS:.0f} % du "
+    f"poids ; après {STILL_SCANS} scans sans bouger, le bon groupe a plus de {100 * FILLS:.0f} % des particules.",
 )
 ESTIMATE = ArrayForm(shape=(3,), called="une pose", precision="L’angle est jugé à un tour près.")
 ONCE = "est lancé une fois pour les premières vérifications, où les appels se suivent ; puis pour chaque essai."

@@ -25,6 +25,8 @@ TELLING = 0
 #: the other way round: side by side, then one above the other. Whoever forgets a beam, or its direction, or looks from
 #: an edge of the cell, finds them as likely, or more alike than they are.
 OPPOSED: tuple[tuple[Cell, Cell], ...] = (((3, 16), (3, 17)), ((1, 18), (2, 18)))
+#: A cell (y, x) of that map whose scan is so far from another one's that the exponential of half the squares overflows.
+FAR_FROM_OTHERS: Cell = (7, 17)
 #: Three cells (y, x) of that map that see the same: of a third each, no rounded result adds up to 1.
 ALIKE: tuple[Cell, ...] = ((3, 21), (12, 2), (12, 7))
 
@@ -158,6 +160,7 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 1.0
     yield one_hot(shape, *ALIKE), grid.scans[ALIKE[0]], 0.5
+    yield grid.uniform(), grid.scans[FAR_FROM_OTHERS], 0.4
     for sigma in (1.5, 1.0, 0.5):
         cell = pick(rng, grid.free)
         other = neighbour(rng, grid, cell)

@@ -65,8 +65,8 @@ CONTRACTS = (
         {"poses": poses()},
         IndicesForm(),
         (
-            Boundary("un seuil atteint à un arrondi près", free="0,3 m et 0,4 rad ne sont jamais atteints pile"),
-            Boundary("le chemin ou le vol d’oiseau ; la rotation nette ou cumulée", free="comme vous voulez"),
+            Boundary("un seuil atteint à un arrondi près (10⁻⁶)", free="compté ou non : `>` comme `>=`"),
+            Boundary("le chemin ou le vol d’oiseau ; la rotation nette ou cumulée", free="au choix"),
         ),
         ONCE,
     ),

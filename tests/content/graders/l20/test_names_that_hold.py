@@ -111,6 +111,34 @@ def test_what_is_kept_between_calls_is_not_said_to_be_random_besides() -> None:
     assert found.title == SLIPS["memoire"].title
 
 
+ONE_ARRAY = """
+rendu = np.zeros(3)
+
+def ramener(t):
+    return np.pi - (np.pi - t) % (2 * np.pi)
+
+def composer(a, b):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    rendu[:] = a[0] + b[0] * c - b[1] * s, a[1] + b[0] * s + b[1] * c, ramener(a[2] + b[2])
+    return rendu
+
+def inverse(a):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    return np.array([-a[0] * c - a[1] * s, a[0] * s - a[1] * c, ramener(-a[2])])
+
+def relatif(a, b):
+    return composer(inverse(a), b)
+"""
+
+
+def test_a_result_that_the_next_call_changes_is_told() -> None:
+    found = plain_verdict_of("l20/poses", ONE_ARRAY, 3)
+    assert [check.id for check in found.checks if not check.passed] == ["arguments"]
+    assert named(found) == "resultat_partage"
+    kept_apart = ONE_ARRAY.replace("return rendu", "return rendu.copy()")
+    assert plain_verdict_of("l20/poses", kept_apart, 3).points == 20.0
+
+
 def test_the_words_of_frozen_copies_hold_without_a_comb() -> None:
     found = plain_verdict_of(COMB, ROUNDED, 3).diagnosis
     assert found is not None
