@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -161,9 +162,12 @@ class Letter:
 
 @dataclass(frozen=True)
 class GlossaryPage:
+    """The glossary of a module; `errors`: the names of Python's errors with what they mean."""
+
     module: ModuleLink
     letters: tuple[Letter, ...]
     total: int
+    errors: Mapping[str, str]
 
 
 @dataclass(frozen=True)

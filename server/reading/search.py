@@ -21,6 +21,7 @@ from server.course import Exercise, Module
 from server.course.models import Lesson, Term
 from server.reading.schemas import HitView
 from server.reading.vocabulary import WORD, Vocabulary, spelt
+from server.sandbox.exceptions import USUAL_ERRORS
 
 MAX_HITS = 30
 MAX_QUERY_LENGTH, MAX_QUERY_WORDS = 200, 8  # the rest of a query is ignored
@@ -177,6 +178,7 @@ def _without_marks(text: str) -> str:
 def _passages(module: Module) -> Iterator[Passage]:
     for term in module.glossary.values():
         yield _term_passage(module, term)
+    yield from _error_passages(module)
     for lesson in module.lessons:
         yield from _lesson_passages(lesson)
     for exercise in module.exercises:
@@ -185,6 +187,13 @@ def _passages(module: Module) -> Iterator[Passage]:
 
 def _term_passage(module: Module, term: Term) -> Passage:
     return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text, term.id)
+
+
+def _error_passages(module: Module) -> Iterator[Passage]:
+    """Yield the names of Python's errors; they stand in the glossary."""
+    for name, meaning in USUAL_ERRORS.items() if module.glossary else ():
+        place = f"/{module.slug}/glossaire#e-{name.lower()}"
+        yield Passage(place, "Glossaire", "Erreurs de Python", name, meaning, name)
 
 
 def _lesson_passages(lesson: Lesson) -> Iterator[Passage]:

@@ -36,6 +36,7 @@ from server.reading.schemas import (
     Shelf,
     TermView,
 )
+from server.sandbox.exceptions import USUAL_ERRORS
 from server.text.lines import tidy_line
 from server.text.prose import line
 from server.web import deadlines, editions
@@ -267,7 +268,7 @@ def glossary_page(module: Module) -> GlossaryPage:
     """Raises NotFound for a module without one."""
     if not module.glossary:
         raise NotFound("Ce module n’a pas de glossaire.")
-    return GlossaryPage(module_link(module), _letters(module), len(module.glossary))
+    return GlossaryPage(module_link(module), _letters(module), len(module.glossary), USUAL_ERRORS)
 
 
 @lru_cache(maxsize=32)

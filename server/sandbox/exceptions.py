@@ -36,6 +36,27 @@ _ADVICE = {
 }  # fmt: skip
 
 
+#: What the names of errors mean that a student meets, for a glossary: those of reading a file first.
+USUAL_ERRORS = {
+    "SyntaxError": (
+        "Python ne peut pas lire cette ligne : il manque souvent deux points, une parenthèse ou un guillemet, ici ou à "
+        "la fin de la ligne d’avant."
+    ),
+    "IndentationError": (
+        "Cette ligne n’est pas décalée comme elle le devrait : quatre espaces sous une ligne qui finit par « : », et "
+        "le même décalage pour toutes les lignes d’un bloc."
+    ),
+    **{
+        name: _ADVICE[name]
+        for name in (
+            *("NameError", "UnboundLocalError", "TypeError", "IndexError", "KeyError", "AttributeError", "ValueError"),
+            *("ZeroDivisionError", "RecursionError", "LinAlgError", "AxisError", "OverflowError", "AssertionError"),
+            *("NotImplementedError", "FileNotFoundError", "EOFError"),
+        )
+    },
+}
+
+
 #: Advice for system errors, by the words of their text (`OSError` alone says little).
 _SYSTEM = {
     "Too many open files": "Trop de fichiers sont ouverts à la fois : fermez-les, ou ouvrez-les par « with ».",

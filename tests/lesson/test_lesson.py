@@ -232,7 +232,7 @@ def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(
     assert ended.headers["location"] == f"{href}/seance/{lesson.id}"
     text = text_of(browser, f"{href}/seance/{lesson.id}")
     parts = {
-        name: text.split(f'id="{name}"')[1].split("</section>")[0]
+        name: re.split("</section>|</details>", text.split(f'id="{name}"')[1])[0]
         for name in ("voir", "expliquer", "enonces", "rien", "progres")
     }
     assert all(f"/eleves/{student}/{EXERCISE}" in parts["voir"] for student in students[:6])

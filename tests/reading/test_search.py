@@ -216,3 +216,10 @@ def _seconds(index: Index, query: str) -> float:
     began = time.process_time()
     index.find(query)
     return time.process_time() - began
+
+
+@pytest.mark.parametrize("query", ["IndexError", "indexerror", "NameError", "zerodivisionerror"])
+def test_errors_are_found_by_their_names(query: str) -> None:
+    hits = find(the_course().modules["l20"], query).hits
+    assert hits[0].part.lower() == query.lower()
+    assert hits[0].href == f"/l20/glossaire#e-{query.lower()}"

@@ -21,3 +21,9 @@ from server.text.spoken import spoken
 )
 def test_formulas_are_said_once(text: str, said: str) -> None:
     assert spoken(line(text, no_names)) == said
+
+
+def test_a_matrix_is_said_row_by_row() -> None:
+    cell = "<mtd><mstyle><mn>{}</mn></mstyle></mtd>".format
+    rows = "".join(f"<mtr>{cell(a)}{cell(b)}</mtr>" for a, b in ((1, 2), (3, 4)))
+    assert spoken(f"<math><mo>(</mo><mtable>{rows}</mtable><mo>)</mo></math>") == "(1, 2 ; 3, 4)"

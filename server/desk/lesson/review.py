@@ -36,6 +36,7 @@ class SeeRow:
     exercise: str
     failures: int
     mistake: str
+    objectives: str
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,7 @@ def review_page(
                 links.title(row.exercise),
                 row.failures,
                 "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
+                f"{links.href}/eleves/{row.account}/objectifs",
             )
             for row in review.to_see
         ),
