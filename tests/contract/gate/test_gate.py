@@ -1,9 +1,9 @@
 """The gate: nobody holds up anybody. A class member's pages and verdicts while each flood of the table goes on.
 
 Idle and flooded times are measured in turn, on the same machine, and again where a door seems closed: what else goes on
-there weighs on both. Beside the other tests of a run nothing is compared: every door answers while the floods go on,
-and that is all; `pytest tests/contract/gate` compares. The fast gate lets several floods go on at once; `-m slow` has
-each alone, on one machine and on several. `python -m tests.contract.gate.table` prints the figures.
+there weighs on both. So it is no neighbour of other tests: `pytest tests/contract/gate` runs it, after the other tests
+in CI. The fast gate lets several floods go on at once; `-m slow` has each alone, on one machine and on several.
+`python -m tests.contract.gate.table` prints the figures.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ CONNECTIONS = ("one-byte chunks", "many headers", "slow loris", "half a body, by
 READ = ("search with 4,000 characters", "deep JSON", "huge forms", "forms of percent signs")
 TEACHERS = ("list bombs of a teacher", "colouring bombs")
 PROGRAMS = ("endless loops of a guest", "endless cells")
-#: In a process of xdist: the floods take the processors from other tests, and these weigh on what is measured.
-BESIDE_OTHERS = "PYTEST_XDIST_WORKER" in os.environ
+#: Floods take the processors from other tests, whose work weighs on what is measured.
+pytestmark = pytest.mark.skipif(
+    "PYTEST_XDIST_WORKER" in os.environ, reason="it is measured alone: pytest tests/contract/gate"
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +52,9 @@ def cluster(tmp_path: Path, shared_settings: Settings, machines: list[Machine]) 
 )
 def test_floods_hold_up_nobody(service: Service, names: tuple[str, ...], doors: set[str]) -> None:
     with closing(Bystander(service)) as bystander:
-        outcome = measure(service, bystander, names, doors, rounds=1 if BESIDE_OTHERS else 4, page=PAGE_BESIDE_OTHERS)
+        outcome = measure(service, bystander, names, doors, rounds=4, page=PAGE_BESIDE_OTHERS)
     assert any(any(outcome.done[name].values()) for name in names), outcome.done
-    assert BESIDE_OTHERS or not outcome.closed, outcome.closed
+    assert not outcome.closed, outcome.closed
 
 
 @pytest.mark.slow
@@ -63,7 +65,6 @@ def test_no_flood_holds_up_anybody(service: Service, name: str) -> None:
     assert not outcome.closed, outcome.closed
 
 
-@pytest.mark.skipif(BESIDE_OTHERS, reason="it is measured alone: pytest tests/contract/gate")
 @pytest.mark.long
 def test_floods_hold_up_nobody_on_several_machines(cluster: Service) -> None:
     names = ("one-byte chunks", "deep JSON", "endless loops of a guest")
