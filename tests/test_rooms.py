@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from server.base.files import ROOT
+from tests.support.tables import folded
 
 DEV = ROOT / "server" / "docs" / "dev"
 README_BYTES = 12_000
@@ -35,14 +36,14 @@ def test_every_room_is_in_the_table_and_nothing_else() -> None:
     assert list(ROOMS) == sorted(ROOMS)
 
 
-@pytest.mark.parametrize("room", sorted(ROOMS.keys() - {"frontend"}))
+@folded("room", sorted(ROOMS.keys() - {"frontend"}))
 def test_a_room_says_of_itself_what_the_table_says(room: str) -> None:
     source = (ROOT / "server" / room / "__init__.py").read_text(encoding="utf-8")
     said = ast.get_docstring(ast.parse(source)) or ""
     assert said.removesuffix(" See README.md in this folder.") == ROOMS[room]
 
 
-@pytest.mark.parametrize("room", sorted(ROOMS))
+@folded("room", sorted(ROOMS))
 def test_each_room_has_tests_in_a_folder_of_its_name(room: str) -> None:
     """In one of the three parts of the suite; the front end's tests run in a browser."""
     folder = {"frontend": "browser"}.get(room, room)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from server.cells import png
+from tests.support.tables import folded
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -125,7 +126,7 @@ HOSTILE = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("given", HOSTILE.values(), ids=HOSTILE.keys())
+@folded("given", HOSTILE.values(), ids=HOSTILE.keys())
 def test_anything_out_of_the_ordinary_is_refused(given: bytes) -> None:
     with pytest.raises(png.Malformed):
         png.rebuilt(given)

@@ -10,6 +10,7 @@ from server.classes.full_names import split_full_name
 from server.classes.headers import recognise
 from server.classes.roster import ReadingChoice, UnreadColumns, read_roster
 from tests.support.spreadsheets import ods, workbook, xlsx, xlsx_sheets
+from tests.support.tables import folded
 
 Person = tuple[str, ...]
 ANA, INES = ("Petit", "Ana"), ("Lacroix", "Inès")
@@ -329,7 +330,7 @@ def test_names_that_cannot_be_cut_stay_whole_and_are_told() -> None:
     assert (cut.lines[0].family_name, cut.lines[0].given_name) == INES
 
 
-@pytest.mark.parametrize(
+@folded(
     ("header", "field"),
     [
         ("Nom", "nom"), ("NOM *", "nom"), ("Nom de famille", "nom"), ("Last name", "nom"), ("Surname", "nom"),
@@ -403,14 +404,14 @@ def test_an_encoding_is_judged_by_what_comes_out(encoding: str) -> None:
     assert decode_text(names.encode(encoding)).text == names
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("read_as", ["cp1252", "mac_roman", "cp850"])
+@folded("name", NAMES)
+@folded("read_as", ["cp1252", "mac_roman", "cp850"])
 def test_utf8_read_as_something_else_is_mended(name: str, read_as: str) -> None:
     damaged = name.encode().decode(read_as, errors="replace")
     assert "\ufffd" in damaged or repair_word(damaged) == name
 
 
-@pytest.mark.parametrize(
+@folded(
     "name",
     [*NAMES, "D’ALMEIDA", "D‘Almeida", "McÉwan", "Žižek", "Škoda", "Łukasz", "Dvořák", "ŠIMŮNEK", "«Zoé»", "“Zoé”",
      "Ÿves",

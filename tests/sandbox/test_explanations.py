@@ -16,6 +16,7 @@ import pytest
 
 from server.sandbox import ProgramFault, messages, renamed_names
 from server.sandbox.explanations import explain_error, explain_import
+from tests.support.tables import folded
 
 FaultOf = Callable[..., ProgramFault]
 HEAD = "import math\nimport numpy as np\n\n\n"
@@ -116,7 +117,7 @@ def test_only_exact_types_are_looked_at(fault_of: FaultOf) -> None:
 NAMESPACE: dict[str, Any] = {"np": np, "math": math, "numpy": np}
 
 
-@pytest.mark.parametrize("name", sorted(renamed_names.NUMPY))
+@folded("name", sorted(renamed_names.NUMPY))
 def test_the_table_of_numpy_fits_the_library_served(name: str) -> None:
     """An old name is gone, or goes with a warning; what is written instead exists."""
     with warnings.catch_warnings():

@@ -15,6 +15,7 @@ from server.sandbox.foreign_characters import (
     repair,
     show_foreign_characters,
 )
+from tests.support.tables import folded
 
 PROGRAM = '''import numpy as np
 
@@ -105,9 +106,7 @@ SIGNS = """def f(a, b: list[int]) -> dict:
 """
 
 
-@pytest.mark.parametrize(
-    ("plain", "foreign"), [(plain, foreign) for plain, many in LOOK_ALIKES.items() for foreign in many.split()]
-)
+@folded(("plain", "foreign"), [(plain, foreign) for plain, many in LOOK_ALIKES.items() for foreign in many.split()])
 def test_the_key_to_type_brings_the_program_back(plain: str, foreign: str) -> None:
     text = SIGNS.replace(plain, foreign)
     assert not is_readable(text)

@@ -17,6 +17,7 @@ from server.sandbox.child import report
 from server.sandbox.diagnosis import parse_fault
 from server.sandbox.faults import ProgramFault
 from server.sandbox.policy import Policy
+from tests.support.tables import folded
 
 from .french_errors import HEAD, PROGRAMS, TAIL
 from .unreadable_lines import MENDED, UNREADABLE
@@ -52,7 +53,7 @@ def told_about(line: str) -> str:
     return message[head.end() :].removeprefix(f"({line.splitlines()[-1][:80]}) : ")
 
 
-@pytest.mark.parametrize("line", PROGRAMS)
+@folded("line", PROGRAMS)
 def test_a_usual_error_is_told_in_french(line: str) -> None:
     told = told_about(line)
     assert told.startswith(PROGRAMS[line]), told
@@ -96,7 +97,7 @@ def test_a_line_that_python_cannot_read_is_told_in_french(source: str) -> None:
     assert not ENGLISH.search(re.sub(r"« .*? »|\(.*?\)|: .*$", "", told)), told
 
 
-@pytest.mark.parametrize(("source", "advice", "mended"), MENDED)
+@folded(("source", "advice", "mended"), MENDED)
 def test_advice_that_is_followed_mends(source: str, advice: str, mended: str) -> None:
     """Each advice was followed to the letter in the second source, which Python reads."""
     assert advice in unreadable(source)

@@ -10,6 +10,7 @@ import pytest
 
 from server.base.errors import Invalid
 from server.steps import calls
+from tests.support.tables import folded
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,7 @@ def test_a_call_has_the_values_that_python_gives_it(typed: str) -> None:
     assert [type(one) for one in call.arguments] == [type(one) for one in arguments]
 
 
-@pytest.mark.parametrize(
+@folded(
     ("typed", "said"),
     [
         ("", "ne comprend pas"),

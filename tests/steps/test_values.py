@@ -18,6 +18,7 @@ from server.steps.run import _read_returned
 from server.steps.schemas import TraceOut
 from server.steps.trace_reader import MAX_TRACE_BYTES, TraceReader
 from server.steps.values import MalformedTrace
+from tests.support.tables import folded
 
 SHOWN = {
     "none": [None],
@@ -74,7 +75,7 @@ HOSTILE: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("told", HOSTILE, ids=lambda told: str(told)[:40])
+@folded("told", HOSTILE, ids=lambda told: str(told)[:40])
 def test_what_no_tracer_makes_is_refused(told: Any) -> None:
     with pytest.raises(MalformedTrace):
         values.read_value(told)

@@ -23,6 +23,7 @@ from reference.formats.map_server import (
 )
 from reference.formats.pgm import GreyImage, PgmError, read_pgm, write_pgm
 from reference.world.grid_map import GridMap, GridMapError
+from tests.support.tables import folded
 
 shapes = st.tuples(st.integers(1, 7), st.integers(1, 7))
 trinary = arrays(np.int8, shapes, elements=st.sampled_from([-1, 0, 100]))
@@ -221,7 +222,7 @@ def test_the_map_of_the_turtlebot(dataset: Callable[[str], bytes]) -> None:
 ONE = OccupancyGrid(np.array([[0, 100]]), 1.0, np.zeros(3))
 
 
-@pytest.mark.parametrize(
+@folded(
     ("argument", "call"),
     [
         ("data", lambda: read_pgm(b"P6 1 1 255\n\x00\x00\x00")),

@@ -16,6 +16,7 @@ from reference.planning.moving_ai import parse_map, parse_scenarios
 from reference.pose_graph import dumps_g2o, loads_g2o
 from reference.text import decode_text, split_lines
 from reference.world.grid_map import GridMap
+from tests.support.tables import folded
 
 TUM = "# été\n1.5 0 0 0 0 0 0 1\n2.5 1 0 0 0 0 0 1\n"
 KITTI = "1 0 0 0 0 1 0 0 0 0 1 0\n"
@@ -53,9 +54,9 @@ SAVED: dict[str, Callable[[str], str | bytes]] = {
 }
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize("saved", SAVED)
-@pytest.mark.parametrize("reader", READERS)
+@folded("end", ["\n", "\r\n", "\r"])
+@folded("saved", SAVED)
+@folded("reader", READERS)
 def test_a_file_is_read_alike_whatever_saved_it(reader: str, saved: str, end: str) -> None:
     read, text = READERS[reader]
     assert read(SAVED[saved](text.replace("\n", end))) == read(text)

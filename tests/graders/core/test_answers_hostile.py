@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from graders.core.contract.outcomes import Outcome
 from tests.support.answered import ODOMETRY, PROOF, QUIZ, graded, grader_of
+from tests.support.tables import folded
 
 #: One exercise of each form: numbers, choices and an order. Exercises of a form differ by their texts and data alone.
 FORMS = (ODOMETRY, QUIZ, PROOF)
@@ -33,8 +34,8 @@ MALFORMED = {
 }
 
 
-@pytest.mark.parametrize("name", FORMS)
-@pytest.mark.parametrize("source", MALFORMED, ids=lambda source: repr(source[:12]))
+@folded("name", FORMS)
+@folded("source", MALFORMED, ids=lambda source: repr(source[:12]))
 def test_a_malformed_file_has_its_outcome_and_no_mark(name: str, source: bytes) -> None:
     verdict = graded(name, source).verdict
     assert (verdict.outcome, verdict.score) == (MALFORMED[source], 0)

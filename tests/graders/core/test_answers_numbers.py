@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from graders.core.answers.numbers import MAX_DEPTH, MAX_LENGTH, NotANumberError, check_finite, read_number
 from graders.core.compare.words import number
+from tests.support.tables import folded
 
 READ = {
     "0,1": 0.1,
@@ -75,12 +76,12 @@ REFUSED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("text", READ)
+@folded("text", READ)
 def test_what_students_type_is_read(text: str) -> None:
     assert read_number(text) == pytest.approx(READ[text], rel=1e-15)
 
 
-@pytest.mark.parametrize("text", REFUSED)
+@folded("text", REFUSED)
 def test_what_is_no_number_is_explained(text: str) -> None:
     with pytest.raises(NotANumberError) as refused:
         read_number(text)

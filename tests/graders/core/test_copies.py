@@ -6,11 +6,11 @@ import copy
 from typing import Any
 
 import numpy as np
-import pytest
 import scipy.sparse as sp
 
 from graders.core.contract.copies import copy_value
 from tests.graders.core.test_answer_arrays import ANSWERS
+from tests.support.tables import folded
 
 VALUES: list[Any] = [
     *ANSWERS,
@@ -25,7 +25,7 @@ VALUES: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("value", VALUES, ids=repr)
+@folded("value", VALUES, ids=repr)
 def test_it_is_the_same_and_of_the_same_types(value: Any) -> None:
     one, other = copy_value(value), copy.deepcopy(value)
     assert type(one) is type(other)

@@ -13,6 +13,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.program import StudentFault
 from graders.l20 import world
 from tests.support.shipped import CODE
+from tests.support.tables import folded
 
 KIT = {"np": np, "rng": np.random.default_rng(0), "libres": np.ones((3, 3), dtype=bool)}
 
@@ -82,7 +83,7 @@ def test_what_can_keep_nothing_is_seen_to_remember_nothing(source: str) -> None:
     assert is_stateless(source.encode(), KIT)
 
 
-@pytest.mark.parametrize("source", DOUBTFUL)
+@folded("source", DOUBTFUL)
 def test_what_leaves_a_doubt_is_believed_to_remember(source: str) -> None:
     assert not is_stateless(source.encode(), KIT)
 

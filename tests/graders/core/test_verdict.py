@@ -25,6 +25,7 @@ from graders.core.contract.verdict import (
     internal_error_verdict,
 )
 from server.api.schemas import CheckOut, CounterexampleOut, DiagnosisOut, VerdictOut
+from tests.support.tables import folded
 
 #: Written by the version f36e32d, one for each outcome at least; what is stored must be readable for ever.
 STORED: dict[str, dict[str, Any]] = json.loads(
@@ -116,7 +117,7 @@ def changed(path: tuple[Any, ...], change: Callable[[Any, Any], None]) -> Any:
 MEMBERS = list(places(STORED["wrong_answer"]))
 
 
-@pytest.mark.parametrize("path", MEMBERS, ids=lambda path: "/".join(map(str, path)))
+@folded("path", MEMBERS, ids=lambda path: "/".join(map(str, path)))
 def test_what_is_missing_or_of_another_type_is_told_with_its_place(path: tuple[Any, ...]) -> None:
     place = "/".join(map(str, path))
     if path[0] != "timings" or len(path) == 1:

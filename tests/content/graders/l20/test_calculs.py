@@ -10,6 +10,7 @@ import pytest
 from graders.core.answers.numeric import NumericGrader
 from reference.registration import kabsch
 from tests.support.quick import the_course
+from tests.support.tables import folded
 
 SEEDS = range(40)
 
@@ -20,7 +21,7 @@ def grader(slug: str) -> NumericGrader:
     return found
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@folded("seed", SEEDS)
 def test_the_motion_is_that_of_the_reference(seed: int) -> None:
     one = grader("calcul_kabsch")
     data, right = one.data(seed), one.right_answers(seed)
@@ -40,7 +41,7 @@ def posterior(prior: float, opinions: list[float]) -> float:
     return occupied / (occupied + free)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@folded("seed", SEEDS)
 def test_the_evidence_is_that_of_bayes(seed: int) -> None:
     one = grader("calcul_logodds")
     data, right = one.data(seed), one.right_answers(seed)
@@ -54,7 +55,7 @@ def test_the_evidence_is_that_of_bayes(seed: int) -> None:
     assert [occupied < free for occupied, free in states] == [True, False]
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@folded("seed", SEEDS)
 def test_the_tools_are_those_of_plain_arithmetic(seed: int) -> None:
     one = grader("calcul_outils")
     data, right = dict(one.data(seed)), one.right_answers(seed)
