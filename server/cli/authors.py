@@ -75,5 +75,10 @@ def _new(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", choices=(*KINDS, EDITION), metavar="KIND", help=help_text)
     help_text = "le module (l19), ou le module et un nom (l19/gain ; pour une page, l19/fiches/gain)"
     parser.add_argument("name", metavar="NAME", help=help_text)
+    help_text = (
+        "avec declared : fichier d’où importer (questions CodeRunner en XML de Moodle, données d’Exercism en JSON, "
+        "notebook de nbgrader)"
+    )
+    parser.add_argument("--from", dest="source", type=Path, metavar="FILE", help=help_text)
     help_text = "dossier du cours (par défaut : celui du module, ou le dossier où l’on est)"
     parser.add_argument("--course", dest="into", type=Path, metavar="DIR", help=help_text)

@@ -21,10 +21,6 @@ from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
 
-from graders.core.code.folder import MISCONCEPTIONS
-from graders.core.code.grading import CodeGrader
-from graders.core.code.promises import find_broken_promises
-from graders.core.contract.definition import MODULE_FILE
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
@@ -34,6 +30,7 @@ from server.authoring import objectives, shapes
 from server.cells import faults as cells
 from server.cli import CannotRun, alterations, check_cache, fairness, parallel
 from server.cli.check_cache import CheckCache
+from server.cli.exercise_faults import EXERCISE_FAULTS
 from server.cli.local import find, load_course, local_grader
 from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.course import Course, Exercise, Module, Problem, load
@@ -161,8 +158,7 @@ def _part(exercise: Exercise, imports: Imports) -> Part:
         check_cache.exercise_digest(exercise, imports),
         [
             *(partial(_examination, exercise, case) for case in cases(exercise)),
-            partial(_unfinished_mistakes, exercise),
-            partial(_broken_promises, exercise),
+            *(partial(faults, exercise) for faults in EXERCISE_FAULTS),
         ],
     )
 
@@ -197,7 +193,7 @@ def _do(grader: SandboxGrader, job: Job) -> Told:
 def _subject(job: Job) -> object:
     """An exercise's jobs go together: what it computes once, one process computes."""
     assert isinstance(job, partial)
-    return job.args[0].id if job.func in (_examination, _unfinished_mistakes, _broken_promises) else id(job)
+    return job.args[0].id if job.func in (_examination, *EXERCISE_FAULTS) else id(job)
 
 
 def _figures(course: Course, _: SandboxGrader) -> Sequence[Problem]:
@@ -215,27 +211,6 @@ def _replays(course: Course, _: SandboxGrader) -> Sequence[Problem]:
 def _examination(exercise: Exercise, case: Case, grader: SandboxGrader) -> Examination:
     """With a fresh seed."""
     return examine(grader, exercise, case, secrets.randbits(SEED_BITS))
-
-
-def _unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
-    """Return the misconceptions that gradings leave out since running them takes too much, each with its call."""
-    if not isinstance(exercise.grader, CodeGrader):
-        return []
-    lines = {
-        f"l’erreur « {mistake.id} » {unfinished.reason}, à cet appel : {unfinished.last_report}. "
-        "Aucune correction ne la nommera : accélérez-la, ou posez-lui des questions plus petites.": mistake.line
-        for mistake, unfinished in exercise.grader.unfinished_mistakes(secrets.randbits(SEED_BITS))
-    }
-    catalogue = exercise.grader.folder / MISCONCEPTIONS
-    return [Problem(catalogue, line, message) for message, line in lines.items()]
-
-
-def _broken_promises(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
-    """Return what the contracts promise and the checks do not keep: forms of arguments, edges without a fixed case."""
-    if not isinstance(exercise.grader, CodeGrader):
-        return []
-    module = exercise.grader.folder / MODULE_FILE
-    return [Problem(module, None, broken) for broken in find_broken_promises(exercise.grader)]
 
 
 def _fairness(arguments: Namespace) -> int:

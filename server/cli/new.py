@@ -6,12 +6,16 @@ from pathlib import Path
 
 from graders.courses import COURSES, REPOSITORY
 from server.authoring import editions, new
+from server.authoring.drafts import DECLARED, write_drafts
+from server.authoring.imports import ImportRefused, read_drafts
 from server.cli import CannotRun
 from server.cli.authors import EDITION
 
 
 def run(arguments: Namespace) -> int:
     course: Path = arguments.into or new.default_course_folder(arguments.name)
+    if arguments.source is not None:
+        return _import(arguments.kind, arguments.name, arguments.source, course)
     try:
         files = _written(arguments.kind, arguments.name, course)
     except new.NameRefused as refused:
@@ -21,6 +25,24 @@ def run(arguments: Namespace) -> int:
     for path in files:
         print(os.path.relpath(path))
     print("\n" + "\n".join(_next(arguments.kind, arguments.name, course)))
+    return 0
+
+
+def _import(kind: str, name: str, source: Path, course: Path) -> int:
+    """Write the drafts of a file; say of each what was understood, what to look at, and what was left."""
+    if kind != DECLARED:
+        raise CannotRun("« --from » va avec « declared ».")
+    try:
+        for draft, files in write_drafts(read_drafts(source), name, course):
+            print(f"{draft.title} : {len(draft.understood)} cas lus" + ("" if files else ", rien n’est écrit"))
+            for words, places in (("à regarder", draft.to_look_at), ("laissé", draft.left)):
+                print("".join(f"  {words} : {place}\n" for place in places), end="")
+            print("".join(f"  {os.path.relpath(path)}\n" for path in files), end="")
+    except (ImportRefused, new.NameRefused) as refused:
+        raise CannotRun(f"{refused}.") from refused
+    except OSError as error:
+        raise CannotRun(f"« {error.filename or source} » : {error.strerror}.") from error
+    print("\n" + "\n".join(_next(kind, name, course)))
     return 0
 
 

@@ -16,12 +16,13 @@ import numpy as np
 
 from graders.core.compare.comparison import TOLERANCE
 from graders.core.compare.plain_values import SamePlainValue
+from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared.draws_reading import parse_draws
 from graders.core.declared.generators import Draws, Variables
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.rules import Rule
-from graders.core.declared.scenarios import Scenario, parse_scenario
+from graders.core.declared.scenarios import Scenario, parse_expected, parse_scenario
 
 FUNCTION = re.compile(r"[^\W\d]\w*")
 IDENTITY = re.compile(r"[a-z0-9_]+")
@@ -200,10 +201,17 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
+        written = table.texts("cas", most=MAX_CASES)
+        expected = table.texts("attendus", most=MAX_CASES) or ("",) * len(written)
+        if len(expected) != len(written):
+            raise MalformedDeclaration(f"{len(expected)} pour {len(written)} cas", f"{place}.attendus")
         cases = tuple(
-            Scenario(_read_case(text, functions, f"{place}.cas[{index}]"), lines, files)
-            for index, text in enumerate(table.texts("cas", most=MAX_CASES))
-        )
+            Scenario(
+                _read_case(text, functions, f"{place}.cas[{index}]"), lines, files,
+                _read_expected(answer, f"{place}.attendus[{index}]"),
+            )
+            for index, (text, answer) in enumerate(zip(written, expected, strict=True))
+        )  # fmt: skip
         drawn = _drawn(table, functions)
         if not cases and drawn is None:
             raise MalformedDeclaration("il faut au moins un cas, ou des tirages", place)
@@ -241,6 +249,14 @@ def _drawn(table: _TableReader, functions: tuple[str, ...]) -> DrawnCases | None
 def _read_case(text: str, functions: tuple[str, ...], place: str) -> Any:
     try:
         return parse_scenario(text, functions)
+    except MalformedDeclaration as error:
+        raise error.at(place) from error
+
+
+def _read_expected(text: str, place: str) -> tuple[Value, ...]:
+    """Return what a case must give, where it is said: none for an empty text."""
+    try:
+        return (parse_expected(text),) if text.strip() else ()
     except MalformedDeclaration as error:
         raise error.at(place) from error
 

@@ -28,7 +28,7 @@ from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Diagnosis
 from graders.core.declared.declaration import Declaration, DeclaredCheck
-from graders.core.declared.judging import Case, Failure, fails_alike, is_answered, judge, observed
+from graders.core.declared.judging import Case, Failure, agrees, fails_alike, is_answered, judge, observed
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
@@ -124,7 +124,7 @@ class DeclaredGrader:
             got = student.start(scenarios)
         except StudentFault as fault:
             return [fault_finding(check, fault) for check in checks]
-        right = self._right_answers(solution, scenarios)
+        right = self._right_answers(solution, cases)
         broken = next(filter(None, (rule.broken_at(source) for rule in self.declaration.rules)), None)
         findings, at = [], 0
         for check in checks:
@@ -142,11 +142,17 @@ class DeclaredGrader:
             findings.append(self._failed(check, simplest))
         return findings
 
-    def _right_answers(self, solution: Player, scenarios: Sequence[Scenario]) -> list[Played]:
-        right = solution.play(scenarios)
-        for scenario, played in zip(scenarios, right, strict=True):
-            if played.fault is not None and played.raised is None:
-                raise SolutionFault(f"{scenario.text()} : {played.fault.message}")
+    def _right_answers(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
+        """Return what the solution does in each case. Raises SolutionFault where it is not what the author says."""
+        pairs = [(check, case.scenario) for check in self.declaration.checks for case in cases[check.id]]
+        right = solution.play([scenario for _, scenario in pairs])
+        for (check, scenario), played in zip(pairs, right, strict=True):
+            if not is_answered(played):
+                raise SolutionFault(f"{scenario.text()} : {played.fault.message if played.fault else ''}")
+            given = observed(check, played, len(scenario.statements) - 1)
+            if scenario.expected and not agrees(check, scenario.expected[0], given):
+                wanted, obtained = python_pair(scenario.expected[0], given)
+                raise SolutionFault(f"{scenario.text()} : la solution donne {obtained}, et « attendus » dit {wanted}")
         return right
 
     def _simplest(
@@ -222,6 +228,17 @@ class DeclaredGrader:
             for node in ast.parse(self.solution).body
             if isinstance(node, ast.FunctionDef)
         }
+
+    def solution_fault(self, programs: Programs, seed: int) -> str:
+        """Return why the solution does not answer as it must, for its author; empty where it does."""
+        player = Player(programs, self.solution.encode(), self.kit(seed))
+        try:
+            self._right_answers(player, {check.id: self.cases(check, seed) for check in self.declaration.checks})
+        except SolutionFault as fault:
+            return str(fault)
+        finally:
+            player.close()
+        return ""
 
     def probes(self) -> list[Scenario]:
         """Return the scenarios by whose answers mistakes are known: the same for every seed."""

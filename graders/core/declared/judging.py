@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graders.core.compare.comparison import Mismatch
+from graders.core.compare.python_values import Raised
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Value
 from graders.core.declared.declaration import DeclaredCheck, DrawnCase
@@ -43,6 +44,15 @@ def judge(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failu
         raised = Mismatch(f"L’exception {got.raised} est levée.", cause=Outcome.RUNTIME_ERROR)
         return Failure(case, right, got, raised, step)
     return _judge_values(check, case, right, got)
+
+
+def agrees(check: DeclaredCheck, expected: Value, given: Value) -> bool:
+    """Whether what the solution gives is what the author expects."""
+    if isinstance(expected, Raised):
+        return isinstance(given, Raised) and is_exception(given, expected)
+    if check.watched == "printed" and isinstance(expected, str) and isinstance(given, str):
+        return _printed_mismatch(check, expected, given) is None
+    return check.comparator(expected, given) is None
 
 
 def _judge_exception(check: DeclaredCheck, case: Case, right: Played, got: Played) -> Failure | None:

@@ -8,12 +8,14 @@ compiled in the student's process alone.
 from __future__ import annotations
 
 import ast
+import builtins
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenario_values import FunctionSource, Reference, encode_value, value_text
@@ -60,11 +62,15 @@ class Statement:
 
 @dataclass(frozen=True)
 class Scenario:
-    """What one case plays; `lines` are read by `input`, `files` by `open`."""
+    """What one case plays; `lines` are read by `input`, `files` by `open`.
+
+    `expected` holds, where the author says it, what the solution must answer at the end.
+    """
 
     statements: tuple[Statement, ...]
     lines: tuple[str, ...] | None = None
     files: tuple[tuple[str, str], ...] = ()
+    expected: tuple[Value, ...] = ()
 
     @property
     def function(self) -> str:
@@ -100,8 +106,11 @@ def parse_scenario(
     return statements
 
 
-def parse_value(text: str) -> Value:
-    """Read a literal. Raises MalformedDeclaration."""
+def parse_expected(text: str) -> Value:
+    """Read a literal, or the name of an exception of Python, which is expected. Raises MalformedDeclaration."""
+    kind = getattr(builtins, text.strip(), None)
+    if isinstance(kind, type) and issubclass(kind, BaseException):
+        return Raised(text.strip())
     tree = _parse(text)
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
         raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")

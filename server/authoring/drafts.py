@@ -1,0 +1,87 @@
+"""Writing of imported drafts as folders of declared exercises."""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from server.authoring.imports import NO_SOLUTION, Draft
+from server.authoring.new import write_skeleton
+
+DECLARED = "declared"
+
+
+def write_drafts(drafts: list[Draft], name: str, course: Path) -> Iterator[tuple[Draft, list[Path]]]:
+    """Write each draft that has cases, the second one as « name_2 »; yield it with its files.
+
+    Raises NameRefused, having written nothing of it.
+    """
+    usable = [draft for draft in drafts if draft.checks]
+    for number, draft in enumerate(usable, 1):
+        yield draft, _write(draft, name if number == 1 else f"{name}_{number}", course)
+    for draft in drafts:
+        if not draft.checks:
+            yield draft, []
+
+
+def _write(draft: Draft, name: str, course: Path) -> list[Path]:
+    files = write_skeleton(DECLARED, name, course)
+    by_name = {path.name: path for path in files}
+    card = by_name["exercise.toml"].read_text(encoding="utf-8")
+    order = next(line for line in card.splitlines() if line.startswith("order"))
+    texts = {
+        "exercise.toml": _card(draft, order),
+        "enonce.md": draft.statement or f"Écrivez {', '.join(f'`{name}`' for name in draft.functions)}.\n",
+        "starter.py": "".join(
+            f"{_header(draft, name)}\n    # À vous de jouer.\n    pass\n\n\n" for name in draft.functions
+        ),
+        "solution.py": draft.solution or NO_SOLUTION,
+        "declaration.toml": "".join(_table(draft.declaration())),
+    }
+    for file, text in texts.items():
+        by_name[file].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    by_name["autrement.py"].unlink()  # the skeleton's own specimen
+    return [path for path in files if path.exists()]
+
+
+def _card(draft: Draft, order: str) -> str:
+    lines = [f"title = {_value(draft.title)}", f"summary = {_value(draft.title)}", order]
+    for name in draft.functions:
+        signature = _header(draft, name).removeprefix("def ").rstrip(":")
+        lines += ["", "[[functions]]", f"name = {_value(name)}", f"signature = {_value(signature)}"]
+    return "\n".join(lines)
+
+
+def _header(draft: Draft, name: str) -> str:
+    """Return the line that defines a function: the solution's, else one with as many parameters as its calls have."""
+    nodes = ast.parse(draft.solution).body if draft.solution else []
+    for node in nodes:
+        if isinstance(node, ast.FunctionDef) and node.name == name:
+            return f"def {name}({ast.unparse(node.args)}):"
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            return f"class {name}:"
+    calls = (ast.parse(case).body[-1] for check in draft.checks for case in check["cas"])
+    own = (node.value for node in calls if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call))
+    counts = [len(call.args) for call in own if isinstance(call.func, ast.Name) and call.func.id == name]
+    return f"def {name}({', '.join(f'x{k}' for k in range(1, max(counts, default=0) + 1))}):"
+
+
+def _table(data: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines of a table whose lists hold texts, or tables."""
+    for key, value in data.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            for each in value:
+                yield f"\n[[{key}]]\n"
+                yield from _table(each)
+        else:
+            yield f"{key} = {_value(value)}\n"
+
+
+def _value(value: Any) -> str:
+    """Return a text, number, truth value or list of texts as TOML writes it."""
+    if isinstance(value, list):
+        return "[\n" + "".join(f"    {_value(item)},\n" for item in value) + "]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,51 @@
+"""Faults of an exercise's own files that only its grader can tell: for `balise check`."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Sequence
+from pathlib import Path
+
+from graders.core.code.folder import MISCONCEPTIONS
+from graders.core.code.grading import CodeGrader
+from graders.core.code.promises import find_broken_promises
+from graders.core.contract.definition import MODULE_FILE
+from graders.core.declared.exercise import DECLARATION
+from graders.core.declared.grading import DeclaredGrader
+from server.course import Exercise, Problem
+from server.course.models import SEED_BITS
+from server.grading.sandbox_grader import SandboxGrader
+
+
+def unfinished_mistakes(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+    """Return the misconceptions that gradings leave out since running them takes too much, each with its call."""
+    if not isinstance(exercise.grader, CodeGrader):
+        return []
+    lines = {
+        f"l’erreur « {mistake.id} » {unfinished.reason}, à cet appel : {unfinished.last_report}. "
+        "Aucune correction ne la nommera : accélérez-la, ou posez-lui des questions plus petites.": mistake.line
+        for mistake, unfinished in exercise.grader.unfinished_mistakes(secrets.randbits(SEED_BITS))
+    }
+    catalogue = exercise.grader.folder / MISCONCEPTIONS
+    return [Problem(catalogue, line, message) for message, line in lines.items()]
+
+
+def broken_promises(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+    """Return what the contracts promise and the checks do not keep: forms of arguments, edges without a fixed case."""
+    if not isinstance(exercise.grader, CodeGrader):
+        return []
+    module = exercise.grader.folder / MODULE_FILE
+    return [Problem(module, None, broken) for broken in find_broken_promises(exercise.grader)]
+
+
+def solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Problem]:
+    """Return why the solution of a declared exercise does not answer as its author says."""
+    if not isinstance(exercise.grader, DeclaredGrader):
+        return []
+    programs = grader.programs(exercise.id, exercise.policy)
+    fault = exercise.grader.solution_fault(programs, secrets.randbits(SEED_BITS))
+    path = (exercise.grader.folder or Path()) / DECLARATION
+    return [Problem(path, None, fault)] if fault else []
+
+
+EXERCISE_FAULTS = (unfinished_mistakes, broken_promises, solution_faults)

@@ -1,0 +1,149 @@
+"""Imports of exercises made elsewhere: drafts that can be read, three lists, and nothing run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from graders.core.declared.declaration import read_declaration
+from server.authoring.imports import Draft, ImportRefused, read_drafts
+from server.cli import main
+from server.course import load
+from server.grading.sandbox_grader import SandboxPrograms
+from server.sandbox import Sandbox
+from tests.support.outside import taken_in
+
+EXERCISM = {
+    "exercise": "word-count",
+    "cases": [
+        {"description": "empty", "property": "countWords", "input": {"sentence": ""}, "expected": {}},
+        {"cases": [{"property": "countWords", "input": {"sentence": "a b a"}, "expected": {"a": 2, "b": 1}}]},
+        {"property": "countWords", "input": {"sentence": None}, "expected": {"error": "no text"}},
+        {"property": "apply", "input": {"f": "(x) -> x"}, "expected": 3},
+        {"description": "no property", "input": {}, "expected": 3},
+    ],
+}
+SOLUTION = "def carre(n):\n    return n * n\n\ndef table(n):\n    for k in range(n):\n        print(k, carre(k))\n"
+TESTS = (
+    ("print(carre(-3))", "9", ""),
+    ("table(2)", "0 0\n1 1", ""),
+    ("", "Bonjour Ada", "Ada"),
+    ("x = carre(2)\nprint(x)", "4", ""),
+    ("for k in range(3):\n    print(carre(k))", "0\n1\n4", ""),
+)
+QUESTION = (
+    '<quiz><question type="coderunner"><name><text>Carrés</text></name><coderunnertype>python3</coderunnertype>'
+    f"<answer><![CDATA[{SOLUTION}]]></answer><testcases>"
+    + "".join(
+        f"<testcase><testcode><text><![CDATA[{code}]]></text></testcode><stdin><text>{lines}</text></stdin>"
+        f"<expected><text>{expected}</text></expected></testcase>"
+        for code, expected, lines in TESTS
+    )
+    + '</testcases></question><question type="coderunner"><coderunnertype>c_function</coderunnertype></question></quiz>'
+)
+NOTEBOOK = {
+    "cells": [
+        {"cell_type": "markdown", "source": ["Écrivez `carre(n)`."]},
+        {
+            "cell_type": "code",
+            "metadata": {"nbgrader": {"solution": True}},
+            "source": "def carre(n):\n    ### BEGIN SOLUTION\n    return n * n\n    ### END SOLUTION\n",
+        },
+        {
+            "cell_type": "code",
+            "metadata": {"nbgrader": {"grade": True}},
+            "source": "assert carre(3) == 9\nassert carre(2) > 3\n",
+        },
+    ]
+}
+
+
+def drafts(folder: Path, name: str, text: str) -> list[Draft]:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return read_drafts(path)
+
+
+def test_canonical_data_of_exercism(tmp_path: Path) -> None:
+    (draft,) = drafts(tmp_path, "canonical-data.json", json.dumps(EXERCISM))
+    assert draft.functions == ["count_words", "apply"]
+    assert draft.checks[0]["cas"] == ["count_words('')", "count_words('a b a')", "count_words(None)"]
+    assert draft.checks[0]["attendus"] == ["{}", "{'a': 2, 'b': 1}", "ValueError"]
+    assert [line.partition(" ")[0] for line in draft.to_look_at] == ["cases[2]", "cases[3]", "la"]
+    assert draft.left == ["cases[4] : ni propriété, ni entrées"]
+
+
+def test_questions_of_coderunner(tmp_path: Path) -> None:
+    draft, other = drafts(tmp_path, "questions.xml", QUESTION)
+    values, printed = draft.checks
+    assert values["cas"] == ["carre(-3)", "x = carre(2)\nx"]
+    assert printed["regarder"] == "affichage"
+    assert (printed["cas"][0], printed["attendus"][0]) == ("table(2)", "'0 0\\n1 1'")
+    assert any("programme entier" in line for line in draft.left)
+    assert "c_function" in other.left[0]
+
+
+def test_cells_of_nbgrader(tmp_path: Path) -> None:
+    (draft,) = drafts(tmp_path, "devoir.ipynb", json.dumps(NOTEBOOK))
+    assert draft.solution == "def carre(n):\n    return n * n\n\n"
+    assert draft.checks[0]["cas"] == ["carre(3)"]
+    assert draft.left == ["cellule 3, ligne 2 : « assert carre(2) > 3 » n’est pas « assert f(…) == … »"]
+    assert draft.statement.startswith("Écrivez")
+
+
+def test_what_is_imported_is_a_folder_that_grades(
+    tmp_path: Path, sandbox: Sandbox, capsys: pytest.CaptureFixture[str]
+) -> None:
+    course, source = tmp_path / "cours", tmp_path / "questions.xml"
+    source.write_text(QUESTION, encoding="utf-8")
+    assert main(["new", "module", "l31", "--course", str(course)]) == 0
+    assert main(["new", "declared", "l31/carres", "--from", str(source), "--course", str(course)]) == 0
+    told = capsys.readouterr().out
+    assert "Carrés : 3 cas lus" in told
+    assert "laissé : question 1, test 3 : un programme entier" in told
+    with taken_in(course):
+        read = load(course / "curriculum", code=course, render=False)
+        assert [problem for problem in read.problems if "n’a pas d’exercice" not in problem.message] == []
+        exercise = read.exercises["l31/carres"]
+        assert [function.signature for function in exercise.functions] == ["carre(n)", "table(n)"]
+        programs = SandboxPrograms(sandbox, exercise.policy)
+        verdict = exercise.grader.grade(SOLUTION.encode(), programs, seed=1, version="1").verdict
+    assert verdict.points == 20, verdict.checks
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.txt", "", "se lisent ici"),
+        ("a.json", "{", "pas du JSON"),
+        ("a.json", "[" * 100_000, "pas du JSON"),
+        ("a.json", "{}", "cases"),
+        ("a.xml", "<quiz>", "pas du XML"),
+        ("a.xml", '<!DOCTYPE q [<!ENTITY a "aaaa">]><quiz>&a;</quiz>', "entités"),
+        ("a.xml", "<quiz/>", "aucun exercice"),
+        ("a.ipynb", "[]", "cells"),
+        ("a.ipynb", " " * (4 << 20) + "{}", "au plus"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path, name: str, text: str, words: str) -> None:
+    with pytest.raises(ImportRefused, match=words):
+        drafts(tmp_path, name, text)
+
+
+def test_no_text_of_a_file_is_run(tmp_path: Path) -> None:
+    """Code where values are expected is left, or is text of the solution; it touches nothing."""
+    witness = tmp_path / "witness"
+    attack = f"__import__('pathlib').Path({str(witness)!r}).touch()"
+    data = {"cases": [{"property": attack, "input": {"x": 1}, "expected": 2}]}
+    question = QUESTION.replace("print(carre(-3))", f"print(carre({attack}))")
+    notebook = json.dumps(NOTEBOOK).replace("assert carre(3) == 9", f"assert carre({attack}) == 9")
+    for name, text in (("a.json", json.dumps(data)), ("a.xml", question), ("a.ipynb", notebook)):
+        try:
+            for draft in drafts(tmp_path, name, text):
+                if draft.checks:
+                    read_declaration({**draft.declaration(), "solution": draft.solution})
+        except ImportRefused:
+            continue
+    assert not witness.exists()
