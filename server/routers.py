@@ -20,6 +20,7 @@ from server.desk.people.management import router as keeping_router
 from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router
+from server.desk.rubrics.routes import router as rubrics_router
 from server.desk.sitting.routes import router as sitting_router
 from server.desk.talk.routes import router as talking_router
 from server.desk.talk.students import router as students_router
@@ -66,6 +67,7 @@ ROUTERS = (
     regrades_router,
     groups_router,
     sitting_router,
+    rubrics_router,
     assignments_router,
     exemptions_router,
     own_router,

@@ -52,6 +52,8 @@ TABLES = (
     marks.MarkingPolicy,
     marks.ManualColumn,
     marks.ManualMark,
+    marks.Rubric,
+    marks.RubricMarking,
     polls.PollAnswer,
     regrades.Regrade,
     regrades.RegradeItem,

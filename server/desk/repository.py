@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 from server.assignments.models import AssignedExercise, Sitting
 from server.classes.models import ClassRole, Membership, Status
 from server.gradebook.models import Standing
+from server.submissions.models import Submission
 
 
 def count_finished_students(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:
@@ -38,6 +39,17 @@ def count_finished_students(db: Session, class_id: UUID, assignments: Collection
         .group_by(assigned.c.assignment_id)
     )
     return {row[0]: row[1] for row in db.execute(finished)}
+
+
+def load_senders(db: Session, class_id: UUID, assignment_id: UUID) -> frozenset[UUID]:
+    """Load the members of a class who have ever sent something to an exercise of an assignment."""
+    query = (
+        select(Submission.account_id)
+        .join(AssignedExercise, AssignedExercise.exercise == Submission.exercise)
+        .join(Membership, and_(Membership.account_id == Submission.account_id, Membership.class_id == class_id))
+        .where(AssignedExercise.assignment_id == assignment_id)
+    )
+    return frozenset(db.execute(query.distinct()).scalars())
 
 
 def count_begun_students(db: Session, class_id: UUID, tests: Collection[UUID]) -> Mapping[UUID, int]:

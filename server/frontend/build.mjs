@@ -18,6 +18,7 @@ await build({
     "src/js/board.js",
     "src/js/lesson.js",
     "src/js/reading.js",
+    "src/js/rubric.js",
     "src/js/replays/index.js",
     "src/js/manipulations/index.js",
     "src/js/steps/index.js",

@@ -20,6 +20,7 @@ from server.classes.service import NOT_A_MEMBER, require_open
 from server.database import utc_now
 from server.identity.models import Account
 from server.marks import columns_repository as repository
+from server.marks import rubrics_repository
 from server.marks.means import format_number
 from server.marks.models import ManualColumn, ManualMark
 from server.marks.schemas import NEVER_TYPED, TypedMark
@@ -112,11 +113,36 @@ def change_column(
 def publish_column(
     db: Session, school_class: SchoolClass, by: Account, column_id: UUID, *, published: bool
 ) -> ManualColumn:
-    """Show a column to the students, or hide it from them again. Raise NotFound or Conflict."""
+    """Show a column to the students, or hide it from them again. Raise NotFound or Conflict.
+
+    The copies that are marked by its rubric get their marks when it is published.
+    """
     column = lock_column(db, school_class, column_id)
     if (column.published_at is not None) is not published:
+        if published:
+            set_marks(db, school_class, by, column.id, _rubric_entries(db, school_class, column))
         _change(db, by, column, {"published_at": utc_now() if published else None})
     return column
+
+
+def _rubric_entries(db: Session, school_class: SchoolClass, column: ManualColumn) -> Sequence[MarkEntry]:
+    """Return the marks of the finished copies of present students; none for a column without a rubric."""
+    rubric = rubrics_repository.find_rubric_of_column(db, column.id)
+    if rubric is None:
+        return []
+    items = rubrics_repository.items_of(rubric)
+    markings = rubrics_repository.load_markings(db, column.id)
+    return [
+        MarkEntry(student.id, TypedMark(points=rubrics_repository.marks_of(marking).total(items)))
+        for student in classes.list_students(db, school_class.id)
+        if (marking := markings.get(student.id)) is not None and marking.finished_at is not None
+    ]
+
+
+def require_student(db: Session, school_class: SchoolClass, student: UUID) -> None:
+    """Raise NotFound for anyone but an active student of the class."""
+    if not classes.list_students(db, school_class.id, [student]):
+        raise NotFound(NOT_A_MEMBER)
 
 
 def _change(db: Session, by: Account, column: ManualColumn, values: Mapping[str, object]) -> None:

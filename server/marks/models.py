@@ -1,6 +1,7 @@
 """Tables of what teachers decide about marks: overrides, states, the rules of a class, columns of their own."""
 
 from datetime import date, datetime
+from typing import Any
 from uuid import UUID, uuid4
 
 from sqlalchemy import JSON, ForeignKey, Index, String, Text
@@ -143,6 +144,40 @@ class ManualMark(Base):
     points: Mapped[float | None]
     state: Mapped[str | None] = mapped_column(String(16))
     comment: Mapped[str] = mapped_column(Text, default="")
+    by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    version: Mapped[int] = mapped_column(default=1)
+
+
+class Rubric(Base):
+    """The criteria by which copies of an assignment are marked by hand: those of a manual column.
+
+    `items` are those of `rubric_items.RubricItem`, in order. Until the column is published, copies are shown without
+    names where it is `anonymous`. `version` grows with each change.
+    """
+
+    __tablename__ = "rubric"
+
+    column_id: Mapped[UUID] = mapped_column(ForeignKey("manual_column.id", ondelete="CASCADE"), primary_key=True)
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), index=True)
+    items: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
+    anonymous: Mapped[bool] = mapped_column(default=False)
+    version: Mapped[int] = mapped_column(default=1)
+
+
+class RubricMarking(Base):
+    """A copy that is being marked by a rubric: points and remarks by item (`rubric_items.CopyMarks`).
+
+    Without `finished_at` it is a draft. Its sum becomes a mark of the column when that is published.
+    """
+
+    __tablename__ = "rubric_marking"
+
+    column_id: Mapped[UUID] = mapped_column(ForeignKey("rubric.column_id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    points: Mapped[dict[str, float]] = mapped_column(JSON, default=dict)
+    remarks: Mapped[dict[str, str]] = mapped_column(JSON, default=dict)
+    finished_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
     at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     version: Mapped[int] = mapped_column(default=1)

@@ -19,7 +19,7 @@ from server.course import Course
 from server.database import utc_now
 from server.gradebook.service import load_withholding_times
 from server.identity.models import Account
-from server.marks import columns_repository, repository
+from server.marks import columns_repository, repository, rubrics_repository
 from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL_POINTS
 from server.marks.models import REASON_LENGTH, Override
@@ -245,3 +245,4 @@ def adopt_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:
     repository.move_overrides(db, guest_id, account_id, now)
     repository.move_decisions(db, guest_id, account_id, now)
     columns_repository.move_marks(db, guest_id, account_id)
+    rubrics_repository.move_markings(db, guest_id, account_id)

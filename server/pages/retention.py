@@ -136,7 +136,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("sitting", "saved_work", "exemption", "mark_override", "mark_decision", "manual_mark"),
+        ("sitting", "saved_work", "exemption", "mark_override", "mark_decision", "manual_mark", "rubric_marking"),
     ),
     lambda _: Row(
         "Séances : exercices du jour, début et fin ; élèves que l’enseignant a marqués « vu »",
@@ -167,7 +167,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("membership",),
     ),
     lambda _: Row(
-        "Classes, devoirs, colonnes et règles du carnet, corrigés ouverts, recorrections",
+        "Classes, devoirs, colonnes, barèmes et règles du carnet, corrigés ouverts, recorrections",
         CLASS,
         "avec la classe, dans la base de données",
         (),
@@ -176,6 +176,7 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
             "assignment",
             "assigned_exercise",
             "manual_column",
+            "rubric",
             "marking_policy",
             "class_opening",
             "solution_opening",

@@ -20,29 +20,12 @@ from server.rights import service as rights
 from server.text.plain import visible
 from server.text.python_colours import colour_lines
 from server.web import verdicts
+from server.web.code_lines import CodeView, LineView, code_view
 from server.web.schemas import CheckView, ExerciseTexts
 from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer_view
 from server.web.views import Reader, exercise_href, find_exercise
 
-MOST_NUMBERED = 1500
 NOT_UNDERSTOOD = "Je ne comprends pas cette vérification."
-
-
-@dataclass(frozen=True)
-class LineView:
-    """A line of code in HTML, and the threads that stand below it."""
-
-    number: int
-    html: Markup
-    threads: tuple[ThreadView, ...] = ()
-
-
-@dataclass(frozen=True)
-class CodeView:
-    """Code by its lines; `rest` is what comes after those that are numbered."""
-
-    lines: tuple[LineView, ...]
-    rest: str
 
 
 @dataclass(frozen=True)
@@ -136,20 +119,6 @@ def _diagnosis(attempt: Attempt | None) -> str | None:
 
 def _stands_on_a_line(talk: Conversation, shown: int) -> bool:
     return talk.lines is not None and talk.fate is not LineFate.gone and talk.lines.last <= shown
-
-
-def code_view(code: str, talks: Sequence[Conversation], account: Account | None) -> CodeView:
-    below: dict[int, list[Conversation]] = {}
-    for talk in talks:
-        if talk.lines is not None:
-            below.setdefault(talk.lines.last, []).append(talk)
-    html = colour_lines(visible(code))
-    lines = tuple(
-        LineView(number, Markup(line), thread_views(below.get(number, ()), account))
-        for number, line in enumerate(html[:MOST_NUMBERED], 1)
-    )
-    rest = visible(code).split("\n", MOST_NUMBERED)[MOST_NUMBERED] if len(html) > MOST_NUMBERED else ""
-    return CodeView(lines, rest)
 
 
 def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:

@@ -13,9 +13,10 @@ from server.audit import repository as audit
 from server.audit.models import AuditAction, AuditEvent
 from server.database import utc_now
 from server.gradebook import service as gradebook
-from server.marks import columns_repository
+from server.marks import columns_repository, rubrics_repository
 from server.marks import repository as marks
-from server.marks.models import ManualColumn, ManualMark, Override, StateDecision
+from server.marks.models import ManualColumn, ManualMark, Override, Rubric, RubricMarking, StateDecision
+from server.marks.rubric_items import OVERALL
 from server.marks.schemas import is_withheld
 
 #: Their reason is for the staff alone: who may read it is asked of the school.
@@ -60,6 +61,11 @@ def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
             for mark, column, name in columns_repository.list_marks_of(db, account_id)
             if column.published_at is not None and column.deleted_at is None
         ],
+        "copies_marked_by_hand": [
+            _marking(marking, rubric, column, name)
+            for marking, rubric, column, name in rubrics_repository.list_markings_of(db, account_id)
+            if column.published_at is not None and column.deleted_at is None and marking.finished_at is not None
+        ],
         "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
         "changes_about_you": about,
         "changes_you_made": by,
@@ -100,6 +106,25 @@ def _column_mark(mark: ManualMark, column: ManualColumn, name: str) -> dict[str,
         "state": mark.state,
         "comment": mark.comment,
         "at": format_time(mark.at),
+    }
+
+
+def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name: str) -> dict[str, Any]:
+    given = rubrics_repository.marks_of(marking)
+    return {
+        "class": name,
+        "column": column.title,
+        "criteria": [
+            {
+                "title": item.title,
+                "out_of": item.points,
+                "points": given.points.get(item.id),
+                "remark": given.remarks.get(item.id, ""),
+            }
+            for item in rubrics_repository.items_of(rubric)
+        ],
+        "remark": given.remarks.get(OVERALL, ""),
+        "at": format_time(marking.at),
     }
 
 

@@ -40,9 +40,13 @@ from server.comments.models import TEXT_LENGTH
 from server.comments.schemas import validate_text
 from server.comments.side_by_side import compare_side_by_side
 from server.desk.assignments.forms import parse_assignment, parse_exemption
+from server.desk.rubrics.forms import parse_copy, read_copy
+from server.desk.rubrics.forms import parse_form as parse_rubric_form
+from server.desk.rubrics.forms import read_form as read_rubric_form
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
+from server.marks.rubric_items import RubricItem, parse_item
 from server.marks.typed import parse_comment, parse_mark
 from server.reading import search
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
@@ -61,6 +65,7 @@ from tests.support.shapes import JSON, MARKDOWN, PROGRAMS, TEXTS, Shape
 
 #: The longest that each may be: a request's body, its head, a program, a message, a text of a verdict.
 BODY, HEAD, CODE, MESSAGE, SENTENCE = 512 * 1024, MAX_HEAD_BYTES, 64 * 1024, TEXT_LENGTH, 4000
+CRITERIA = (RubricItem("a", "Clarté", 4.0),)
 ANYTHING: Mapping[str, Shape] = {**TEXTS, **MARKDOWN, **PROGRAMS, **JSON}
 
 
@@ -118,8 +123,8 @@ def _index() -> search.Index:
 
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
 IDENTITIES = """
-    path:aid path:assignment_id path:check path:class_id path:code path:column_id path:eid path:file path:group
-    path:lesson_id
+    path:aid path:assignment_id path:check path:class_id path:code path:column_id path:copy path:eid path:file
+    path:group path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
     path:version
     query:change query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
@@ -182,6 +187,24 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         "raw:server.desk.assignments.forms.checked_exercises raw:server.desk.assignments.forms.field_text "
         "raw:server.desk.assignments.routes.create_assignment raw:server.desk.assignments.routes.update_assignment",
+    ),
+    Reader(
+        "a rubric's form",
+        _form(
+            "titre coefficient c-0-titre c-0-points c-0-mots c-1-mots",
+            lambda form: parse_rubric_form(read_rubric_form(form)),
+        ),
+        BODY,
+        TEXTS,
+        "raw:server.desk.rubrics.forms.read_form raw:server.desk.rubrics.routes.save_rubric",
+    ),
+    Reader("a rubric's words", lambda text: parse_item("", "a", "4", text), BODY, TEXTS),
+    Reader(
+        "a copy's form",
+        _form("p-a r-a remarque", lambda form: parse_copy(CRITERIA, read_copy(form, CRITERIA))),
+        BODY,
+        TEXTS,
+        "raw:server.desk.rubrics.forms.read_copy raw:server.desk.rubrics.routes.mark_copy",
     ),
     Reader(
         "an exemption's form",

@@ -79,7 +79,10 @@ class WeightedExerciseRow:
 
 @dataclass(frozen=True)
 class AssignmentPage:
-    """One assignment, as its staff see it. `facts` are its rules by name; `release` is of a test, for its teachers."""
+    """One assignment, as its staff see it. `facts` are its rules by name; `release` is of a test, for its teachers.
+
+    `rubric`: the title of the column in which it is marked by hand, empty without one.
+    """
 
     head: ClassHead
     row: AssignmentRow
@@ -91,6 +94,8 @@ class AssignmentPage:
     may_compare: bool
     release: ReleaseView | None
     warnings: Sequence[str]
+    may_mark: bool
+    rubric: str
 
 
 @dataclass(frozen=True)
@@ -255,6 +260,14 @@ class OwnTestStatus:
 
 
 @dataclass(frozen=True)
+class RubricNotice:
+    """The column in which an assignment is marked by hand."""
+
+    title: str
+    published: bool
+
+
+@dataclass(frozen=True)
 class OwnAssignment:
     """An assignment with the rules in force for who looks; `exercises` is None while they are not told.
 
@@ -278,6 +291,8 @@ class OwnAssignment:
     test: OwnTestStatus | None = None
     mark: str = ""
     decision: ActiveDecision | None = None
+    rubric: RubricNotice | None = None
+    copy_href: str = ""
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ from server.desk.assignments.schemas import (
     WeightedExerciseRow,
 )
 from server.desk.sitting.views import release_view
+from server.marks.rubrics_repository import load_rubric_titles
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.time_warnings import time_warnings
@@ -118,6 +119,7 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
     exempted = sum(each.revoked_at is None for each in exemptions)
     finished = desk.count_finished_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
     begun = desk.count_begun_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
+    rubric_titles = load_rubric_titles(db, [assignment.id])
     return AssignmentPage(
         head=views.class_head(course, access, TAB),
         row=_assignment_row(assignment, len(wanted.exercises), exempted, finished, begun, utc_now()),
@@ -131,6 +133,8 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
         if assignment.mode == Mode.test and access.has(Right.release_feedback)
         else None,
         warnings=time_warnings(db, assignment, exemptions, members),
+        may_mark=access.has(Right.read_marks),
+        rubric=rubric_titles.get(assignment.id, ("", False))[0],
     )
 
 

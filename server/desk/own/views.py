@@ -22,7 +22,7 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.schemas import NextStep, OwnAssignment, OwnClassPage, OwnExercise, StageView
+from server.desk.assignments.schemas import NextStep, OwnAssignment, OwnClassPage, OwnExercise, RubricNotice, StageView
 from server.desk.assignments.views import format_date, stage_view
 from server.desk.own.lesson import find_own_lesson
 from server.desk.own.sitting_status import find_sitting_status
@@ -32,6 +32,7 @@ from server.identity.models import Account
 from server.marks import service as marks
 from server.marks.means import format_points
 from server.marks.own import OwnMark, OwnMarks, mark_text
+from server.marks.rubrics_repository import load_rubric_titles
 from server.marks.schemas import ActiveDecision, ActiveOverride, ExerciseMark
 from server.marks.states import STATE_WORDS, UNMARKED_STATES, MarkState
 from server.rights.models import Right
@@ -54,6 +55,7 @@ class _StudentWork:
     marks: Mapping[UUID, OwnMark]
     sittings: Mapping[UUID, Sitting]
     sent: Mapping[str, int]
+    rubrics: Mapping[UUID, tuple[str, bool]]
     now: datetime
     watched: bool
 
@@ -139,6 +141,7 @@ def _load_student_work(
         marks={mark.assignment.id: mark for mark in own.marks},
         sittings={sitting.assignment_id: sitting for sitting, _ in sat},
         sent=gradebook.count_attempts_since(db, account_id, held) if held else {},
+        rubrics=load_rubric_titles(db, [assigned.assignment.id for assigned in found]),
         now=now,
         watched=watched,
     )
@@ -188,6 +191,8 @@ def _own_assignment(course: Course, assigned: StudentAssignment, known: _Student
         test=test.for_viewer(watched=known.watched) if test else None,
         mark=_final_mark_text(known.marks.get(assignment.id), over=stage.kind == "closed"),
         decision=_decision(known.marks.get(assignment.id)),
+        rubric=RubricNotice(*known.rubrics[assignment.id]) if assignment.id in known.rubrics else None,
+        copy_href="" if exercises is None or known.watched else href.replace("/pourquoi", "/copie"),
     )
 
 

@@ -34,7 +34,8 @@ from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
 from server.lesson.models import LiveLesson
-from server.marks.models import ManualColumn, Override
+from server.marks import rubrics
+from server.marks.models import ManualColumn, Override, Rubric
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from tests.support.service import EXERCISE, Site, fake_verdict
@@ -93,6 +94,7 @@ FORMS: dict[str, dict[str, str]] = {
         "exercice": EXERCISE,
         "motif": "x",
     },
+    "POST /classes/{class_id}/devoirs/{aid}/noter": {"action": "publier"},
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
@@ -234,8 +236,16 @@ class Stage:
         for name in self.assignments.values():
             db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
         db.flush()
-        names = map(UUID, self.assignments.values())
+        names = [*map(UUID, self.assignments.values())]
         db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)
+        self.copies = {}
+        for name in names:
+            column = ManualColumn(class_id=self.made.id, title="À la main", position=2)
+            db.add(column)
+            db.flush()
+            rubric = Rubric(column_id=column.id, assignment_id=name, items=[])
+            self.copies[str(name)] = rubrics.copy_key(rubric, self.accounts["student"].id)
+            db.add(rubric)
         exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
         db.add_all(exemptions.values())
         db.flush()
@@ -256,6 +266,7 @@ class Stage:
             "group": self.group,
             "aid": self.assignments[who],
             "column_id": str(self.column.id),
+            "copy": self.copies[self.assignments[who]],
             "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
             "invitation": self.invitation,

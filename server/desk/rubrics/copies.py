@@ -1,0 +1,189 @@
+"""A student's copy of an assignment on one page, to read and to print: code, verdicts, remarks and marks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments.models import Assignment
+from server.comments import service as comments
+from server.course import Course
+from server.database import utc_now
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
+from server.identity.models import Account
+from server.marks import rubrics_repository
+from server.marks.columns_repository import load_marks, typed_mark
+from server.marks.loading import load_gradebook
+from server.marks.means import format_number, format_points
+from server.marks.own import mark_text
+from server.marks.rubric_items import OVERALL, RubricItem
+from server.marks.schemas import AssignmentMark, ExerciseMark
+from server.marks.service import load_own_marks
+from server.marks.states import STATE_WORDS
+from server.marks.typed import format_mark
+from server.rights.service import ClassAccess
+from server.web.code_lines import CodeView, code_view
+from server.web.schemas import VerdictView
+from server.web.threads import ThreadView, thread_views
+from server.web.verdicts import verdict_view
+from server.web.views import Reader
+from server.web.words import plural
+
+
+@dataclass(frozen=True)
+class CopyPart:
+    """An exercise of a copy, with the attempt that counts; `number` is None where there is none.
+
+    `held`: what stands in place of a withheld verdict.
+    """
+
+    title: str
+    mark: str
+    number: int | None = None
+    href: str = ""
+    sent_at: datetime | None = None
+    late: str = ""
+    code: CodeView | None = None
+    verdict: VerdictView | None = None
+    threads: tuple[ThreadView, ...] = ()
+    held: str = ""
+
+
+@dataclass(frozen=True)
+class MarkedItem:
+    """A criterion of a rubric as its student reads it: « 2 / 3 », the words that were picked, the remark."""
+
+    title: str
+    points: str
+    words: str
+    remark: str
+
+
+@dataclass(frozen=True)
+class MarkedRubric:
+    title: str
+    mark: str
+    items: tuple[MarkedItem, ...]
+    remark: str
+
+
+@dataclass(frozen=True)
+class CopyView:
+    """`mark` is empty while a test withholds it."""
+
+    name: str
+    mark: str
+    parts: tuple[CopyPart, ...]
+    rubric: MarkedRubric | None = None
+
+
+def build_copy(
+    reader: Reader, access: ClassAccess, assignment: Assignment, student: UUID, name: str, *, with_threads: bool = True
+) -> CopyView:
+    """Build the copy as the reader may see it: its student without what is withheld from them, staff whole."""
+    assert reader.account is not None
+    own = reader.account.id == student
+    mark, exercises = (_load_own_mark if own else _load_mark)(reader, access, assignment, student)
+    parts = tuple(_part(reader, reader.account, own_mark, mark, with_threads) for own_mark in exercises)
+    return CopyView(
+        name=name,
+        mark="" if mark is None else mark_text(mark),
+        parts=parts,
+        rubric=load_marked_rubric(reader.db, assignment, student),
+    )
+
+
+def _load_mark(
+    reader: Reader, access: ClassAccess, assignment: Assignment, student: UUID
+) -> tuple[AssignmentMark | None, tuple[ExerciseMark, ...]]:
+    book = load_gradebook(reader.db, reader.course, access.school_class, utc_now(), only=[student])
+    for row in book.rows:
+        for each, mark in zip(book.assignments, row.marks, strict=True):
+            if each.id == assignment.id:
+                return mark, mark.exercises
+    return None, ()
+
+
+def _load_own_mark(
+    reader: Reader, access: ClassAccess, assignment: Assignment, student: UUID
+) -> tuple[AssignmentMark | None, tuple[ExerciseMark, ...]]:
+    own = load_own_marks(reader.db, reader.course, access.school_class, student, utc_now())
+    for each in own.marks:
+        if each.assignment.id == assignment.id:
+            return each.mark, tuple(each.exercises.values())
+    return None, ()
+
+
+def _part(
+    reader: Reader, account: Account, mark: ExerciseMark, whole: AssignmentMark | None, with_threads: bool
+) -> CopyPart:
+    title = _title(reader.course, mark.exercise)
+    if mark.points is not None:
+        points = f"{format_points(mark.points)} / 20"
+    else:
+        points = "" if whole is None else STATE_WORDS[mark.state_in(whole.state)]
+    exercise = reader.course.exercises.get(mark.exercise)
+    if mark.counted is None or exercise is None:
+        return CopyPart(title, points)
+    attempt = gradebook.find_attempt(reader.db, account, mark.counted.attempt)
+    talks = comments.load_attempt_conversations(reader.db, attempt) if with_threads else ()
+    is_code = exercise.answers is None
+    code = code_view(attempt.submission.code, talks, account) if is_code else None
+    on_lines = {talk.thread.id for talk in talks if is_code and talk.lines is not None}
+    return CopyPart(
+        title=title,
+        mark=points,
+        number=gradebook.attempt_number(reader.db, attempt.submission),
+        href=f"/soumissions/{attempt.submission.id}",
+        sent_at=attempt.submission.created_at,
+        late=f"{plural(mark.days_late, 'jour')} de retard" if mark.days_late else "",
+        code=code,
+        verdict=_verdict(reader.course, attempt),
+        threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], account),
+        held=attempt.held_text,
+    )
+
+
+def _title(course: Course, exercise: str) -> str:
+    known = course.exercises.get(exercise)
+    return exercise if known is None else known.title
+
+
+def _verdict(course: Course, attempt: Attempt) -> VerdictView | None:
+    if attempt.verdict is None or attempt.grading is None:
+        return None
+    exercise = course.exercises[attempt.submission.exercise]
+    texts = None if exercise.answers is None else exercise
+    figures = f"/soumissions/{attempt.submission.id}/figures"
+    return verdict_view(attempt.verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
+
+
+def load_marked_rubric(db: Session, assignment: Assignment, student: UUID) -> MarkedRubric | None:
+    """Load what a published rubric gave a student; None without one. The mark is that of the gradebook."""
+    row = rubrics_repository.find_rubric(db, assignment.id)
+    if row is None or row[1].published_at is None:
+        return None
+    rubric, column = row
+    marking = rubrics_repository.find_marking(db, rubric.column_id, student)
+    typed = load_marks(db, column.id).get(student)
+    if typed is None or typed_mark(typed).points is None:
+        return None
+    mark = f"{format_mark(typed_mark(typed))} / {format_number(column.out_of)}"
+    if marking is None or marking.finished_at is None:
+        return MarkedRubric(column.title, mark, (), "")
+    given = rubrics_repository.marks_of(marking)
+    items = tuple(
+        _marked_item(item, given.points.get(item.id), given.remarks.get(item.id, ""))
+        for item in rubrics_repository.items_of(rubric)
+    )
+    return MarkedRubric(column.title, mark, items, given.remarks.get(OVERALL, ""))
+
+
+def _marked_item(item: RubricItem, points: float | None, remark: str) -> MarkedItem:
+    words = next((level.text for level in item.levels if level.points == points), "")
+    shown = "—" if points is None else f"{format_number(points)} / {format_number(item.points)}"
+    return MarkedItem(item.title, shown, words, remark)

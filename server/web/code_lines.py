@@ -1,0 +1,47 @@
+"""Code by its lines, with the conversations that stand below them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from server.comments.schemas import Conversation
+from server.identity.models import Account
+from server.text.plain import visible
+from server.text.python_colours import colour_lines
+from server.web.threads import ThreadView, thread_views
+
+MOST_NUMBERED = 1500
+
+
+@dataclass(frozen=True)
+class LineView:
+    """A line of code in HTML, and the threads that stand below it."""
+
+    number: int
+    html: Markup
+    threads: tuple[ThreadView, ...] = ()
+
+
+@dataclass(frozen=True)
+class CodeView:
+    """Code by its lines; `rest` is what comes after those that are numbered."""
+
+    lines: tuple[LineView, ...]
+    rest: str
+
+
+def code_view(code: str, talks: Sequence[Conversation], account: Account | None) -> CodeView:
+    below: dict[int, list[Conversation]] = {}
+    for talk in talks:
+        if talk.lines is not None:
+            below.setdefault(talk.lines.last, []).append(talk)
+    html = colour_lines(visible(code))
+    lines = tuple(
+        LineView(number, Markup(line), thread_views(below.get(number, ()), account))
+        for number, line in enumerate(html[:MOST_NUMBERED], 1)
+    )
+    rest = visible(code).split("\n", MOST_NUMBERED)[MOST_NUMBERED] if len(html) > MOST_NUMBERED else ""
+    return CodeView(lines, rest)
