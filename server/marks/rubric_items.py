@@ -131,9 +131,9 @@ def validate_rubric(fields: RubricInput) -> RubricInput:
     if not 0 <= fields.weight <= 1000:
         problems["weight"] = NO_WEIGHT
     if not fields.items:
-        problems["items"] = NO_ITEMS
+        problems["criteria"] = NO_ITEMS
     elif len(fields.items) > MAX_ITEMS:
-        problems["items"] = TOO_MANY_ITEMS
+        problems["criteria"] = TOO_MANY_ITEMS
     if problems:
         raise InvalidFields(problems)
     return RubricInput(title, fields.weight, fields.anonymous, fields.items)

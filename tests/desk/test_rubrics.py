@@ -163,6 +163,14 @@ def test_a_wrong_criterion_is_told_with_its_line(points: str, words: str, proble
         parse_item("", "Clarté", points, words)
 
 
+def test_a_rubric_needs_a_criterion_and_says_so(site: Site) -> None:
+    desk = Desk(site)
+    browser = desk.teacher.browser(site)
+    assert "au moins un critère" not in browser.get(f"{desk.home}/bareme").text
+    empty = browser.post(f"{desk.home}/bareme", data={"titre": "Rédaction"})
+    assert (empty.status_code, "au moins un critère" in empty.text) == (422, True)
+
+
 def test_a_copy_has_what_counts_and_no_more(site: Site) -> None:
     desk = Desk(site)
     copy = desk.teacher.browser(site).get(f"{desk.home}/copies/{desk.students['Ada'].id}")

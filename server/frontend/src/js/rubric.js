@@ -8,6 +8,7 @@ const CALM_MS = 800;
 const AGAIN_MS = 5000;
 
 const form = document.querySelector("[data-rubric]");
+const address = form?.getAttribute("action"); // `form.action` is the buttons of that name
 const number = new Intl.NumberFormat("fr-FR", { maximumFractionDigits: 2 });
 const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
 
@@ -44,7 +45,7 @@ function setUpDrafts(key) {
     const fields = new FormData(form);
     fields.set("action", "brouillon");
     const options = { method: "POST", body: fields, headers: headersFor(form.elements.pour.value), keepalive: leaving };
-    const response = await fetch(form.action, options).catch(() => null);
+    const response = await fetch(address, options).catch(() => null);
     const answer = await response?.json().catch(() => null);
     sending = false;
     if (response?.ok && answer) {
@@ -99,7 +100,7 @@ if (form) {
     }
     showTotal();
   });
-  const key = `balise-copie:${form.action}`;
+  const key = `balise-copie:${address}`;
   if ("drafts" in form.dataset) setUpDrafts(key);
   else keep(key, null);
   showTotal();
