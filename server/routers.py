@@ -8,6 +8,7 @@ from server.desk.assignments.exemption_routes import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
+from server.desk.guide.routes import router as teachers_guide_router
 from server.desk.lesson.routes import router as lesson_router
 from server.desk.likeness.routes import router as likeness_router
 from server.desk.marks.column_routes import router as columns_router
@@ -71,6 +72,7 @@ ROUTERS = (
     assignments_router,
     exemptions_router,
     own_router,
+    teachers_guide_router,
     offline_router,
     client_router,
     cells_router,

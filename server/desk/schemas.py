@@ -20,7 +20,8 @@ class ClassTab:
 
 @dataclass(frozen=True)
 class ClassHead:
-    """The head of every page of a class, with the actions that the reader may use. `tabs` are for its staff."""
+    """The head of every page of a class, with the actions that the reader may use. `tabs` are for its staff,
+    and so is `guide`, the address of the chapter about the page."""
 
     id: str
     name: str
@@ -31,6 +32,7 @@ class ClassHead:
     may_keep_list: bool
     may_set_up: bool
     tabs: tuple[ClassTab, ...]
+    guide: str
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from server.audit.repository import load_entries
 from server.audit.schemas import AuditFilter
 from server.classes import namesakes, repository
 from server.classes.codes import format_code
+from server.classes.folding import normalise_name
 from server.classes.importing import ImportPlan
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.schemas import Member
@@ -28,6 +29,7 @@ from server.classes.slips import PasswordSlip
 from server.comments import repository as comments
 from server.course import Course
 from server.database import utc_now
+from server.desk.guide.chapters import chapter_href
 from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
 from server.identity.models import Account
@@ -41,6 +43,7 @@ from server.web import editions
 from server.web.form_version import version_of
 from server.web.words import list_names, plural, short_moment
 
+STUDENTS_A_PAGE = 40
 NEW_STAFF_NOTICE, MAX_STAFF_NOTICES = timedelta(days=7), 5
 NEW_STAFF = "{name} enseigne ou assiste ici depuis le {when}, à la demande de {by}."
 ROLES = {ClassRole.student: "élève", ClassRole.assistant: "assistant", ClassRole.teacher: "enseignant"}
@@ -114,6 +117,7 @@ def class_head(course: Course, access: ClassAccess, here: str = "") -> ClassHead
         may_keep_list=access.has(Right.manage_roster) and school_class.archived_at is None,
         may_set_up=access.has(Right.configure_class),
         tabs=visible_tabs(class_href(school_class), access.has, here),
+        guide=chapter_href(here),
     )
 
 
@@ -140,20 +144,33 @@ def render_qr_code(address: str) -> str:
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 
 
-def build_people_page(db: Session, course: Course, access: ClassAccess, base: str, group: str) -> dict[str, Any]:
-    """Build the page of members; a non-empty `group` filters students by label."""
+def build_people_page(
+    db: Session, course: Course, access: ClassAccess, base: str, group: str, search: str = "", number: int = 1
+) -> dict[str, Any]:
+    """Build page `number` (from 1) of the members. A non-empty `group` filters students by label, and `search` by what
+    their name, login or groups contain, accents and case aside."""
     school_class = access.school_class
     everyone = repository.load_members(db, school_class.id)
     students = [member for member in everyone if member.role is ClassRole.student]
     active = [member for member in students if member.status is Status.active]
     labels = count_students_by_label(member.groups for member in active)
+    words = normalise_name(search).split()
+    matching = [
+        member for member in active if (not group or group in member.groups) and (not words or _matches(member, words))
+    ]
+    first = (number - 1) * STUDENTS_A_PAGE
     return {
         "head": class_head(course, access, "/eleves"),
         "staff": active_staff(everyone),
         "new_staff": new_staff_notices(db, school_class.id),
         "code": join_code_view(school_class, base) if access.has(Right.see_code) else None,
         "may_hand_passwords": access.has(Right.hand_out_passwords) and school_class.archived_at is None,
-        "students": [member for member in active if not group or group in member.groups],
+        "students": matching[first : first + STUDENTS_A_PAGE],
+        "matching": len(matching),
+        "search": search,
+        "number": number,
+        "more": first + STUDENTS_A_PAGE < len(matching),
+        "first": first + 1,
         "doubtful": namesakes.filter_doubtful(everyone),
         "total": len(active),
         "waiting": [member for member in students if member.status is Status.pending],
@@ -162,6 +179,11 @@ def build_people_page(db: Session, course: Course, access: ClassAccess, base: st
         "group": group if group in labels else "",
         "without_password": sum(member.lacks_password for member in active),
     }
+
+
+def _matches(member: Member, words: Sequence[str]) -> bool:
+    known = normalise_name(" ".join((member.name, member.account.login or "", *member.groups)))
+    return all(word in known for word in words)
 
 
 def new_staff_notices(db: Session, class_id: UUID) -> tuple[str, ...]:

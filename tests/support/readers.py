@@ -32,6 +32,7 @@ from server.base.validation import encode_bounded, parse_uuid
 from server.board.extracts import anonymise_extract, extract_function
 from server.classes.codes import parse_code
 from server.classes.encodings import read_again
+from server.classes.folding import normalise_name
 from server.classes.roster import read_roster
 from server.classes.schemas import validate_class_name, validate_guest_name
 from server.classes.sheets import read_rows, to_csv
@@ -123,7 +124,8 @@ def _index() -> search.Index:
 
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
 IDENTITIES = """
-    path:aid path:assignment_id path:check path:class_id path:code path:column_id path:copy path:eid path:file
+    path:aid path:assignment_id path:chapter path:check
+    path:class_id path:code path:column_id path:copy path:eid path:file
     path:group path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
     path:version
@@ -214,7 +216,7 @@ READERS: tuple[Reader, ...] = (
         "raw:server.desk.assignments.forms.parse_exemption "
         "raw:server.desk.assignments.forms.submitted_exemption_values",
     ),
-    Reader("a search", lambda text: _index().find(text), HEAD, TEXTS, "query:q"),
+    Reader("a search", lambda text: (_index().find(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
     Reader(
         "a list read again",

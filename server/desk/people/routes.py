@@ -163,11 +163,18 @@ def _render_board(request: Request, reader: Reader, access: ClassAccess, query: 
 
 
 @router.get("/classes/{class_id}/eleves")
-def show_people(request: Request, class_id: str, reader: CurrentReader, groupe: GroupQuery = "") -> Response:
+def show_people(
+    request: Request,
+    class_id: str,
+    reader: CurrentReader,
+    groupe: GroupQuery = "",
+    q: GroupQuery = "",
+    number: PageNumber = 1,
+) -> Response:
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.see_students, class_id)
-    view = views.build_people_page(reader.db, reader.course, access, service_url(request), groupe)
+    view = views.build_people_page(reader.db, reader.course, access, service_url(request), groupe, q, number)
     return render_page(request, "classes/people.html", reader.account, page=view)
 
 

@@ -266,6 +266,7 @@ class Stage:
             "group": self.group,
             "aid": self.assignments[who],
             "column_id": str(self.column.id),
+            "chapter": "noter",
             "copy": self.copies[self.assignments[who]],
             "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
