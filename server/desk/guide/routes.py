@@ -29,5 +29,4 @@ def _render_chapter(request: Request, account: OptionalAccount, slug: str) -> HT
     chapter = load_chapters().get(slug)
     if chapter is None:
         raise NotFound(NO_SUCH_CHAPTER)
-    context = {"chapter": chapter, "titles": TITLES, "prefix": PREFIX}
-    return render_page(request, "guide.html", account, **context)
+    return render_page(request, "guide.html", account, chapter=chapter, titles=TITLES, prefix=PREFIX)
