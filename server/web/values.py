@@ -12,7 +12,7 @@ from graders.core.compare.words import number
 
 MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
 #: Numbers of one table, and lists in one list, that are shown: a counterexample is read, and is some 2 kB long.
-MAX_CELLS, MAX_LISTS = 100, 6
+MAX_CELLS, MAX_LISTS = 60, 4
 #: A number is marked where it differs by more; the finer tolerance counts where the coarse one marks nothing.
 MARKED, MARKED_ALONE = 1e-6, 1e-9
 SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}

@@ -16,7 +16,7 @@ from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.compare.forms import ValueForm, text_list, with_tolerance
 
 #: The types of what programs are given.
-PLAIN = "Un nombre est toujours un flottant, un tableau un tableau numpy de flottants."
+PLAIN = "Sauf mention contraire, un nombre est un flottant, et un tableau en contient : c’est un tableau numpy."
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from graders.core.compare import words as render
+from graders.core.compare.relations import tell_relation
 from graders.core.compare.slips import shape_slip, value_slip
 from graders.core.compare.told_apart import instead
 from graders.core.contract.outcomes import Outcome
@@ -176,11 +177,13 @@ def wrong_shape(expected: Floats, got: Floats) -> Mismatch:
 
 
 def worst_difference(expected: Floats, got: Floats) -> str:
-    """One sentence on the largest gap between two arrays of the same shape."""
+    """Say the largest gap between two arrays of the same shape, and what else is seen of them."""
     if np.any(np.isnan(got)):
         return "Le résultat contient « nan », qui n'est pas un nombre."
     with np.errstate(invalid="ignore", over="ignore"):
         gaps = np.nan_to_num(np.abs(got - expected), nan=np.inf)
     where = np.unravel_index(int(np.argmax(gaps)), gaps.shape) if gaps.ndim else ()
     position = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
-    return f"L'écart le plus grand est{position} : {instead(float(expected[where]), float(got[where]))}."
+    relation = tell_relation(expected, got)
+    worst = f"L'écart le plus grand est{position} : {instead(float(expected[where]), float(got[where]))}."
+    return f"{worst} {relation}" if relation else worst

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graders.core.compare.forms import NOTHING, TEXT, NumberForm, Outsider, Recast, ValueForm
+from graders.core.compare.forms import NOTHING, TEXT, ArrayForm, NumberForm, Outsider, Recast, ValueForm
 from graders.core.contract.values import Value
 
 
@@ -33,7 +33,8 @@ class TupleForm(ValueForm):
     @property
     def also(self) -> str:
         whole = "tuple, liste ou tableau" if self._numbers else "tuple ou liste"
-        return f"{whole}, dans cet ordre"
+        nested = any(isinstance(form, ArrayForm) for form in self.parts.values())
+        return f"{whole}, dans cet ordre{' ; pour un tableau, des listes conviennent' if nested else ''}"
 
     def holds(self, value: Value, sizes: dict[str, int]) -> bool:
         return type(value) is tuple and all(

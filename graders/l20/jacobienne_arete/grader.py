@@ -16,6 +16,7 @@ from graders.l19.matrices import shrink_covariance
 from graders.l19.pairs import SamePair
 from graders.l20 import world
 from graders.l20.jacobienne_arete import cases
+from graders.l20.jacobienne_arete.contract import CONTRACTS
 from graders.l20.jacobienne_arete.judge import PRODUCT, SYSTEM, WHOLE, SameColumns
 from graders.l20.jacobienne_arete.pictures import columns_figure, residual_figure
 from graders.l20.jacobienne_arete.probes import PROBES
@@ -133,4 +134,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)
