@@ -8,7 +8,7 @@ import time
 from contextlib import suppress
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from server.base.errors import Invalid
@@ -37,11 +37,19 @@ def written(people: list[tuple[str, str, str]], separator: str, end: str) -> str
     return out.getvalue()
 
 
+def is_utf8(content: bytes) -> bool:
+    with suppress(UnicodeDecodeError):
+        return bool(content.decode())
+    return False
+
+
 @given(PEOPLE, ENCODINGS, st.sampled_from(";,\t"), st.sampled_from(["\n", "\r\n"]))
 def test_a_list_is_read_whatever_wrote_it(
     people: list[tuple[str, str, str]], encoding: str, sep: str, end: str
 ) -> None:
-    roster = read_roster(written(people, sep, end).encode(encoding))
+    content = written(people, sep, end).encode(encoding)
+    assume(encoding != "cp1252" or content.isascii() or not is_utf8(content))  # nobody could tell these apart
+    roster = read_roster(content)
     assert roster.rejected == ()
     assert roster.lines == tuple(
         RosterLine(place + 2, family, given_name, "", f"id-{place}", tuple(filter(None, group.split("|"))))
