@@ -42,6 +42,11 @@ def verdict_of(exercise: Exercise, source: bytes) -> Verdict:
     return Verdict.from_json(json.loads(json.dumps(judged.to_json(), sort_keys=True)))
 
 
+@pytest.fixture(autouse=True)
+def _busy_machine_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replaying, "MAX_SECONDS", 300.0)
+
+
 def replayed(exercise: Exercise, source: bytes) -> Iterator[tuple[CheckResult, ReplayCase | None]]:
     definition = load_definition(exercise.id)
     for check in verdict_of(exercise, source).checks:
