@@ -3,7 +3,7 @@
 One process serves everybody, and Python computes one thing at a time: who sends request after request takes as many
 shares as it has requests in progress, a page that somebody opens has one. So whoever has used much processor lately, or
 has many requests in progress, is served one request at a time, in turn with others like them, and lets the requests of
-the quiet go before. Nothing is lost by that: as much is computed in a second. A queue of bounded length waits, of which
+the quiet, and of who has used half as much, go before. Nothing is lost by that: as much is computed in a second. A queue of bounded length waits, of which
 the busiest leave first (503).
 
 Processor time is counted by account. Visitors and guests cost nothing to become, so that theirs is counted by address
@@ -15,6 +15,7 @@ request on, which looks it up anyway.
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections import Counter
 from collections.abc import Awaitable, Callable
@@ -22,6 +23,7 @@ from contextlib import suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from hashlib import blake2b
+from http import HTTPStatus
 from uuid import UUID
 
 from starlette.requests import HTTPConnection, Request
@@ -31,18 +33,19 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from server.base.caches import LRUCache
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded, ServiceError
-from server.base.http import MONITORING_PATHS, bearer_token, client_address, session_token
+from server.base.http import MONITORING_PATHS, SAFE_METHODS, bearer_token, client_address, session_token
 
 #: Seconds of processor after which one is busy; seconds in which half of what was used is forgotten.
-BUSY_SECONDS, HALF_LIFE = 0.5, 10.0
+BUSY_SECONDS, HALF_LIFE = 1.0, 10.0
 #: Requests in progress beyond which one is busy: browsers open six connections.
 IN_PROGRESS = 6
 #: Requests that wait: ten of each in a class of 35 that has just been told to begin, all behind one address.
 MAX_WAITING = 400
 #: Seconds after which a turn ends by itself; seconds for which a turn lets requests of the quiet go before.
-TURN_SECONDS, GIVE_WAY_SECONDS = 0.5, 0.02
+TURN_SECONDS, GIVE_WAY_SECONDS = 0.25, 0.1
 #: Accounts and addresses that are remembered; sessions and tokens of which the account is.
 MAX_FLOWS, MAX_SENDERS = 10_000, 20_000
+#: Ranks: of the busy, the last ones; each doubling of what they have used is one more.
 QUIET, CROWD, BUSY = 0, 1, 2
 CROWDED = "Beaucoup de demandes arrivent en ce moment : réessayez dans quelques secondes."
 
@@ -104,10 +107,14 @@ class Turns:
 
     def __init__(self, clock: ProcessorClock | None = None, usage: Usage | None = None) -> None:
         self._clock, self._usage = clock or ProcessorClock(), usage or Usage()
-        self._limiter = FairLimiter(1, MAX_WAITING, reserve=1)
+        self._limiter = FairLimiter(1, MAX_WAITING)
         self._in_progress: Counter[str] = Counter()
         self._quiet, self._no_quiet = 0, asyncio.Event()
         self._no_quiet.set()
+
+    @property
+    def waiting(self) -> int:
+        return self._limiter.waiting
 
     async def begin(self, flow: Flow) -> Callable[[], None]:
         """Wait for the turn of a request, and return what ends it, however often that is called. Raises Overloaded."""
@@ -147,12 +154,17 @@ class Turns:
         return end
 
     def _rank(self, flow: Flow) -> int:
-        if self._is_busy(flow.name):
-            return BUSY
-        return CROWD if flow.crowd and self._is_busy(flow.crowd) else QUIET
+        doublings = self._doublings(flow.name)
+        if doublings is not None:
+            return BUSY + doublings
+        return CROWD if flow.crowd and self._doublings(flow.crowd) is not None else QUIET
 
-    def _is_busy(self, name: str) -> bool:
-        return self._in_progress[name] >= IN_PROGRESS or self._usage.of(name) > BUSY_SECONDS
+    def _doublings(self, name: str) -> int | None:
+        """Return how often one has used twice what makes one busy; None for who is quiet."""
+        used = self._usage.of(name) / BUSY_SECONDS
+        if used > 1.0:
+            return int(math.log2(used))
+        return 0 if self._in_progress[name] >= IN_PROGRESS else None
 
     def _count_quiet(self, rank: int, change: int) -> None:
         if rank == QUIET:
@@ -195,6 +207,12 @@ def _key(token: str) -> bytes:
     return blake2b(token.encode("utf-8", "replace"), digest_size=16).digest()
 
 
+async def _has_left(scope: Scope, receive: Receive) -> bool:
+    """Whether the sender of a request without a body has closed the connection: nobody would read the answer."""
+    request = Request(scope, receive)
+    return await request.is_disconnected() or await request.is_disconnected()  # the first message is the empty body
+
+
 class FairTurns:
     """Has each request wait for its turn, which ends as its answer begins."""
 
@@ -205,10 +223,14 @@ class FairTurns:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["path"] in MONITORING_PATHS:
             return await self._app(scope, receive, send)
+        is_crowded = self._turns.waiting > 0
         try:
             end = await self._turns.begin(flow_of(scope))
         except ServiceError as error:
             return await self._refuse(Request(scope), error)(scope, receive, send)
+        if is_crowded and scope["method"] in SAFE_METHODS and await _has_left(scope, receive):
+            end()
+            return await Response(status_code=HTTPStatus.SERVICE_UNAVAILABLE)(scope, receive, send)
 
         def send_and_end(message: Message) -> Awaitable[None]:
             if message["type"] == "http.response.body":

@@ -226,11 +226,14 @@ def test_a_turn_ends_as_the_answer_begins_or_as_the_request_waits(monkeypatch: p
         for _ in range(IN_PROGRESS):
             await fair._turns.begin(flow_of(scope_of()))
 
-        async def nothing(message: Any = None) -> None:
+        async def receive() -> Any:
+            await asyncio.Event().wait()
+
+        async def send(_message: Any) -> None:
             return
 
         paths = ["/answers", "/waits", "/holds", "/never", "/healthz"]
-        tasks = [asyncio.create_task(fair(scope_of(path), nothing, nothing)) for path in paths]
+        tasks = [asyncio.create_task(fair(scope_of(path), receive, send)) for path in paths]
         for _ in range(30):
             await asyncio.sleep(0)
         for task in tasks:
@@ -240,3 +243,44 @@ def test_a_turn_ends_as_the_answer_begins_or_as_the_request_waits(monkeypatch: p
     monkeypatch.setattr(turns, "GIVE_WAY_SECONDS", 0.0)
     in_a_loop(asyncio.wait_for(scene(), 300))
     assert sorted(begun) == ["/answers", "/healthz", "/holds", "/waits"]
+
+
+def test_a_page_that_nobody_waits_for_any_more_is_not_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(turns, "TURN_SECONDS", 3600.0)
+    monkeypatch.setattr(turns, "GIVE_WAY_SECONDS", 0.0)
+    begun = list[str]()
+
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        begun.append(scope["path"])
+
+    async def scene() -> None:
+        fair = FairTurns(app, lambda request, error: pytest.fail(str(error)))
+        ends = [await fair._turns.begin(flow_of(scope_of())) for _ in range(IN_PROGRESS)]
+        ends.append(await fair._turns.begin(flow_of(scope_of())))
+
+        def come(path: str, *messages: str, method: str = "GET") -> asyncio.Task[None]:
+            left = iter(messages)
+
+            async def receive() -> Any:
+                message = next(left, None)
+                return {"type": message} if message else await asyncio.Event().wait()
+
+            async def send(_message: Any) -> None:
+                return
+
+            return asyncio.create_task(fair({**scope_of(path), "method": method}, receive, send))
+
+        tasks = [
+            come("/first", "http.request"),
+            come("/left", "http.request", "http.disconnect"),
+            come("/sent", "http.request", "http.disconnect", method="POST"),
+            come("/waits", "http.request"),
+        ]
+        for _ in range(9):
+            await asyncio.sleep(0)
+        for end in ends:
+            end()
+        await asyncio.gather(*tasks)
+
+    in_a_loop(asyncio.wait_for(scene(), 300))
+    assert begun == ["/first", "/sent", "/waits"], "what was sent whole counts"

@@ -129,6 +129,12 @@ def pages(wanted: Wanted) -> list[Row]:
     return bench_pages.rows(wanted.rounds(30))
 
 
+def turns(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks import bench_turns
+
+    return bench_turns.rows(wanted.rounds(3))
+
+
 def paint(wanted: Wanted) -> list[Row]:
     try:
         from tests.benchmarks import bench_paint as bench
@@ -244,6 +250,7 @@ PARTS = (
     Part("many", many, patience=600.0),
     Part("euros", euros),
     Part("pages", pages),
+    Part("turns", turns),
     Part("paint", paint, slow=True),
     Part("scripts", scripts),
     Part("lighthouse", lighthouse, patience=900.0, slow=True),

@@ -20,26 +20,33 @@ from tests.contract.gate.service import EXERCISE, LOGIN, PASSWORD, Service
 MODULE, SLUG = EXERCISE.split("/")
 PAGES = (f"/{MODULE}", f"/{MODULE}/exercices/{SLUG}", "/classes")
 #: Seconds that a flood goes on before somebody is measured, and for which its work may go on after it.
-RUN_UP = 0.7
+RUN_UP = 2.0
 #: Seconds beyond which a door counts as closed.
 CLOSED = 60.0
 
 
 @dataclass(frozen=True)
 class Limit:
-    """Seconds that a door may take, given what it takes while nothing else goes on."""
+    """Seconds that a door may take, given what it takes while nothing else goes on.
+
+    `by_work`: also open where the web process works no more than `factor` times as long until the answer.
+    """
 
     factor: float
     more: float
+    most: float = CLOSED
+    by_work: bool = False
 
     def of(self, idle: float) -> float:
-        return self.factor * idle + self.more
+        return min(self.factor * idle + self.more, self.most)
 
 
-#: A page that takes a quarter of a second while nothing goes on takes half a second at most.
-PAGE, VERDICT = Limit(2.0, 0.0), Limit(2.0, 1.0)
-#: Beside other tests on the same two processors: a tenth of a second that nobody notices is nobody's flood.
-PAGE_BESIDE_OTHERS = Limit(2.0, 0.1)
+#: What the issue asks for, on a machine that does nothing else.
+PAGE, VERDICT = Limit(2.0, 0.0, 0.5), Limit(2.0, 1.0)
+#: On a machine that does other things, these take the processors from either measurement, and a page of ten
+#: milliseconds may take twice as long for a moment of theirs: a tenth of a second more is nobody's flood, and neither
+#: is a page for which the web process has worked twice as much at most, for it and for all whom it served before.
+PAGE_BESIDE_OTHERS = Limit(2.0, 0.1, by_work=True)
 
 
 class Bystander:
@@ -199,6 +206,8 @@ class Door:
 
     @property
     def is_open(self) -> bool:
+        if self.limit.by_work and median(self.flooded_work) <= self.limit.factor * median(self.idle_work):
+            return True
         return median(self.flooded) <= self.limit.of(median(self.idle))
 
     def __str__(self) -> str:
@@ -226,7 +235,7 @@ class Outcome:
         return f"{', '.join(self.floods)}: " + "; ".join(f"{name} {door}" for name, door in self.doors.items())
 
 
-SAMPLES = {"page": 9, "login": 2}
+SAMPLES = {"page": 9, "login": 2, "board": 2}
 
 
 def measure(
@@ -237,7 +246,10 @@ def measure(
     rounds: int = 3,
     page: Limit = PAGE,
 ) -> Outcome:
-    """Measure doors without and with floods, in turn, until all are open, or for so many rounds."""
+    """Measure doors without and with floods, in turn, until all are open, or for so many rounds.
+
+    Where all are open at once, nothing is measured again.
+    """
     chosen = sorted(doors or {door for name in names for door in FLOODS[name].doors})
     outcome = Outcome(names, {door: Door(page if door == "page" else VERDICT) for door in chosen})
     for _ in range(rounds):
@@ -249,6 +261,8 @@ def measure(
             )
         outcome.done = done
         service.clear()
+        if not outcome.closed:
+            break
         _sample(service, bystander, {name: (door.idle, door.idle_work) for name, door in outcome.doors.items()})
         if not outcome.closed:
             break

@@ -188,6 +188,75 @@ def boards(attacker: Attacker) -> None:
     )
 
 
+def heads(attacker: Attacker) -> None:
+    attacker.request(attacker.random.choice(["HEAD", "OPTIONS"]), "/l20/exercices/poses")
+
+
+def conditional_requests(attacker: Attacker) -> None:
+    tags = ", ".join(f'W/"{attacker.random.random()}"' for _ in range(300))
+    attacker.request("GET", "/l20/exercices/poses", If_None_Match=tags)
+
+
+def probes(attacker: Attacker) -> None:
+    """Requests of what watches the service: they wait for no turn."""
+    attacker.request("GET", attacker.random.choice(["/healthz", "/readyz", "/metrics", "/statusz"]))
+
+
+def made_up_sessions(attacker: Attacker) -> None:
+    attacker.request("GET", "/l20/exercices/poses", cookie=f"balise_session={attacker.random.random()}")
+
+
+def log_outs(attacker: Attacker) -> None:
+    attacker.request("POST", "/deconnexion", "", cookie=f"balise_session={attacker.random.random()}")
+
+
+def searches_like_patterns(attacker: Attacker) -> None:
+    pattern = attacker.random.choice(["(a%2B)%2B$", "[[[[", ".*" * 200, "%5C" * 300, "a*" * 400, "%22" * 999])
+    attacker.request("GET", f"/l20/recherche?q={pattern}")
+
+
+def documentation(attacker: Attacker) -> None:
+    attacker.request("GET", attacker.random.choice(["/docs", "/api/v1/openapi.json", "/l20/lire/glossaire"]))
+
+
+def codes_of_classes(attacker: Attacker) -> None:
+    attacker.request("GET", f"/rejoindre/{attacker.random.randrange(10**8)}")
+
+
+def streams_again(attacker: Attacker) -> None:
+    """Streams that are opened, and left at once."""
+    path = attacker.random.choice(attacker.target.attempts)
+    with attacker.connection() as bare:
+        bare.sendall(f"GET {path}/evenements HTTP/1.1\r\nHost: a\r\nCookie: {attacker.guest}\r\n\r\n".encode())
+        bare.recv(1)
+
+
+def hang_ups(attacker: Attacker) -> None:
+    """Requests whose sender has left before they are served."""
+    with attacker.connection() as bare:
+        bare.sendall(b"GET /l20/exercices/poses HTTP/1.1\r\nHost: a\r\n\r\n")
+    attacker.stopped.wait(0.01)
+
+
+def bodies_that_wait(attacker: Attacker) -> None:
+    """Bodies as large as may be, many at once: who waits for a turn has been read."""
+    attacker.request("POST", "/l20/exercices/poses/soumissions", "code=" + "y" * 500_000)
+
+
+def questions(attacker: Attacker) -> None:
+    attacker.request("POST", "/l20/exercices/poses/questions", {"texte": "> " * 1900}, cookie=attacker.guest)
+
+
+def quiz_answers(attacker: Attacker) -> None:
+    attacker.request("POST", "/l20/exercices/verification/soumissions", {"q1": "1"}, cookie=attacker.guest)
+
+
+def programs_of_strangers(attacker: Attacker) -> None:
+    """Each without a session, hence of a new guest."""
+    form = {"code": f"{attacker.target.code}\n# {attacker.random.random()}"}
+    attacker.request("POST", "/l20/exercices/poses/soumissions", form)
+
+
 # What is read of a visitor
 
 
@@ -324,6 +393,20 @@ _ROWS = [
     Flood("exports of one's data", exports),
     Flood("streams of attempts", streams, at_once=100),
     Flood("streams of a board", boards, at_once=30),
+    Flood("heads of pages", heads),
+    Flood("conditional requests", conditional_requests),
+    Flood("probes", probes),
+    Flood("made-up sessions", made_up_sessions),
+    Flood("log-outs", log_outs),
+    Flood("searches like patterns", searches_like_patterns),
+    Flood("documentation", documentation),
+    Flood("codes of classes", codes_of_classes),
+    Flood("streams opened again", streams_again, at_once=8),
+    Flood("senders who hang up", hang_ups, at_once=8),
+    Flood("bodies that wait", bodies_that_wait, at_once=200),
+    Flood("questions", questions),
+    Flood("answers to questions", quiz_answers),
+    Flood("programs of strangers", programs_of_strangers, PAGES | {"cell"}),
     Flood("colouring bombs", colouring, fast=True),
     Flood("list bombs of a teacher", list_bombs, at_once=60, fast=True),
     Flood("files of a gradebook", gradebook_files),

@@ -17,7 +17,7 @@ import pytest
 
 from server.base.settings import Settings
 from tests.contract.gate.bystander import PAGE_BESIDE_OTHERS, Bystander, measure
-from tests.contract.gate.floods import FLOODS
+from tests.contract.gate.floods import ALL, FLOODS
 from tests.contract.gate.service import Service, one_machine, several_machines
 from tests.support.cluster import Machine
 
@@ -61,7 +61,7 @@ def test_floods_hold_up_nobody(service: Service, names: tuple[str, ...], doors: 
 @pytest.mark.parametrize("name", FLOODS)
 def test_no_flood_holds_up_anybody(service: Service, name: str) -> None:
     with closing(Bystander(service)) as bystander:
-        outcome = measure(service, bystander, [name], rounds=6)
+        outcome = measure(service, bystander, [name], rounds=3)
     assert not outcome.closed, outcome.closed
 
 
@@ -75,8 +75,10 @@ def test_floods_hold_up_nobody_on_several_machines(cluster: Service) -> None:
 
 @pytest.mark.slow
 def test_no_flood_holds_up_anybody_on_several_machines(cluster: Service) -> None:
+    """Those that take what machines share: the queue of graders, and the database."""
     closed = []
     with closing(Bystander(cluster)) as bystander:
-        for name in FLOODS:
-            closed += measure(cluster, bystander, [name], rounds=6).closed
+        for name, flood in FLOODS.items():
+            if flood.fast or flood.doors == ALL:
+                closed += measure(cluster, bystander, [name], {"page", "verdict"}, rounds=3).closed
     assert not closed, closed
