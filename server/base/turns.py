@@ -2,9 +2,9 @@
 
 One process serves everybody, and Python computes one thing at a time: who sends request after request takes as many
 shares as it has requests in progress, a page that somebody opens has one. So whoever has used much processor lately, or
-has many requests in progress, is served one request at a time, in turn with others like them, and lets the requests of
-the quiet, and of who has used half as much, go before. Nothing is lost by that: as much is computed in a second. A queue of bounded length waits, of which
-the busiest leave first (503).
+has many requests in progress, is served one request at a time, in turn with others like them, after the requests of
+the quiet and of whoever has used half as much. Nothing is lost by that: as much is computed in a second. A queue of
+bounded length waits, of which the busiest leave first (503).
 
 Processor time is counted by account. Visitors and guests cost nothing to become, so that theirs is counted by address
 as well: a class of guests behind the address of its school takes turns, one with another, as soon as it is busy; an
