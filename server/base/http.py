@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+API = "/api/"
 #: Who asks there watches the service, and is no visitor.
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 SESSION_COOKIE = "balise_session"

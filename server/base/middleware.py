@@ -19,7 +19,7 @@ from server.base.arrival import record_arrival
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
 from server.base.forms import decode_large_form
-from server.base.http import DEVICE_COOKIE, MONITORING_PATHS, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
+from server.base.http import API, DEVICE_COOKIE, MONITORING_PATHS, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
 from server.base.validation import format_size
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -42,7 +42,6 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
 }
 _SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()]
-API = "/api/"
 UNKNOWN_LENGTH = (
     "Cette demande n’annonce pas sa longueur : envoyez l’en-tête « Content-Length » plutôt que des morceaux "
     "(« Transfer-Encoding: chunked »)."

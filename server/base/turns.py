@@ -27,13 +27,13 @@ from http import HTTPStatus
 from uuid import UUID
 
 from starlette.requests import HTTPConnection, Request
-from starlette.responses import Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base.caches import LRUCache
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded, ServiceError
-from server.base.http import MONITORING_PATHS, SAFE_METHODS, bearer_token, client_address, session_token
+from server.base.http import API, MONITORING_PATHS, SAFE_METHODS, bearer_token, client_address, session_token
 
 #: Seconds of processor after which one is busy; seconds in which half of what was used is forgotten.
 BUSY_SECONDS, HALF_LIFE = 1.0, 10.0
@@ -207,6 +207,12 @@ def _key(token: str) -> bytes:
     return blake2b(token.encode("utf-8", "replace"), digest_size=16).digest()
 
 
+def _plain(error: Overloaded) -> Response:
+    """Return a refusal that costs nothing, where nothing typed is to be shown again: a page takes longer to render than
+    a flood takes to ask for it."""
+    return PlainTextResponse(error.detail, error.status, error.headers)
+
+
 async def _has_left(scope: Scope, receive: Receive) -> bool:
     """Whether the sender of a request without a body has closed the connection: nobody would read the answer."""
     request = Request(scope, receive)
@@ -226,8 +232,10 @@ class FairTurns:
         is_crowded = self._turns.waiting > 0
         try:
             end = await self._turns.begin(flow_of(scope))
-        except ServiceError as error:
-            return await self._refuse(Request(scope), error)(scope, receive, send)
+        except Overloaded as error:
+            is_page = scope["method"] in SAFE_METHODS and not scope["path"].startswith(API)
+            answer = _plain(error) if is_page else self._refuse(Request(scope), error)
+            return await answer(scope, receive, send)
         if is_crowded and scope["method"] in SAFE_METHODS and await _has_left(scope, receive):
             end()
             return await Response(status_code=HTTPStatus.SERVICE_UNAVAILABLE)(scope, receive, send)

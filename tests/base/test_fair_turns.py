@@ -8,6 +8,7 @@ from typing import Any
 from uuid import UUID, uuid4
 
 import pytest
+from starlette.responses import PlainTextResponse
 
 from server.base import turns
 from server.base.errors import Overloaded
@@ -284,3 +285,28 @@ def test_a_page_that_nobody_waits_for_any_more_is_not_made(monkeypatch: pytest.M
 
     in_a_loop(asyncio.wait_for(scene(), 300))
     assert begun == ["/first", "/sent", "/waits"], "what was sent whole counts"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "is_plain"), [("GET", "/", True), ("GET", "/api/v1/me", False), ("POST", "/", False)]
+)
+def test_a_refused_page_costs_nothing_and_a_form_says_what_was_typed(
+    monkeypatch: pytest.MonkeyPatch, method: str, path: str, is_plain: bool
+) -> None:
+    answers = list[Any]()
+
+    async def scene() -> None:
+        fair = FairTurns(lambda *_: pytest.fail("served"), lambda request, error: PlainTextResponse("whole"))
+
+        async def refuse(flow: Flow) -> None:
+            raise Overloaded("Plus tard.", retry_after=5)
+
+        async def send(message: Any) -> None:
+            answers.append(message)
+
+        monkeypatch.setattr(fair._turns, "begin", refuse)
+        await fair({**scope_of(path), "method": method}, lambda: pytest.fail("read"), send)
+
+    in_a_loop(scene())
+    assert answers[1]["body"] == (b"Plus tard." if is_plain else b"whole")
+    assert not is_plain or (answers[0]["status"] == 503 and (b"retry-after", b"5") in answers[0]["headers"])
