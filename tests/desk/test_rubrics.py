@@ -175,5 +175,6 @@ def test_a_copy_has_what_counts_and_no_more(site: Site) -> None:
     desk = Desk(site)
     copy = desk.teacher.browser(site).get(f"{desk.home}/copies/{desk.students['Ada'].id}")
     assert "ada" in copy.text
+    assert "plus bas" not in copy.text, "a copy has no solution below it"
     assert desk.students["Bob"].browser(site).get(f"{desk.home}/copies/{desk.students['Ada'].id}").status_code == 403
     assert "Aucun essai retenu" in desk.own_page("Zoé", f"/devoirs/{desk.td.id}/copie")
