@@ -43,7 +43,7 @@ from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
 from server.identity.service import AccountService
 from server.offline.service import Archives
-from server.personal.guest_adoption import adopt_guest_data
+from server.personal.guest_adoption import adopt_guest_data, require_joinable
 from server.personal.service import PersonalData
 from server.queue.engine import create_nats_engine
 from server.queue.interfaces import GiveUpHandler, Queue
@@ -293,7 +293,11 @@ def _share(app: FastAPI, services: Services) -> None:
 
 def _account_service(services: Services) -> AccountService:
     return AccountService(
-        services.database, services.settings, adopt=adopt_guest_data, is_link_in_force=slips.is_link_in_force
+        services.database,
+        services.settings,
+        adopt=adopt_guest_data,
+        is_link_in_force=slips.is_link_in_force,
+        check_join=require_joinable,
     )
 
 

@@ -21,6 +21,7 @@ from server.submissions import models as submissions
 
 TABLES = (
     identity.Account,
+    identity.FederatedIdentity,
     identity.BrowserSession,
     identity.ApiToken,
     identity.PasswordLink,

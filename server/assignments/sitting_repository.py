@@ -131,6 +131,13 @@ def end_sitting(db: Session, sitting: Sitting, at: datetime, by: EndedBy) -> Non
     db.flush()
 
 
+def has_common_sitting(db: Session, first_id: UUID, second_id: UUID) -> bool:
+    """Whether two accounts have begun the same test."""
+    own = select(Sitting.assignment_id).where(Sitting.account_id == first_id)
+    query = select(Sitting.assignment_id).where(Sitting.account_id == second_id, Sitting.assignment_id.in_(own))
+    return db.execute(query.limit(1)).first() is not None
+
+
 def move_sittings(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Move a guest's sittings and saved work to an account, except for tests that the account sat itself."""
     for model in (SavedWork, Sitting):

@@ -26,6 +26,8 @@ API = "/api/"
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 SESSION_COOKIE = "balise_session"
 DEVICE_COOKIE = "balise_device"
+#: The session of a page that another site's page shows in a frame, where a browser does not send the other one.
+FRAMED_COOKIE = "balise_cadre"
 
 
 UNKNOWN_ADDRESS = "inconnue"
@@ -43,8 +45,18 @@ def accepted_encodings(header: str) -> Sequence[str]:
 
 
 def session_token(connection: HTTPConnection) -> str:
-    """Return the token of the session cookie, or an empty string."""
-    return _cookie_value(connection, SESSION_COOKIE)
+    """Return the token of the session cookie, else of a frame's, or an empty string."""
+    return _cookie_value(connection, SESSION_COOKIE) or framed_token(connection)
+
+
+def framed_token(connection: HTTPConnection) -> str:
+    """Return the token of the session of a frame, or an empty string."""
+    return _cookie_value(connection, FRAMED_COOKIE)
+
+
+def is_framed_session(connection: HTTPConnection) -> bool:
+    """Whether the session of this request is that of a frame."""
+    return not _cookie_value(connection, SESSION_COOKIE) and bool(framed_token(connection))
 
 
 def device_token(connection: HTTPConnection) -> str:

@@ -19,7 +19,15 @@ from server.base.arrival import record_arrival
 from server.base.counters import VISITS
 from server.base.errors import Forbidden, Invalid, LengthRequired, ServiceError, TooLarge
 from server.base.forms import decode_large_form
-from server.base.http import API, DEVICE_COOKIE, MONITORING_PATHS, SAFE_METHODS, SESSION_COOKIE, accepted_encodings
+from server.base.http import (
+    API,
+    DEVICE_COOKIE,
+    FRAMED_COOKIE,
+    MONITORING_PATHS,
+    SAFE_METHODS,
+    SESSION_COOKIE,
+    accepted_encodings,
+)
 from server.base.validation import format_size
 
 CONTENT_SECURITY_POLICY = "; ".join(
@@ -173,7 +181,8 @@ class SecurityHeaders:
 class SessionCookie:
     """Sets the cookies that a dependency asked for: of the session, and of a browser that is known from then on.
 
-    `max_age` and `device_max_age` are in seconds. An empty token deletes its cookie.
+    `max_age` and `device_max_age` are in seconds. An empty token deletes its cookie. The session of a frame has a
+    cookie of its own (CHIPS: partitioned by the site that shows the frame); to open one session ends the other.
     """
 
     def __init__(self, app: ASGIApp, max_age: int, device_max_age: int, path: str) -> None:
@@ -181,6 +190,7 @@ class SessionCookie:
         #: The session's comes last: of several in one header, many a client reads the attributes of the last alone.
         self._cookies = (
             ("device_token", DEVICE_COOKIE, device_max_age),
+            ("framed_token", FRAMED_COOKIE, max_age),
             ("session_token", SESSION_COOKIE, max_age),
         )
 
@@ -203,6 +213,8 @@ class SessionCookie:
     def _cookie(self, name: str, token: str, max_age: int, secure: bool) -> str:
         age = max_age if token else 0
         cookie, lax = f"{name}={token}; Max-Age={age}; Path={self._path}; HttpOnly", "; SameSite=Lax"
+        if name == FRAMED_COOKIE:
+            return f"{cookie}; Secure; SameSite=None; Partitioned"
         if not secure:
             return cookie + lax
         return f"{cookie}{lax}; Secure" if name == SESSION_COOKIE else f"{cookie}; Secure{lax}"

@@ -164,8 +164,8 @@ class Settings(BaseSettings):
     left_days: int = Field(
         default=0,
         ge=0,
-        description="students whom a class's list has made an account are erased so long after their last class has "
-        "ended for them, where nothing was heard of them since; 0: when somebody asks for it",
+        description="students whom a class's list or a school's system has made an account are erased so long after "
+        "their last class has ended for them, where nothing was heard of them since; 0: when somebody asks for it",
     )
     silent_days: int = Field(
         default=0,

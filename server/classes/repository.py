@@ -20,7 +20,7 @@ from server.classes.schemas import (
     tell_apart,
 )
 from server.database import prepared_statement, select_core
-from server.identity.models import Account
+from server.identity.models import Account, account_handle
 
 Ts = TypeVarTuple("Ts")
 STAFF = (ClassRole.assistant, ClassRole.teacher)
@@ -106,7 +106,7 @@ def _members(class_id: UUID) -> Select[Membership, Account]:
 
 def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Member]:
     members = [Member(*row) for row in db.execute(query)]
-    names = tell_apart([(member.plain_name, member.account.login or "", member.groups) for member in members])
+    names = tell_apart([(member.plain_name, member.groups, member.account.handle) for member in members])
     members = [
         member if name == member.plain_name else replace(member, told_apart=name)
         for member, name in zip(members, names, strict=True)
@@ -117,12 +117,15 @@ def _load_sorted(db: Session, query: Select[Membership, Account]) -> Sequence[Me
 def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]:
     """Load the active students of a class, sorted by name."""
     names = (Membership.given_name, Membership.family_name, Account.name)
-    query = select(Membership.account_id, *names, Account.login, Membership.groups, Membership.last_seen_at)
+    handle = (Account.login, Account.role)
+    query = select(Membership.account_id, *names, *handle, Membership.groups, Membership.last_seen_at)
     rows = db.execute(_active(query, class_id)).all()
     own_names = [display_name(given, family, own) for _, given, family, own, *_ in rows]
-    shown = tell_apart([(name, row[4] or "", row[5]) for name, row in zip(own_names, rows, strict=True)])
+    shown = tell_apart(
+        [(name, row[6], account_handle(row[4], row[5], row[0])) for name, row in zip(own_names, rows, strict=True)]
+    )
     students = []
-    for (account_id, _, family, _, _, groups, seen_at), name, told in zip(rows, own_names, shown, strict=True):
+    for (account_id, _, family, _, _, _, groups, seen_at), name, told in zip(rows, own_names, shown, strict=True):
         student = ActiveStudent(account_id, told, tuple(groups), seen_at)
         students.append((name_sort_key(family, name), str(account_id), student))
     return [student for *_, student in sorted(students, key=lambda row: row[:2])]
@@ -131,13 +134,24 @@ def load_active_students(db: Session, class_id: UUID) -> Sequence[ActiveStudent]
 def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[StudentRecord]:
     """Load the records of the active students of a class, or of some of them, sorted by name."""
     row = Membership
-    columns = (row.account_id, row.family_name, row.given_name, Account.name, row.email, Account.login, row.groups)
+    columns = (
+        row.account_id,
+        row.family_name,
+        row.given_name,
+        Account.name,
+        row.email,
+        Account.login,
+        Account.role,
+        row.groups,
+    )
     query = _active(select(*columns), class_id)
     rows = db.execute(query if only is None else query.where(row.account_id.in_(only))).all()
-    names = tell_apart([(display_name(row[2], row[1], row[3]), row[5] or "", row[6]) for row in rows])
+    names = tell_apart(
+        [(display_name(row[2], row[1], row[3]), row[7], account_handle(row[5], row[6], row[0])) for row in rows]
+    )
     students = (
         StudentRecord(account_id, name, family, given, email, login or "", tuple(groups))
-        for (account_id, family, given, _, email, login, groups), name in zip(rows, names, strict=True)
+        for (account_id, family, given, _, email, login, _, groups), name in zip(rows, names, strict=True)
     )
     return sorted(students, key=lambda student: (*student.sort_key, str(student.id)))
 

@@ -13,7 +13,7 @@ from uuid import UUID
 from server.base.errors import Invalid
 from server.classes.folding import normalise_name
 from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
-from server.identity.models import Account
+from server.identity.models import GUEST_HANDLE, Account
 from server.text.lines import require_line
 
 #: The lifetimes of join codes to choose from; the first is that of a new class.
@@ -24,7 +24,6 @@ CODE_LIFETIMES: Mapping[str, timedelta] = {
     "seance": timedelta(hours=3),
 }
 DEFAULT_CODE_LIFETIME = "mois"
-GUEST = "invité"
 
 
 def display_name(given: str | None, family: str | None, own: str) -> str:
@@ -32,14 +31,18 @@ def display_name(given: str | None, family: str | None, own: str) -> str:
     return " ".join(filter(None, (given, family))) or own
 
 
-def tell_apart(people: Sequence[tuple[str, str, Sequence[str]]]) -> list[str]:
-    """Return the names of the people of a class, given as name, login and groups; namesakes have their login beside it,
-    or their group where they have none: « Inès Lacroix (ines.lacroix2) »."""
-    counts = Counter(normalise_name(name) for name, _, _ in people)
+def tell_apart(people: Sequence[tuple[str, Sequence[str], str]]) -> list[str]:
+    """Return the names of the people of a class, given as name, groups and handle (`Account.handle`); namesakes have
+    their handle beside it, guests their groups where they have some: « Inès Lacroix (ines.lacroix2) »."""
+    counts = Counter(normalise_name(name) for name, *_ in people)
     return [
-        name if counts[normalise_name(name)] < 2 or not name else f"{name} ({login or ', '.join(groups) or GUEST})"
-        for name, login, groups in people
+        name if counts[normalise_name(name)] < 2 or not name else f"{name} ({_distinction(groups, handle)})"
+        for name, groups, handle in people
     ]
+
+
+def _distinction(groups: Sequence[str], handle: str) -> str:
+    return ", ".join(groups) or handle if handle == GUEST_HANDLE else handle
 
 
 def name_sort_key(family: str | None, name: str) -> tuple[str, str]:
@@ -116,7 +119,7 @@ class Member:
     @property
     def lacks_password(self) -> bool:
         """Whether a list created the account, and nobody has chosen its password yet."""
-        return self.membership.created_by_list and self.account.password_hash is None
+        return self.membership.created_by_list and self.account.login is not None and self.account.password_hash is None
 
 
 @dataclass(frozen=True)

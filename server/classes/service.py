@@ -31,8 +31,7 @@ from server.classes.schemas import (
 )
 from server.classes.sheets import read_rows, to_csv
 from server.database import Database, utc_now
-from server.identity import administration, links
-from server.identity import service as identity
+from server.identity import administration, identities, links
 from server.identity.models import Account, Role
 from server.limits import service as limits
 
@@ -172,7 +171,7 @@ def find_future_staff(db: Session, school_class: SchoolClass, login: str) -> Acc
     account = links.find_account_by_login(db, login)
     membership = repository.find_membership(db, school_class.id, account.id)
     if membership is not None and not membership.is_staff and membership.status != Status.left:
-        raise Conflict(LEARNS_HERE.format(name=account.name, login=account.login))
+        raise Conflict(LEARNS_HERE.format(name=account.name, login=account.handle))
     return account
 
 
@@ -328,6 +327,6 @@ def _add_student(db: Session, school_class: SchoolClass, account: Account, named
         membership.left_voluntarily = False
     if named is not None and account.is_guest:
         membership.given_name, membership.family_name = named.given, named.family
-        identity.rename_guest(db, account, f"{named.given} {named.family}")
+        identities.rename_guest(db, account, f"{named.given} {named.family}")
     db.flush()
     return membership

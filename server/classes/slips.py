@@ -82,7 +82,8 @@ def create_password_slips(
 
 
 def _may_get_slip(member: Member, staff: Collection[UUID]) -> bool:
-    return member.membership.created_by_list and member.account.role == Role.student and member.id not in staff
+    is_only_student = member.account.role == Role.student and member.id not in staff
+    return member.membership.created_by_list and member.account.login is not None and is_only_student
 
 
 def may_have_slip(db: Session, class_id: UUID, account_id: UUID) -> bool:

@@ -260,15 +260,15 @@ def archiving_effects(db: Session, school_class: SchoolClass) -> str:
 def build_import_page(course: Course, access: ClassAccess, plan: ImportPlan, text: str) -> dict[str, Any]:
     """Build the preview of a list; each change: line number, name, login, and what happens."""
     added = [(line.line, line.name, line.login or line.email, NEW_ACCOUNT_NOTE) for line in plan.added]
-    added += [(line.line, line.name, account.login or "", EXISTING_ACCOUNT_NOTE) for line, account in plan.joining]
+    added += [(line.line, line.name, account.handle, EXISTING_ACCOUNT_NOTE) for line, account in plan.joining]
     return {
         "head": class_head(course, access, "/eleves"),
         "plan": plan,
         "added": sorted(added),
         "updated": [
-            (line.line, line.name, member.account.login, UPDATE_NOTES[member.status]) for line, member in plan.updated
+            (line.line, line.name, member.account.handle, UPDATE_NOTES[member.status]) for line, member in plan.updated
         ],
-        "left": [("", member.name, member.account.login, _leaving_note(member)) for member in plan.left],
+        "left": [("", member.name, member.account.handle, _leaving_note(member)) for member in plan.left],
         "others": plan.others,
         "text": text,
     }

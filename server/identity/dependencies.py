@@ -13,12 +13,13 @@ from starlette.concurrency import run_in_threadpool
 from server.base.app_services import app_service, get_service
 from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Unauthorised
-from server.base.http import client_address, session_token
+from server.base.http import client_address, framed_token, session_token
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.identity import service, tokens
 from server.identity.models import Account
-from server.identity.service import AccountService, OpenedSession
+from server.identity.opened_sessions import OpenedSession
+from server.identity.service import AccountService
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -31,13 +32,21 @@ AccountServiceOf = Annotated[AccountService, Depends(app_service(AccountService)
 
 def set_session_cookie(request: Request, opened: OpenedSession) -> None:
     """Set the cookies of a new session on the response (by `server.base.middleware.SessionCookie`)."""
+    if opened.is_framed:
+        request.state.framed_token = opened.token
+        request.state.session_token = ""
+        return
     request.state.session_token = opened.token
+    if framed_token(request):
+        request.state.framed_token = ""
     if opened.device:
         request.state.device_token = opened.device
 
 
 def clear_session_cookie(request: Request) -> None:
     request.state.session_token = ""
+    if framed_token(request):
+        request.state.framed_token = ""
 
 
 def load_session_account(request: Request, database: Database) -> Account | None:

@@ -17,6 +17,7 @@ from server.identity.models import Account, Invitation, PasswordLink, Role
 from server.text.lines import tidy_line
 
 USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
+NO_LOGIN = "« {name} » n’a pas d’identifiant ici : cette personne arrive par le système de son établissement."
 ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
 
 
@@ -56,17 +57,28 @@ def use_invitation(db: Session, token: str) -> Role:
 def create_reset_link(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
     """Create a link to a new password; an earlier one stops working. Raises NotFound or Conflict."""
     account = find_account_by_login(db, login)
+    if account.login is None:
+        raise Conflict(NO_LOGIN.format(name=account.name))
     if account.disabled_at is not None:
         raise Conflict(f"Le compte « {account.login} » est suspendu : rétablissez-le d’abord.")
     return account, create_password_link(db, account, timedelta(hours=settings.password_link_hours))
 
 
 def find_account_by_login(db: Session, typed_login: str) -> Account:
-    """Return the account with this login. Raises NotFound."""
-    account = repository.find_account_by_typed_login(db, typed_login)
+    """Return the account with this login, or with this id: not all have a login. Raises NotFound."""
+    account = repository.find_account_by_typed_login(db, typed_login) or _find_account_by_typed_id(db, typed_login)
     if account is None:
         raise NotFound(f"Aucun compte n’a l’identifiant « {tidy_line(typed_login)[:60]} ».")
     return account
+
+
+def _find_account_by_typed_id(db: Session, typed: str) -> Account | None:
+    """Return the account with this id, unless it is a guest's."""
+    try:
+        account = repository.find_account(db, UUID(tidy_line(typed)))
+    except ValueError:
+        return None
+    return account if account is not None and not account.is_guest else None
 
 
 def create_password_link(

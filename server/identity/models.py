@@ -4,12 +4,14 @@ from datetime import datetime
 from enum import StrEnum
 from uuid import UUID, uuid4
 
-from sqlalchemy import ForeignKey, String
+from sqlalchemy import ForeignKey, String, UniqueConstraint, false
 from sqlalchemy.orm import Mapped, mapped_column
 
 from server.database.base import Base, UtcDateTime, utc_now
 
 DIGEST_LENGTH = 64
+GUEST_HANDLE = "invité"
+ISSUER_LENGTH, SUBJECT_LENGTH, FRAMES_LENGTH = 500, 255, 1000
 
 
 class Role(StrEnum):
@@ -21,8 +23,16 @@ class Role(StrEnum):
     administrator = "administrator"
 
 
+def account_handle(login: str | None, role: str, account_id: UUID) -> str:
+    return login or (GUEST_HANDLE if role == Role.guest else f"compte {account_id.hex[:6]}")
+
+
 class Account(Base):
-    """An account. A guest is one by its role; it has neither login nor password, only the browser's session."""
+    """An account. A guest is one by its role, whatever its credentials: it has only the browser's session.
+
+    Its credentials are a login with a password, and identities in other systems (`FederatedIdentity`): either may be
+    missing. `has_pseudonym`: no name is known for it, so that `name` is one of ours, which its owner may word.
+    """
 
     __tablename__ = "account"
 
@@ -34,10 +44,16 @@ class Account(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     #: Since when nobody can log in; the work stays.
     disabled_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    has_pseudonym: Mapped[bool] = mapped_column(default=False, server_default=false())
 
     @property
     def is_guest(self) -> bool:
         return self.role == Role.guest
+
+    @property
+    def handle(self) -> str:
+        """A short text that tells the account from its namesakes: its login, else « invité », else some of its id."""
+        return account_handle(self.login, self.role, self.id)
 
     @property
     def is_teacher(self) -> bool:
@@ -48,13 +64,42 @@ class Account(Base):
         return self.role == Role.administrator
 
 
+class FederatedIdentity(Base):
+    """An account's identity in another system: `subject` is unique for an `issuer`, and neither is an e-mail address.
+
+    It is a credential beside the password. It ends with its account, and never moves to another one by itself.
+    """
+
+    __tablename__ = "federated_identity"
+    __table_args__ = (UniqueConstraint("issuer", "subject"),)
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
+    issuer: Mapped[str] = mapped_column(String(ISSUER_LENGTH))
+    subject: Mapped[str] = mapped_column(String(SUBJECT_LENGTH))
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    #: The latest sign-in; None where a list of the other system has named the person, who never came.
+    seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+
 class BrowserSession(Base):
+    """A session of a browser. `identity_id` is the identity that opened it, None for a password or a guest.
+
+    `external_digest` is the digest of the session's name in the system that opened it, by which that system ends it.
+    `frames` are the origins, separated by spaces, whose pages may show it in a frame; empty for none.
+    """
+
     __tablename__ = "browser_session"
 
     token_digest: Mapped[str] = mapped_column(String(DIGEST_LENGTH), primary_key=True)
     account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     expires_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    identity_id: Mapped[UUID | None] = mapped_column(
+        ForeignKey("federated_identity.id", ondelete="CASCADE"), index=True
+    )
+    external_digest: Mapped[str | None] = mapped_column(String(DIGEST_LENGTH), index=True)
+    frames: Mapped[str] = mapped_column(String(FRAMES_LENGTH), default="")
 
 
 class KnownDevice(Base):

@@ -10,7 +10,16 @@ from sqlalchemy.orm import Session
 
 from server.database import detached_instances, prepared_statement, select_core, table_of, upsert_statement, utc_now
 from server.identity.logins import earlier_form, is_valid_login, normalise_login
-from server.identity.models import Account, ApiToken, BrowserSession, Invitation, KnownDevice, PasswordLink, Role
+from server.identity.models import (
+    Account,
+    ApiToken,
+    BrowserSession,
+    FederatedIdentity,
+    Invitation,
+    KnownDevice,
+    PasswordLink,
+    Role,
+)
 from server.text.lines import tidy_line
 
 _enabled = Account.disabled_at.is_(None)
@@ -84,8 +93,10 @@ def count_administrators(db: Session) -> int:
 
 
 def search_accounts(db: Session, *, role: Role | None, search: str, limit: int) -> Sequence[Account]:
-    """Return accounts with a login, sorted by login: of a role, and whose login or name contains a text."""
-    query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(limit)
+    """Return accounts that are no guests, sorted by login, then those without login by name: of a role, and whose login
+    or name contains a text."""
+    order = (Account.login.is_(None), Account.login, Account.name, Account.id)
+    query = select(Account).where(Account.role != Role.guest).order_by(*order).limit(limit)
     if role is not None:
         query = query.where(Account.role == role)
     search = tidy_line(search)
@@ -140,6 +151,36 @@ def delete_devices_of(db: Session, account_id: UUID) -> None:
 
 def delete_stale_devices(db: Session, before: datetime) -> None:
     db.execute(delete(KnownDevice).where(KnownDevice.seen_at < before))
+
+
+def find_identity(db: Session, issuer: str, subject: str) -> tuple[FederatedIdentity, Account] | None:
+    """Return an identity with its account, which is locked until the commit."""
+    query = (
+        select(FederatedIdentity, Account)
+        .join(Account, Account.id == FederatedIdentity.account_id)
+        .where(FederatedIdentity.issuer == issuer, FederatedIdentity.subject == subject)
+        .with_for_update(of=Account)
+        .execution_options(populate_existing=True)
+    )
+    row = db.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
+
+
+def load_identities(db: Session, account_id: UUID) -> Sequence[FederatedIdentity]:
+    query = select(FederatedIdentity).where(FederatedIdentity.account_id == account_id)
+    return db.execute(query.order_by(FederatedIdentity.created_at, FederatedIdentity.id)).scalars().all()
+
+
+def find_session(db: Session, token_digest: str, now: datetime) -> BrowserSession | None:
+    """Return a session that has not expired."""
+    query = select(BrowserSession).where(BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now)
+    return db.execute(query).scalar_one_or_none()
+
+
+def delete_external_sessions(db: Session, external_digest: str) -> int:
+    """Delete the sessions of this name in the system that opened them; return how many."""
+    statement = delete(BrowserSession).where(BrowserSession.external_digest == external_digest)
+    return len(db.execute(statement.returning(BrowserSession.token_digest)).all())
 
 
 def load_sessions(db: Session, account_id: UUID) -> Sequence[BrowserSession]:

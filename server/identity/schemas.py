@@ -9,6 +9,7 @@ from server.text.lines import character_problem, tidy_line
 
 NAME_LENGTH = 100
 LABEL_LENGTH = 100
+NAME_PROBLEM = "Indiquez un nom de 1 à 100 caractères."
 
 
 class RefusedForm(InvalidFields):
@@ -44,7 +45,7 @@ def new_account_without_password(name: str, login: str) -> NewAccount:
 
 def _checks(form: NewAccount) -> list[tuple[str, str]]:
     return [
-        ("name", _line_problem(form.name, NAME_LENGTH, "Indiquez un nom de 1 à 100 caractères.")),
+        ("name", _line_problem(form.name, NAME_LENGTH, NAME_PROBLEM)),
         ("login", login_problem(form.login)),
         ("password", password_problem(form.password, login=form.login, name=form.name)),
     ]
@@ -64,6 +65,15 @@ def _line_problem(line: str, longest: int, problem: str) -> str:
         return problem
     unwritable = character_problem(line)
     return f"{unwritable[0].upper()}{unwritable[1:]}." if unwritable else ""
+
+
+def validate_name(text: str) -> str:
+    """Return the normalised name. Raises RefusedForm."""
+    name = tidy_line(text)
+    problem = _line_problem(name, NAME_LENGTH, NAME_PROBLEM)
+    if problem:
+        raise RefusedForm({"name": problem})
+    return name
 
 
 def validate_token_label(text: str) -> str:

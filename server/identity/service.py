@@ -4,7 +4,7 @@ Functions that take `db` work inside the caller's transaction. Methods that hash
 for it outside any transaction (`server.identity.hashing`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import timedelta
 from uuid import UUID
@@ -18,12 +18,20 @@ from server.base.errors import Forbidden, NotFound, RateLimited
 from server.base.settings import Settings
 from server.base.turns import record_sender
 from server.database import Database, utc_now
-from server.identity import devices, links, repository, secrets, tokens
+from server.identity import devices, identities, links, repository, secrets, tokens
 from server.identity.hashing import KNOWN, NOBODY, PasswordHasher
 from server.identity.links import LinkCheck
 from server.identity.login_attempts import TOO_MANY_LOGINS, LoginAttempt, begin_login
 from server.identity.logins import latin_look_alike
 from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.identity.opened_sessions import (
+    Adopt,
+    JoinCheck,
+    OpenedSession,
+    PasswordProof,
+    SessionOrigin,
+    accept_every_join,
+)
 from server.identity.schemas import (
     NewAccount,
     RefusedForm,
@@ -41,35 +49,11 @@ GUEST_TOKEN = (
     "Un jeton se crée avec un mot de passe, et un invité n’en a pas : créez un compte, qui garde votre travail, puis "
     "revenez ici."
 )
-NO_PASSWORD = "Un invité n’a pas de mot de passe."
+NO_PASSWORD = "Ce compte n’a pas de mot de passe."
 TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
 DISABLED = "Ce compte est suspendu : adressez-vous à qui administre ce serveur."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
 TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez dans {seconds} s."
-
-
-@dataclass(frozen=True)
-class OpenedSession:
-    """A browser session that has just been opened; `token` and `device` go in cookies and nowhere else.
-
-    `device` is the token by which the browser is known from now on; empty for a guest, who has no password.
-    """
-
-    account: Account
-    token: str
-    device: str = ""
-
-
-@dataclass(frozen=True)
-class PasswordProof:
-    """The stored hash against which an account's password was verified, to compare once the account is locked."""
-
-    account_id: UUID
-    password_hash: str
-
-
-#: Moves the work of a guest (first id) to the account (second id) of the same person.
-Adopt = Callable[[Session, UUID, UUID], None]
 
 
 @dataclass(frozen=True)
@@ -84,6 +68,7 @@ class AccountService:
     adopt: Adopt
     hashing: PasswordHasher = field(default_factory=PasswordHasher)
     is_link_in_force: LinkCheck = links.accept_every_link
+    check_join: JoinCheck = accept_every_join
 
     def create_guest(self, address: str) -> OpenedSession:
         """Create a guest account with a browser session. Raises RateLimited."""
@@ -92,7 +77,7 @@ class AccountService:
             account = Account(role=Role.guest, name=GUEST_NAME)
             db.add(account)
             db.flush()
-            return self._open_session(db, account)
+            return self.open_session(db, account)
 
     async def sign_up(
         self,
@@ -133,7 +118,7 @@ class AccountService:
                 db.flush()
                 repository.delete_sessions_of(db, account.id)
                 repository.delete_tokens_of(db, account.id)  # a guest's, made without a password
-                return self._open_session(db, account, device)
+                return self.open_session(db, account, device)
         except IntegrityError as error:  # taken by somebody else at the same time
             raise RefusedForm({"login": TAKEN}) from error
 
@@ -141,6 +126,16 @@ class AccountService:
         self, login: str, password: str, *, visitor: Account | None, address: str, device: str = ""
     ) -> OpenedSession:
         """Open a session; a guest `visitor`'s work moves to it. `device` is the token that the browser shows.
+
+        Raises RefusedForm, RateLimited or Overloaded.
+        """
+        account, buckets = await self.check_login(login, password, address=address, device=device)
+        return await run_in_threadpool(self._open_after_login, account, visitor, buckets, device)
+
+    async def check_login(
+        self, login: str, password: str, *, address: str, device: str = ""
+    ) -> tuple[Account, Sequence[str]]:
+        """Return the account of a login with a correct password, and the token buckets to give back to.
 
         Raises RefusedForm, RateLimited or Overloaded.
         """
@@ -156,7 +151,7 @@ class AccountService:
                 password, stored, address=address, rank=attempt.rank, login=attempt.login
             )
             if is_correct and account is not None:
-                return await run_in_threadpool(self._open_after_login, account, visitor, attempt.buckets, device)
+                return account, attempt.buckets
         if attempt.seconds_refused:
             REFUSED_LOGINS.add("too_many")
             raise await attempt.refusal()
@@ -180,10 +175,10 @@ class AccountService:
             if current is None or current.disabled_at is not None:
                 REFUSED_LOGINS.add("disabled")
                 raise RefusedForm({"password": DISABLED})
-            self._adopt_guest(db, visitor, account.id)
-            return self._open_session(db, account, device)
+            self.adopt_guest(db, visitor, account.id)
+            return self.open_session(db, account, device)
 
-    def _adopt_guest(self, db: Session, visitor: Account | None, account_id: UUID) -> None:
+    def adopt_guest(self, db: Session, visitor: Account | None, account_id: UUID) -> None:
         if visitor is not None and visitor.is_guest:
             self.adopt(db, visitor.id, account_id)
             repository.delete_account(db, visitor.id)
@@ -194,22 +189,29 @@ class AccountService:
         """Check the password, typed again, before an action that cannot be undone or that gives a credential.
 
         `credential` is the session or API token of the request: each has tries of its own, so that nobody else uses
-        them up. A guest has no password and passes (None); an account that is no guest and has no password never
-        passes. Raises RefusedForm, RateLimited or Overloaded.
+        them up. A guest has no password and passes (None). Another account without a password passes where an identity
+        in another system has just opened the session, and never else. Raises RefusedForm, RateLimited or Overloaded.
         """
         if account.is_guest:
             return None
-        stored = await run_in_threadpool(self._stored_password, account.id, credential)
-        if not await self.hashing.verify(password, stored, address=address, rank=KNOWN) or stored is None:
+        stored, is_fresh = await run_in_threadpool(self._stored_password, account.id, credential)
+        if stored is None:
+            if not is_fresh:
+                raise RefusedForm({"password": identities.SIGN_IN_AGAIN})
+            return PasswordProof(account.id, None)
+        if not await self.hashing.verify(password, stored, address=address, rank=KNOWN):
             raise RefusedForm({"password": WRONG_PASSWORD})
         return PasswordProof(account.id, stored)
 
-    def _stored_password(self, account_id: UUID, credential: str) -> str | None:
+    def _stored_password(self, account_id: UUID, credential: str) -> tuple[str | None, bool]:
+        """Return the stored hash of an account, and whether `credential` is a session that proves who it is."""
+        token_digest = secrets.digest(credential)
         with self.database.write() as db:
-            key = f"password:{secrets.digest(credential)}"
-            limits.take_token(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
+            limits.take_token(db, f"password:{token_digest}", self.settings.login_bucket, TOO_MANY_LOGINS)
             account = repository.find_account(db, account_id)
-            return account.password_hash if account is not None else None
+            session = repository.find_session(db, token_digest, utc_now())
+            stored = account.password_hash if account is not None else None
+            return stored, identities.is_fresh_proof(session, account_id)
 
     async def create_token(
         self, account: Account, label: str, password: str, *, session: str, address: str
@@ -277,16 +279,27 @@ class AccountService:
             repository.delete_sessions_of(db, account.id)
             repository.delete_tokens_of(db, account.id)
             repository.delete_devices_of(db, account.id)
-            self._adopt_guest(db, visitor, account.id)
-            return self._open_session(db, account, device)
+            self.adopt_guest(db, visitor, account.id)
+            return self.open_session(db, account, device)
 
-    def _open_session(self, db: Session, account: Account, device: str | None = None) -> OpenedSession:
+    def open_session(
+        self, db: Session, account: Account, device: str | None = None, origin: SessionOrigin | None = None
+    ) -> OpenedSession:
         """Open a session; with `device`, the token that the browser shows or an empty text, it is known from now on."""
         token, now = secrets.new_token(), utc_now()
-        expires = now + timedelta(days=self.settings.session_days)
-        db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
+        source = origin or SessionOrigin()
+        db.add(
+            BrowserSession(
+                token_digest=secrets.digest(token),
+                account_id=account.id,
+                expires_at=now + timedelta(days=self.settings.session_days),
+                identity_id=source.identity_id,
+                external_digest=source.external_digest,
+                frames=source.frames,
+            )
+        )
         known_as = "" if device is None else devices.remember_device(db, account.id, device, now)
-        return OpenedSession(account, token, known_as)
+        return OpenedSession(account, token, known_as, bool(source.frames))
 
 
 def _require_unchanged(db: Session, proof: PasswordProof | None) -> Account:
@@ -316,12 +329,6 @@ def create_for_roster(db: Session, login: str, name: str) -> Account:
     db.add(account)
     db.flush()
     return account
-
-
-def rename_guest(db: Session, account: Account, name: str) -> None:
-    """Rename a guest; an account with a login keeps the name that its owner chose."""
-    if account.is_guest:
-        repository.rename_account(db, account.id, name)
 
 
 def close_session(db: Session, token: str) -> None:

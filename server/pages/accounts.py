@@ -12,8 +12,9 @@ from server.database.dependencies import Db
 from server.identity import links, secrets, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
+from server.identity.opened_sessions import OpenedSession
 from server.identity.schemas import RefusedForm, validate_new_account
-from server.identity.service import AccountService, OpenedSession
+from server.identity.service import AccountService
 from server.text.plain import visible
 from server.web.form_identity import SEND_AS, decode_fields, resend_context
 from server.web.forms import Field, account_form, redirect

@@ -1,6 +1,7 @@
 """Pages of what is one's own: password, API tokens, data to take away or to erase, and what is kept."""
 
 from typing import Annotated
+from urllib.parse import urlsplit
 from uuid import UUID
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -8,15 +9,22 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import app_service
-from server.base.http import client_address, session_token
+from server.base.http import MAX_ADDRESS, client_address, local_path, session_token
 from server.base.root_path import service_url
 from server.base.settings import Settings
+from server.base.validation import CutAt
 from server.calendars import repository as calendar_addresses
 from server.calendars import service as calendars
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.identity import tokens
-from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, clear_session_cookie
+from server.identity import identities, joining, tokens
+from server.identity.dependencies import (
+    AccountServiceOf,
+    OptionalAccount,
+    SignedIn,
+    clear_session_cookie,
+    set_session_cookie,
+)
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import BUCKET_RETENTION
@@ -31,6 +39,7 @@ router = APIRouter(include_in_schema=False)
 #: The page asks for the password in two forms: the problems of the second one stand beside its own field.
 TOKEN_FIELDS = {"password": "token_password"}
 
+NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
 ShortQuery = Annotated[str, Query(max_length=100)]
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
 
@@ -65,6 +74,7 @@ def _account_page(
     refused: RefusedForm | None = None,
     *,
     label: str = "",
+    name: str = "",
     changed: bool = False,
     calendar_token: str | None = None,
 ) -> HTMLResponse:
@@ -74,6 +84,8 @@ def _account_page(
         account,
         refused,
         person=account,
+        name=name,
+        identities=identities.load_identities(db, account.id),
         tokens=tokens.load_tokens(db, account),
         secret=secret,
         label="" if secret else label,
@@ -84,6 +96,57 @@ def _account_page(
         calendar_token=calendar_token,
         standing=erasures.find_standing(db, account.id, None, settings, utc_now()),
     )
+
+
+@router.post("/compte/nom")
+def word_pseudonym(request: Request, person: SignedIn, db: Db, settings: SettingsOf, name: Field = "") -> Response:
+    """Names an account of which no name is known."""
+    try:
+        identities.word_pseudonym(db, person, name)
+    except RefusedForm as refused:
+        return _account_page(request, person, db, settings, refused=refused, name=name)
+    return redirect("/compte")
+
+
+@router.get("/compte/rejoindre")
+def join_form(
+    request: Request, account: OptionalAccount, db: Db, identifiant: ShortQuery = "", suite: NextAddress = "/"
+) -> Response:
+    if account is None:
+        return redirect("/connexion?suite=/compte/rejoindre")
+    return _join_page(request, account, db, login=identifiant, after=local_path(suite))
+
+
+def _join_page(
+    request: Request, account: Account, db: Db, refused: RefusedForm | None = None, *, login: str, after: str
+) -> HTMLResponse:
+    own = identities.load_identities(db, account.id)
+    systems = [urlsplit(identity.issuer).netloc or identity.issuer for identity in own]
+    return account_form(
+        request, "rejoindre_compte.html", account, refused, person=account, systems=systems, login=login, after=after
+    )
+
+
+@router.post("/compte/rejoindre")
+async def join_account(
+    request: Request,
+    person: SignedIn,
+    accounts: AccountServiceOf,
+    database: DatabaseOf,
+    login: Field = "",
+    password: Field = "",
+    suite: Field = "/",
+) -> Response:
+    """Joins this account, which another system has just opened, to the one of this login and password."""
+    try:
+        opened = await joining.join_account(
+            accounts, person, login, password, session=session_token(request), address=client_address(request)
+        )
+    except RefusedForm as refused:
+        with database.read() as db:
+            return _join_page(request, person, db, refused, login=login, after=local_path(suite))
+    set_session_cookie(request, opened)
+    return redirect(local_path(suite))
 
 
 @router.post("/compte/jetons")
@@ -161,6 +224,7 @@ def _erase_page(
         account,
         refused,
         login=account.login,
+        has_password=account.password_hash is not None,
         preview=erasures.preview(db, account, None, now),
         standing=erasures.find_standing(db, account.id, None, settings, now),
         days=settings.erasure_days,

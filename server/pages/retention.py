@@ -48,7 +48,8 @@ def _hours(count: float) -> str:
 def _accounts(settings: Settings) -> str:
     rules = []
     if settings.left_days:
-        rules.append(f"{_days(settings.left_days)} après sa dernière classe (élève venu d’une liste)")
+        whose = "élève venu d’une liste ou du système d’un établissement"
+        rules.append(f"{_days(settings.left_days)} après sa dernière classe ({whose})")
     if settings.silent_days:
         rules.append(f"{_days(settings.silent_days)} sans que personne s’en serve (élève)")
     return " ; ".join([*rules, "jusqu’à ce que son titulaire le supprime"])
@@ -73,6 +74,13 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         f"son titulaire, un enseignant ou l’administrateur à sa demande, « balise admin purge », ou {HOURLY}",
         ACCOUNT_SETTINGS,
         ("account",),
+    ),
+    lambda _: Row(
+        "Identités dans le système d’un établissement : son adresse, et le numéro qu’il donne à la personne",
+        OWNER,
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("federated_identity",),
     ),
     lambda settings: Row(
         "Invités, et tout leur travail",

@@ -113,6 +113,16 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
             {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
         ],
         "calendar_address": None if calendar is None else {"created_at": format_time(calendar.created_at)},
+        "has_pseudonym": account.has_pseudonym,
+        "identities": [
+            {
+                "issuer": known.issuer,
+                "subject": known.subject,
+                "created_at": format_time(known.created_at),
+                "seen_at": format_time(known.seen_at),
+            }
+            for known in identity.load_identities(db, account.id)
+        ],
         "sessions": [
             {"created_at": format_time(session.created_at), "expires_at": format_time(session.expires_at)}
             for session in sessions

@@ -1,17 +1,36 @@
-"""Transfer of a guest's data to the account that the same person has opened."""
+"""Transfer of a guest's data, or of an account opened by another system, to the account of the same person."""
 
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import exemption_service, sittings
+from server.assignments import exemption_service, sitting_repository, sittings
 from server.audit import repository as audit
+from server.base.errors import Conflict
 from server.classes import service as classes
 from server.comments import service as comments
 from server.gradebook import service as gradebook
 from server.lesson import repository as lessons
 from server.marks import service as marks
+from server.personal import erasure_repository
 from server.polls import repository as polls
+
+STAFF = (
+    "Ce compte-ci enseigne déjà dans une classe, et ne peut plus en rejoindre un autre. Faites entrer l’autre compte "
+    "dans vos classes (Réglages, « Qui enseigne »)."
+)
+SAT_TWICE = (
+    "Les deux comptes ont composé dans le même contrôle : ils restent séparés, pour que chaque copie garde son temps. "
+    "Votre enseignant dit laquelle compte."
+)
+
+
+def require_joinable(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
+    """Raise Conflict where the data of an account cannot move to another one: it teaches, or both sat one test."""
+    if erasure_repository.is_staff(db, newcomer_id):
+        raise Conflict(STAFF)
+    if sitting_repository.has_common_sitting(db, newcomer_id, account_id):
+        raise Conflict(SAT_TWICE)
 
 
 def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.gradebook.models import ClassOpening, SolutionOpening
-from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.identity.models import Account, ApiToken, BrowserSession, FederatedIdentity, Role
 from server.polls.models import PollAnswer
 from server.submissions.models import Submission, Variant
 
@@ -89,12 +89,20 @@ def inactive_student_ids(db: Session, before: datetime, limit: int) -> Sequence[
 
 
 def departed_student_ids(db: Session, before: datetime, limit: int) -> Sequence[UUID]:
-    """Load inactive students whose account a class list created and whose classes had all ended by then.
+    """Load inactive students whose account a class list, or another system, created and whose classes had all ended by
+    then.
 
     A class ends for a student when they leave it, or when it is archived.
     """
     own_membership = Membership.account_id == Account.id
-    created_by_roster = exists().where(own_membership, Membership.created_by_list)
+    created_by_roster = or_(
+        exists().where(own_membership, Membership.created_by_list),
+        and_(
+            Account.login.is_(None),
+            exists().where(own_membership),
+            exists().where(FederatedIdentity.account_id == Account.id),
+        ),
+    )
     ongoing = or_(
         and_(
             Membership.status != Status.left,

@@ -129,7 +129,8 @@ IDENTITIES = """
     path:group path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
     path:version
-    query:change query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
+    query:change query:identifiant
+    query:choix query:class query:colonne query:columns query:depuis query:devoir query:eleve
     query:encoding query:erreur query:erreurs query:exercice query:format query:genre query:groupe query:reprendre
     query:mur query:student query:sujet query:tri query:verification query:version
     header:Idempotency-Key header:last-event-id

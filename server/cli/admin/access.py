@@ -54,7 +54,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
             for name in arguments.names:
                 if len(name) == NAME_LENGTH and administration.revoke_session(db, account, name):
                     continue
-                missing = UNKNOWN.format(login=account.login, name=name)
+                missing = UNKNOWN.format(login=account.handle, name=name)
                 try:
                     tokens.revoke_token(db, account, parse_uuid(name, missing))
                 except NotFound as error:

@@ -52,6 +52,7 @@ def _text(value: object) -> str:
 def told(account: Account) -> dict[str, Any]:
     """An account, without anything secret."""
     return {
+        "id": account.id,
         "login": account.login,
         "name": account.name,
         "role": account.role,
@@ -61,4 +62,4 @@ def told(account: Account) -> dict[str, Any]:
 
 
 def who(account: Account) -> str:
-    return f"{account.name} ({account.login or 'sans identifiant'})"
+    return f"{account.name} ({account.handle})"

@@ -1,0 +1,53 @@
+"""Sessions as they are opened, proofs of a password, and what the rooms above do with the work of an account."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.identity.models import Account
+
+
+@dataclass(frozen=True)
+class OpenedSession:
+    """A browser session that has just been opened; `token` and `device` go in cookies and nowhere else.
+
+    `device` is the token by which the browser is known from now on; empty for a guest, who has no password.
+    `is_framed`: the session is for the frame of another site's page.
+    """
+
+    account: Account
+    token: str
+    device: str = ""
+    is_framed: bool = False
+
+
+@dataclass(frozen=True)
+class SessionOrigin:
+    """The identity that opened a session, and the fields of `BrowserSession` that it sets."""
+
+    identity_id: UUID | None = None
+    external_digest: str | None = None
+    frames: str = ""
+
+
+@dataclass(frozen=True)
+class PasswordProof:
+    """The stored hash against which an account's password was verified, to compare once the account is locked.
+
+    None for an account without a password, whose session an identity has just opened.
+    """
+
+    account_id: UUID
+    password_hash: str | None
+
+
+#: Moves the work of a guest (first id) to the account (second id) of the same person.
+Adopt = Callable[[Session, UUID, UUID], None]
+#: Raises Conflict where the work of an account (first id) cannot move to another one (second id).
+JoinCheck = Callable[[Session, UUID, UUID], None]
+
+
+def accept_every_join(_db: Session, _newcomer_id: UUID, _account_id: UUID) -> None:
+    return None
