@@ -103,7 +103,7 @@ class Usage:
 
 
 class Turns:
-    """The turns of one web process. For one event loop."""
+    """The turns of one web process. For one event loop at a time."""
 
     def __init__(self, clock: ProcessorClock | None = None, usage: Usage | None = None) -> None:
         self._clock, self._usage = clock or ProcessorClock(), usage or Usage()
@@ -167,9 +167,13 @@ class Turns:
         return 0 if self._in_progress[name] >= IN_PROGRESS else None
 
     def _count_quiet(self, rank: int, change: int) -> None:
-        if rank == QUIET:
-            self._quiet += change
-            (self._no_quiet.clear if self._quiet else self._no_quiet.set)()
+        if rank != QUIET:
+            return
+        if not self._quiet:
+            self._no_quiet = asyncio.Event()  # a fresh one: each belongs to the loop that first waits for it
+        self._quiet += change
+        if not self._quiet:
+            self._no_quiet.set()
 
     async def _give_way(self) -> None:
         """Wait until no request of the quiet is in progress, for a moment at most."""
