@@ -1,0 +1,57 @@
+"""What the three functions are asked by hand: graphs with a loop, correlated doubts, closures on both sides."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
+from graders.l19.pairs import ReadPair, only
+from graders.l20 import world
+from graders.l20.fermeture.cases import TARGETS, drawn_closure, drawn_graph, drawn_pair
+
+VERDICT = ("d²", "accepte")
+STEADY = np.random.default_rng(11)
+GRAPHS: tuple[Arguments, ...] = (
+    drawn_graph(STEADY, 4, (1, 3)),
+    drawn_graph(STEADY, 4, (3, 1)),
+    drawn_graph(STEADY, 5, (2, 4)),
+    drawn_graph(STEADY, 3, (0, 2)),
+)
+PAIRS: tuple[Arguments, ...] = tuple(drawn_pair(STEADY) for _ in range(4))
+ASKED = (*TARGETS[:11], (3.7, 0.5))
+CLOSURES: tuple[Arguments, ...] = tuple(drawn_closure(STEADY, *target) for target in ASKED)
+#: Beyond this, an answer comes from a matrix that has no inverse.
+HUGE = 1e6
+
+
+def read_matrix(args: Arguments, value: Value) -> Value:
+    try:
+        return read_array(value)
+    except UnreadableError as error:
+        return str(error)
+
+
+def no_gauge(shown: ProbeResults) -> str | None:
+    """H is inverted as it is: it has no inverse, and what comes back is an exception, or absurd."""
+
+    def lost(answer: object) -> bool:
+        if isinstance(answer, ProbeFault):
+            return answer.name == "LinAlgError"
+        found = as_array(answer)
+        return found is None or bool(np.abs(found).max(initial=0.0) > HUGE)
+
+    return "jauge_libre" if all(map(lost, shown.got)) else None
+
+
+PROBES = (
+    Probes(function="covariance_jointe", calls=GRAPHS, kit=world.STILL, read=read_matrix, rules=(no_gauge,)),
+    Probes(function="covariance_relative", calls=PAIRS, kit=world.STILL, read=read_matrix),
+    Probes(
+        function="juger_fermeture",
+        calls=CLOSURES,
+        kit=world.STILL,
+        read=ReadPair(VERDICT),
+        last_rules=(only(1, "avis_faux", ()),),
+    ),
+)
