@@ -33,7 +33,7 @@ def right_joint(H: Floats, i: int, j: int) -> Floats:
     whole = np.zeros_like(H)
     whole[3:, 3:] = np.linalg.inv(H[3:, 3:])
     which = np.r_[3 * i : 3 * i + 3, 3 * j : 3 * j + 3]
-    return whole[np.ix_(which, which)]
+    return np.asarray(whole[np.ix_(which, which)])
 
 
 def right_relative(xi: Floats, xj: Floats, sigma: Floats) -> Floats:

@@ -19,6 +19,7 @@ from graders.l19.matrices import shrink_covariance, shrink_noise
 from graders.l19.pairs import SamePair
 from graders.l20 import world
 from graders.l20.fermeture import cases
+from graders.l20.fermeture.contract import CONTRACTS
 from graders.l20.fermeture.pictures import gate_figure, relative_figure
 from graders.l20.fermeture.probes import PROBES, VERDICT
 from graders.robotics.poses import shrink_pose
@@ -133,4 +134,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)

@@ -16,6 +16,7 @@ from graders.l19.matrices import shrink_noise
 from graders.l19.pairs import SamePair
 from graders.l20 import world
 from graders.l20.icp_droite import cases
+from graders.l20.icp_droite.contract import CONTRACTS
 from graders.l20.icp_droite.judge import LOOSE, SameNormals, SameSpan
 from graders.l20.icp_droite.pictures import normals_figure, pairs_figure
 from graders.l20.icp_droite.probes import PARTS, PROBES
@@ -159,4 +160,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)
+DEFINITION = code(__file__, checks=CHECKS, contracts=CONTRACTS, kit=world.kit, probes=PROBES)
