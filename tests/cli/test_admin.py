@@ -102,7 +102,7 @@ def test_nobody_enters_by_a_disabled_account_until_it_is_enabled(site: Site, adm
 def test_a_session_opened_beside_a_disabling_does_not_serve(site: Site) -> None:
     ada = new_account(site.database)
     with site.database.write() as db:
-        opened = site.accounts._open_session(db, ada)
+        opened = site.accounts.open_session(db, ada)
         db.execute(update(Account).values(disabled_at=utc_now()))
     with site.database.read() as db:
         assert service.account_of_session(db, opened.token) is None
