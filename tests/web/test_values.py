@@ -76,8 +76,8 @@ def test_a_counterexample_is_short_and_shows_where_it_differs() -> None:
     got[11][3] = 0.5
     left, right = value_view_pair(expected, got)
     for view in (left, right):
-        assert len(view.rows) == 4
-        assert view.note == "16 × 24, seules les lignes d’indices 10 à 13 sont montrées"
+        assert len(view.rows) == 3
+        assert view.note == "16 × 24, seules les lignes d’indices 10 à 12 sont montrées"
     assert [cell.text for row in right.rows for cell in row if cell.odd] == ["0,5"]
     edges = value_view([[0, 1, [0.1, 0.2, 0.3]]] * 30, short=True)
     assert (len(edges.items), edges.note) == (6, "et 24 autres")
