@@ -80,7 +80,7 @@ def test_a_counterexample_is_short_and_shows_where_it_differs() -> None:
         assert view.note == "16 × 24, seules les lignes d’indices 10 à 12 sont montrées"
     assert [cell.text for row in right.rows for cell in row if cell.odd] == ["0,5"]
     edges = value_view([[0, 1, [0.1, 0.2, 0.3]]] * 30, short=True)
-    assert (len(edges.items), edges.note) == (6, "et 24 autres")
+    assert (len(edges.items), edges.note) == (4, "et 26 autres")
 
 
 def test_grids_of_truth_values_are_drawn_as_maps() -> None:
