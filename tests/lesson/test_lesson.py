@@ -9,12 +9,15 @@ from datetime import timedelta
 from uuid import UUID
 
 import pytest
+from sqlalchemy import select, update
 
 from server.assignments.models import Mode, Visibility
+from server.base.app_services import get_service
 from server.base.errors import Conflict, Invalid
 from server.board.lesson_loading import propose_exercises
 from server.board.service import load_progress
-from server.classes.models import SchoolClass
+from server.classes.models import Membership, SchoolClass
+from server.classes.presence import PresenceRecorder
 from server.course import Course
 from server.database import Database, utc_now
 from server.desk.lesson.routes import LessonWatcher
@@ -214,6 +217,21 @@ def test_only_staff_run_a_lesson(site: Site, course: Course, martin: Person, mad
         assert text_of(stranger.browser(site), f"/classes/{made.id}/{path}", 404)
     assert student.browser(site).post(f"/classes/{made.id}/seance", data={"action": "terminer"}).status_code == 403
     assert student.browser(site).get(f"/classes/{made.id}").status_code == 200, "a student's own page"
+
+
+def test_who_works_without_opening_a_page_is_present(site: Site, made: SchoolClass) -> None:
+    student = person(site)
+    seat(site.database, made, student.account)
+    page = text_of(student.browser(site), "/compte")
+    (address,) = re.findall(r'data-presence="([^"]+)"', page)
+    with site.database.write() as db:
+        db.execute(update(Membership).values(last_seen_at=None))
+    get_service(site.app, PresenceRecorder)._recent.clear()
+    assert student.browser(site).get(address).status_code == 204
+    with site.database.read() as db:
+        assert db.execute(select(Membership.last_seen_at).where(Membership.account_id == student.id)).scalar_one()
+    site.client.cookies.clear()
+    assert site.client.get(address).status_code == 401
 
 
 def test_the_review_of_a_lesson_says_whom_to_see_and_what_to_explain(

@@ -6,6 +6,7 @@ import { noteAccount } from "./drafts.js";
 import { setUpFieldCopies } from "./fields.js";
 import { followPlace, followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
+import { showPresence } from "./presence.js";
 import { followProgress } from "./progress.js";
 import { setUpTheme, showTheme } from "./themes.js";
 
@@ -95,3 +96,4 @@ if (waiting && waiting.dataset.status !== "done") {
 
 followPlace();
 followProgress();
+showPresence(document.body.dataset.presence);
