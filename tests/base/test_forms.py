@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 from urllib.parse import unquote_plus, urlencode
 
@@ -13,6 +12,7 @@ from starlette.requests import Request
 
 from server.base.errors import Invalid, TooLarge
 from server.base.forms import LARGE, MAX_FIELDS, MAX_PARTS, URL_ENCODED, decode_large_form, unescape
+from tests.support.coroutines import run_apart
 
 PADDING = ("remplissage", "x" * LARGE)
 
@@ -30,7 +30,7 @@ def fields(scope: Any, body: bytes) -> list[tuple[str, Any]]:
         async with Request(scope, receive).form() as form:
             return form.multi_items()
 
-    return asyncio.run(parse())
+    return run_apart(parse())
 
 
 @given(st.binary(max_size=60) | st.text("%=+&a0Fé\r\n ", max_size=40).map(str.encode))
