@@ -7,10 +7,12 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache, partial
 
 from graders.core.code.batch_judging import concatenate_blocks
 from graders.core.code.piggyback import PiggybackCalls
 from graders.core.code.pipelining import CallPipeline, fatal_fault
+from graders.core.code.stateless import may_keep_state
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -62,14 +64,13 @@ class Runner:
         reenacting: bool = False,
         budget: Budget = DEFAULT_BUDGET,
     ) -> None:
-        self.reenacting = reenacting
-        self.budget = budget
+        self.reenacting, self.budget = reenacting, budget
         self.clock = clock_of(programs)
         self._started_at, self._answer_count = self.clock(), 0
         self.programs = programs
         self._source = source
-        self._kit = kit
-        self._launches = 0
+        self.may_keep_state = cache(partial(may_keep_state, source))  # read once for all checks
+        self._kit, self._launches = kit, 0
         self._side_programs = self._announced = 0
         self._program: Program | None = None
         self._dead_functions: dict[str, StudentFault] = {}

@@ -11,7 +11,6 @@ from contextlib import closing
 from typing import NamedTuple
 
 from graders.core.code.runner import Runner
-from graders.core.code.stateless import may_keep_state
 from graders.core.contract.program import KitSettings, PlannedCalls, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value, same_value
 
@@ -41,7 +40,7 @@ def find_changed_result(
     runner: Runner, kit: KitSettings, function: str, calls: Sequence[Arguments]
 ) -> ChangedResult | None:
     """Return the first result of these calls that a later one changes; None where there is none, or none is seen."""
-    if runner.reenacting or not may_keep_state(runner.source):
+    if runner.reenacting or not runner.may_keep_state():
         return None
     asked = PlannedCalls(KEEPER, [(function, [list(args) for args in calls])])
     try:

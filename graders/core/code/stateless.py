@@ -100,9 +100,10 @@ def may_keep_state(source: bytes) -> bool:
         tree = ast.parse(source[:MAX_SOURCE])
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    nodes = list(ast.walk(tree))  # once: a right program waits for this too
+    functions = [node for node in nodes if isinstance(node, ast.FunctionDef)]
     names = {function.name for function in functions}
-    read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
+    read = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     kept = [
         statement.value
         for statement in tree.body
@@ -110,10 +111,10 @@ def may_keep_state(source: bytes) -> bool:
     ]
     defaults = [default for function in functions for default in function.args.defaults]
     return (
-        any(isinstance(node, ast.Global | ast.Nonlocal) for node in ast.walk(tree))
+        any(isinstance(node, ast.Global | ast.Nonlocal) for node in nodes)
         or any(isinstance(value, _MUTABLE) for value in [*kept, *defaults])
         or any(function.decorator_list for function in functions)
-        or any(_sets_attribute(node, names) for node in ast.walk(tree))
+        or any(_sets_attribute(node, names) for node in nodes)
     )
 
 
