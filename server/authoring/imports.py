@@ -112,12 +112,8 @@ def _read_canonical_case(draft: Draft, place: str, case: dict[str, Any], cases: 
         draft.to_look_at.append(f"{place} : une suite d’opérations ; une classe dirait mieux la même chose")
     if is_error:
         draft.to_look_at.append(f"{place} : une erreur est attendue ; ValueError a été choisie")
-    call = f"{function}({', '.join(_literal(value) for value in given.values())})"
-    _add_case(draft, place, function, call, "ValueError" if is_error else _literal(expected), cases)
-
-
-def _literal(value: Any) -> str:
-    return repr(value)
+    call = f"{function}({', '.join(repr(value) for value in given.values())})"
+    _add_case(draft, place, function, call, "ValueError" if is_error else repr(expected), cases)
 
 
 def _add_case(

@@ -305,19 +305,18 @@ class Cases(Check):
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
-        call = (self.function, failure.args)
+        shown = {name: in_counterexample(value) for name, value in inputs.items()}
+        expected, call = in_counterexample(failure.expected), (self.function, failure.args)
         if failure.fault:
-            shown_inputs = {name: in_counterexample(value) for name, value in inputs.items()}
-            expected = in_counterexample(failure.expected)
-            return fault_rejection(failure.fault, inputs=shown_inputs, expected=expected, call=call)
+            return fault_rejection(failure.fault, inputs=shown, expected=expected, call=call)
         assert failure.mismatch is not None
         inputs_text = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
         expected_text, got_text = text_pair(failure.expected, failure.got)
         message = f"Pour {inputs_text}, on attend {expected_text} et {self.function} renvoie {got_text}."
         return Rejection(
             f"{message} {failure.mismatch.message}".rstrip(),
-            inputs={name: in_counterexample(value) for name, value in inputs.items()},
-            expected=in_counterexample(failure.expected),
+            inputs=shown,
+            expected=expected,
             got=in_counterexample(failure.got),
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,

@@ -38,7 +38,7 @@ def play(target: Any, steps: Any, lines: Any = (), files: Any = ()) -> tuple[lis
     values = []
     with contextlib.ExitStack() as stack:
         if lines is not None or files:
-            stack.enter_context(_inputs(lines or (), dict(files), printed))
+            stack.enter_context(_inputs(lines or (), dict(files)))
         stack.enter_context(contextlib.redirect_stdout(_Twice(printed, sys.stdout)))
         for kind, *parts in steps:
             try:
@@ -66,7 +66,7 @@ class _Twice(io.TextIOBase):
 
 
 @contextlib.contextmanager
-def _inputs(lines: Any, files: Any, printed: Any) -> Any:
+def _inputs(lines: Any, files: Any) -> Any:
     """Have `input` read these lines, and `open` these files."""
     remaining, real_input, real_open = iter(lines), builtins.input, builtins.open
 

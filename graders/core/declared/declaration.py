@@ -5,8 +5,6 @@ The same data is a TOML file in a course's folder and a record of a teacher's li
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -97,11 +95,6 @@ class Declaration:
     solution: str
     mistakes: tuple[DeclaredMistake, ...]
     data: Mapping[str, Any] = field(compare=False)
-
-    @property
-    def digest(self) -> str:
-        """A digest of all that may change a verdict."""
-        return hashlib.sha256(json.dumps(self.data, sort_keys=True, default=str).encode()).hexdigest()
 
 
 class _TableReader:

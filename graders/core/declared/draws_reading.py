@@ -24,6 +24,7 @@ from graders.core.declared.generators import (
     Generator,
 )
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.notation import parse_python, refusal
 
 #: Characters of a declaration of draws.
 MAX_TEXT = 2000
@@ -37,7 +38,7 @@ def parse_draws(text: str, conditions: Sequence[str] = ()) -> Draws:
     known: set[str] = set()
     for node in _parse(text).body:
         if not (isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name)):
-            raise _refusal(node, "écrivez « nom = entier(0, 9) »")
+            raise refusal(node, "écrivez « nom = entier(0, 9) »")
         name = node.targets[0].id
         generators.append((name, _DrawsReader(known).generator(node.value)))
         known.add(name)
@@ -47,11 +48,7 @@ def parse_draws(text: str, conditions: Sequence[str] = ()) -> Draws:
 def _parse(text: str) -> ast.Module:
     if len(text) > MAX_TEXT:
         raise MalformedDeclaration(f"{len(text)} caractères ; {MAX_TEXT} au plus")
-    try:
-        return ast.parse(text.strip())
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        detail = error.msg if isinstance(error, SyntaxError) else "texte illisible"
-        raise MalformedDeclaration(f"« {text.strip()[:80]} » : {detail}") from error
+    return parse_python(text)
 
 
 def _condition(text: str, known: set[str]) -> Callable[[Mapping[str, Value]], Any]:
@@ -69,13 +66,13 @@ class _DrawsReader:
 
     def generator(self, node: ast.expr) -> Generator:
         if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _GENERATORS):
-            raise _refusal(node, f"de générateurs, il y a {', '.join(_GENERATORS)}")
+            raise refusal(node, f"de générateurs, il y a {', '.join(_GENERATORS)}")
         reader = _GENERATORS[node.func.id]
         named = {str(key.arg): key.value for key in node.keywords}
         try:
             return reader(self, node.args, named)
         except (IndexError, KeyError, TypeError, ValueError) as error:
-            raise _refusal(node, f"paramètres de {node.func.id} : {_USAGE[node.func.id]}") from error
+            raise refusal(node, f"paramètres de {node.func.id} : {_USAGE[node.func.id]}") from error
 
     def bounds(self, nodes: Sequence[ast.expr], default: tuple[float, float] | None = None) -> tuple[Bound, Bound]:
         if not nodes and default is not None:
@@ -98,7 +95,7 @@ class _DrawsReader:
         read = reader(node) if reader else None
         if read is None:
             known = ", ".join(sorted(self._known)) or "aucune"
-            raise _refusal(node, f"ici, des nombres, les variables tirées avant ({known}), {_EXPRESSIONS}")
+            raise refusal(node, f"ici, des nombres, les variables tirées avant ({known}), {_EXPRESSIONS}")
         return read
 
     def _constant(self, node: ast.Constant) -> Callable[[Mapping[str, Value]], Any] | None:
@@ -136,7 +133,7 @@ class _DrawsReader:
         parts = [self.expression(part) for part in (node.left, *node.comparators)]
         known = [_COMPARISONS[type(comparison)] for comparison in node.ops if type(comparison) in _COMPARISONS]
         if len(known) < len(node.ops):
-            raise _refusal(node, "comparez par <, <=, >, >=, ==, != ou in")
+            raise refusal(node, "comparez par <, <=, >, >=, ==, != ou in")
 
         def compare(variables: Mapping[str, Value]) -> bool:
             values = [part(variables) for part in parts]
@@ -246,7 +243,3 @@ _GENERATORS: dict[str, Callable[[_DrawsReader, Sequence[ast.expr], Mapping[str, 
     "grille": lambda reader, nodes, named: DrawnGrid(*map(reader.expression, nodes)),
     "choix": lambda reader, nodes, named: DrawnChoice(_literals(nodes)),
 }
-
-
-def _refusal(node: ast.AST, reason: str) -> MalformedDeclaration:
-    return MalformedDeclaration(f"« {ast.unparse(node)[:80]} » : {reason}")

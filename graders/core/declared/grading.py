@@ -50,12 +50,11 @@ class SolutionFault(Exception):
 
 @dataclass(frozen=True)
 class DeclaredGrader:
-    """Grades one declared exercise; `fingerprints` are those of its mistakes, where they were made at publication."""
+    """Grades one declared exercise."""
 
     exercise: str
     declaration: Declaration
     folder: Path | None = None
-    fingerprints: Mapping[str, Fingerprint] | None = None
     _made: dict[str, Mapping[str, Fingerprint]] = field(default_factory=dict, repr=False, compare=False)
     _making: threading.Lock = field(default_factory=threading.Lock, repr=False, compare=False)
 
@@ -266,8 +265,6 @@ class DeclaredGrader:
             player.close()
 
     def _known_fingerprints(self, programs: Programs) -> Mapping[str, Fingerprint]:
-        if self.fingerprints is not None:
-            return self.fingerprints
         with self._making:
             if "mistakes" not in self._made:
                 self._made["mistakes"] = self.make_fingerprints(programs)

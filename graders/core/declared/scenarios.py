@@ -18,6 +18,7 @@ import numpy as np
 from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.notation import parse_python, refusal
 from graders.core.declared.scenario_values import FunctionSource, Reference, encode_value, value_text
 
 #: Bounds of a case as it is written: characters, statements, nested brackets.
@@ -122,11 +123,7 @@ def _parse(text: str) -> ast.Module:
         raise MalformedDeclaration(f"ce cas a {len(text)} caractères ; {MAX_CASE} au plus")
     if _nesting(text) > MAX_NESTING:
         raise MalformedDeclaration(f"ce cas a plus de {MAX_NESTING} parenthèses imbriquées")
-    try:
-        tree = ast.parse(text.strip())
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        detail = error.msg if isinstance(error, SyntaxError) else "texte illisible"
-        raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas du Python : {detail}") from error
+    tree = parse_python(text, described=" n’est pas du Python")
     if not 0 < len(tree.body) <= MAX_STATEMENTS:
         raise MalformedDeclaration(f"un cas a de 1 à {MAX_STATEMENTS} instructions")
     return tree
@@ -153,7 +150,7 @@ class _CaseReader:
         elif isinstance(node, ast.Expr):
             expression = node.value
         else:
-            raise _refusal(node, "écrivez des appels, ou « nom = … »")
+            raise refusal(node, "écrivez des appels, ou « nom = … »")
         read = self._read(expression, into)
         if into:
             self._assigned.add(into)
@@ -168,7 +165,7 @@ class _CaseReader:
         if any(isinstance(argument, ast.Starred) for argument in node.args) or any(
             not key.arg for key in node.keywords
         ):
-            raise _refusal(node, "« * » et « ** » ne se lisent pas ici")
+            raise refusal(node, "« * » et « ** » ne se lisent pas ici")
         named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
         return Statement("call", into, callee, tuple(map(self.value, node.args)), named)
 
@@ -184,9 +181,9 @@ class _CaseReader:
             return None
         if node.id not in self._functions and node.id not in self._assigned:
             known = ", ".join(sorted(self._functions))
-            raise _refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
+            raise refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
         if any(name.startswith("__") for name in path):
-            raise _refusal(node, "pas de nom qui commence par deux soulignés")
+            raise refusal(node, "pas de nom qui commence par deux soulignés")
         return ".".join([node.id, *path])
 
     def value(self, node: ast.expr) -> Value:
@@ -206,17 +203,17 @@ class _CaseReader:
         }
         reader = readers.get(type(node))
         if reader is None:
-            raise _refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
+            raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
         return reader(node)
 
     def _constant(self, node: ast.Constant) -> Value:
         if node.value is ...:
-            raise _refusal(node, "« ... » n’est pas une valeur")
+            raise refusal(node, "« ... » n’est pas une valeur")
         return node.value
 
     def _dict(self, node: ast.Dict) -> Value:
         if None in node.keys:
-            raise _refusal(node, "« ** » ne se lit pas ici")
+            raise refusal(node, "« ** » ne se lit pas ici")
         pairs = zip(node.keys, node.values, strict=True)
         return {_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
 
@@ -232,10 +229,10 @@ class _CaseReader:
             operand = self.value(node.operand)
             if isinstance(node.op, ast.USub) and _is_number(operand):
                 return -operand
-            raise _refusal(node, "seul le signe « - » se lit devant un nombre")
+            raise refusal(node, "seul le signe « - » se lit devant un nombre")
         left, right = self.value(node.left), self.value(node.right)
         if not (_is_number(left) and _is_number(right)):
-            raise _refusal(node, "un calcul n’a ici que des nombres")
+            raise refusal(node, "un calcul n’a ici que des nombres")
         if isinstance(node.op, ast.Add):
             return left + right
         if isinstance(node.op, ast.Sub):
@@ -244,7 +241,7 @@ class _CaseReader:
             return left * right
         if isinstance(node.op, ast.Div) and right != 0:
             return left / right
-        raise _refusal(node, "de calcul, seuls +, -, * et / se lisent ici")
+        raise refusal(node, "de calcul, seuls +, -, * et / se lisent ici")
 
     def _name(self, node: ast.Name | ast.Attribute) -> Value:
         text = ast.unparse(node)
@@ -257,9 +254,9 @@ class _CaseReader:
             return self._variables[text]
         if first in self._assigned or (text in self._functions):
             if "__" in text:
-                raise _refusal(node, "pas de nom qui contient deux soulignés")
+                raise refusal(node, "pas de nom qui contient deux soulignés")
             return Reference(text)
-        raise _refusal(node, f"« {text} » n’est pas connu ici ; un texte s’écrit entre guillemets")
+        raise refusal(node, f"« {text} » n’est pas connu ici ; un texte s’écrit entre guillemets")
 
     def _made(self, node: ast.Call) -> Value:
         """Return set(…), np.array(…), float("nan")…: a function of Python that makes a value."""
@@ -277,8 +274,8 @@ class _CaseReader:
             if maker == "bytes" and len(arguments) == 1 and isinstance(arguments[0], list):
                 return bytes(arguments[0])
         except (TypeError, ValueError) as error:
-            raise _refusal(node, str(error)) from error
-        raise _refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
+            raise refusal(node, str(error)) from error
+        raise refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
 
 
 def _dtype(node: ast.Call) -> Any:
@@ -287,7 +284,7 @@ def _dtype(node: ast.Call) -> Any:
         return None
     kinds = {"float": float, "int": int, "bool": bool, "complex": complex}
     if set(named) != {"dtype"} or named["dtype"] not in kinds:
-        raise _refusal(node, "dtype=float, int, bool ou complex")
+        raise refusal(node, "dtype=float, int, bool ou complex")
     return kinds[named["dtype"]]
 
 
@@ -299,11 +296,7 @@ def _hashable(node: ast.expr, value: Value) -> Value:
     try:
         hash(value)
     except TypeError:
-        raise _refusal(
+        raise refusal(
             node, "une liste, un ensemble ou un dictionnaire ne peut pas être ici : prenez un n-uplet"
         ) from None
     return value
-
-
-def _refusal(node: ast.AST, reason: str) -> MalformedDeclaration:
-    return MalformedDeclaration(f"« {ast.unparse(node)[:80]} » : {reason}")
