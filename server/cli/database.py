@@ -1,10 +1,10 @@
 """The database of a command: it must be there and of this version, and what fails in it is told in words."""
 
 import logging
-import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
+from time import sleep
 
 from sqlalchemy import make_url
 from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
@@ -45,7 +45,7 @@ def _wait_for_schema(database: Database) -> None:
             if not has_warned:
                 log.warning("waiting for the database to be upgraded by `balise serve`: %s", reason)
             has_warned = True
-        time.sleep(SCHEMA_PAUSE)
+        sleep(SCHEMA_PAUSE)
 
 
 def require_database(settings: Settings) -> None:

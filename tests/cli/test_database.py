@@ -25,7 +25,7 @@ def test_a_worker_waits_until_the_schema_is_upgraded(settings: Settings, monkeyp
         with closing(Database(settings.url)) as migrated:
             upgrade(migrated.engine, "0020" if len(waits) == 1 else "head")
 
-    monkeypatch.setattr(commands.time, "sleep", wait)
+    monkeypatch.setattr(commands, "sleep", wait)  # not that of other threads
     with commands.opened(settings, await_schema=True) as database:
         require_current(database.engine)
     assert len(waits) == 2

@@ -136,7 +136,7 @@ class _Helper:
         # the lock: what is copied is in order, and no work is registered meanwhile
         with _LOCK, warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of a fork beside threads: no lock of theirs is used
-            works = dict(_WORKS)
+            works = dict(_WORKS.items())  # dict(_WORKS) fails where a work is collected between a key and its value
             self._pid = os.fork()
         if self._pid == 0:
             _serve(inner, works, self._shared)

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -162,3 +162,27 @@ def test_a_sleeping_program_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -
     work = ConfinedWork(lambda items, context: iter(lambda: time.sleep(1000), 0))
     ((answer),) = work.answer_each([1])
     assert answer.reason == "attend sans rien calculer"
+
+
+def test_a_work_may_vanish_while_a_helper_is_forked() -> None:
+    """Another thread may let go of a work at any moment: here when the number of the work before it is looked up."""
+
+    class Number(int):
+        def __hash__(self) -> int:
+            works.clear()
+            return int(self)
+
+    works: list[ConfinedWork] = []
+    first, second = ConfinedWork(_no_answer), ConfinedWork(_no_answer)
+    number = second.number + 10**9
+    confined._WORKS[Number(number)] = first
+    confined._WORKS[number + 1] = confined._WORKS.pop(second.number)
+    works.append(second)
+    del second
+    helper = confined._Helper()
+    helper.stop()
+    assert helper.knows(first.number)
+
+
+def _no_answer(items: Sequence[Any], context: Any) -> Iterator[Any]:
+    return iter(())
