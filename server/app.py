@@ -29,6 +29,8 @@ from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_unavailable, utc_now
+from server.federation import repository as federation
+from server.federation.service import Federation
 from server.figures.pictures import Pictures
 from server.figures.program import helper_program
 from server.figures.service import Figures
@@ -144,6 +146,10 @@ class Services:
         return Figures(self.course, self.database, Pictures(Helper(helper_program()), kept))
 
     @cached_property
+    def federation(self) -> Federation:
+        return Federation(self.settings)
+
+    @cached_property
     def downloads(self) -> Downloads:
         return Downloads(self.course)
 
@@ -173,6 +179,7 @@ class Services:
             editing.delete_removed(db, utc_now())
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
+            federation.delete_expired(db, utc_now())
         self.personal.erase_lost_guests(utc_now())
         self.personal.carry_out_requests(utc_now())
         erased = self.personal.erase_expired_students(utc_now())
@@ -287,7 +294,7 @@ def _share(app: FastAPI, services: Services) -> None:
     )
     add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
-    add_services(app, services.archives, SingleFlight())
+    add_services(app, services.archives, SingleFlight(), services.federation)
     check_services(app)
 
 

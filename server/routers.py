@@ -33,6 +33,9 @@ from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
+from server.pages.school.keys import router as keys_router
+from server.pages.school.lti_forms import router as lti_forms_router
+from server.pages.school.platforms import router as platforms_router
 from server.reading.routes import router as reading_router
 from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
@@ -51,6 +54,9 @@ ROUTERS = (
     accounts_router,
     person_router,
     calendar_router,
+    platforms_router,
+    lti_forms_router,
+    keys_router,
     comments_router,
     board_router,
     lesson_router,

@@ -7,6 +7,7 @@ from server.calendars import models as calendars
 from server.classes import models as classes
 from server.comments import models as comments
 from server.database.base import Base
+from server.federation import models as federation
 from server.gradebook import models as gradebook
 from server.health import models as health
 from server.identity import models as identity
@@ -64,6 +65,15 @@ TABLES = (
     lesson.LiveLesson,
     lesson.LessonVisit,
     calendars.CalendarAddress,
+    federation.IdentityProvider,
+    federation.ProviderActivity,
+    federation.RegistrationLink,
+    federation.PendingSignIn,
+    federation.ProviderContext,
+    federation.ContextTeacher,
+    federation.LineItem,
+    federation.MarkDelivery,
+    federation.SigningKey,
     health.EventCount,
 )
 metadata = Base.metadata

@@ -50,6 +50,15 @@ class AuditAction(StrEnum):
     lesson_started = "lesson_started"
     lesson_changed = "lesson_changed"
     lesson_ended = "lesson_ended"
+    platform_added = "platform_added"
+    platform_changed = "platform_changed"
+    platform_paused = "platform_paused"
+    platform_resumed = "platform_resumed"
+    platform_removed = "platform_removed"
+    platform_link_made = "platform_link_made"
+    course_tied = "course_tied"
+    course_untied = "course_untied"
+    marks_resent = "marks_resent"
 
 
 ACTION_LABELS: Mapping[AuditAction, str] = {
@@ -86,6 +95,15 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.lesson_started: "séance commencée",
     AuditAction.lesson_changed: "séance modifiée",
     AuditAction.lesson_ended: "séance terminée",
+    AuditAction.platform_added: "plateforme ajoutée",
+    AuditAction.platform_changed: "plateforme modifiée",
+    AuditAction.platform_paused: "plateforme suspendue",
+    AuditAction.platform_resumed: "plateforme rouverte",
+    AuditAction.platform_removed: "plateforme retirée",
+    AuditAction.platform_link_made: "adresse d’inscription d’une plateforme créée",
+    AuditAction.course_tied: "cours d’une plateforme lié",
+    AuditAction.course_untied: "cours d’une plateforme délié",
+    AuditAction.marks_resent: "notes envoyées de nouveau à une plateforme",
 }
 
 #: Actions on one student, or on all students with a label.
@@ -112,13 +130,14 @@ STUDENT_ACTIONS = frozenset(
 class AuditEvent(Base):
     """An append-only record of a change. It outlives the accounts that it names; the reason is erased with the student.
 
-    `about` names the changed thing (an assignment, an exercise); `before` and `after` are plain values by field.
+    `about` names the changed thing (an assignment, an exercise); `before` and `after` are plain values by field. An
+    event without a class is of the server: an administrator's.
     """
 
     __tablename__ = "audit_event"
 
     id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
-    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"))
+    class_id: Mapped[UUID | None] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"))
     at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
     what: Mapped[str] = mapped_column(String(32))

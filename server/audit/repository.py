@@ -68,19 +68,31 @@ def _matches(class_id: UUID, filters: AuditFilter) -> ColumnElement[bool]:
     return and_(*conditions)
 
 
-def load_events_about(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
+def load_events_about(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str | None]]:
     """Load the events about an account, each with the name of the class."""
     return db.execute(_with_class().where(AuditEvent.student == account_id)).all()
 
 
-def load_events_by(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str]]:
-    """Load the events of an author, each with the name of the class."""
+def load_events_by(db: Session, account_id: UUID) -> Sequence[Row[AuditEvent, str | None]]:
+    """Load the events of an author, each with the name of the class, None for one of the server."""
     return db.execute(_with_class().where(AuditEvent.by == account_id)).all()
 
 
 def _with_class() -> Any:
-    query = select(AuditEvent, SchoolClass.name).join(SchoolClass, SchoolClass.id == AuditEvent.class_id)
+    query = select(AuditEvent, SchoolClass.name).outerjoin(SchoolClass, SchoolClass.id == AuditEvent.class_id)
     return query.order_by(AuditEvent.at, AuditEvent.id)
+
+
+def load_server_events(db: Session, limit: int) -> Sequence[tuple[AuditEvent, str | None]]:
+    """Load the newest events of the server, each with the name of its author."""
+    query = (
+        select(AuditEvent, Account.name)
+        .outerjoin(Account, Account.id == AuditEvent.by)
+        .where(AuditEvent.class_id.is_(None))
+        .order_by(AuditEvent.at.desc(), AuditEvent.id.desc())
+        .limit(limit)
+    )
+    return [(row[0], row[1]) for row in db.execute(query)]
 
 
 def move_events(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -18,8 +18,8 @@ BATCH_SIZE = 500
 
 def record_event(
     db: Session,
-    class_id: UUID,
-    by: UUID,
+    class_id: UUID | None,
+    by: UUID | None,
     what: AuditAction,
     *,
     student: UUID | None = None,
@@ -28,7 +28,10 @@ def record_event(
     after: Values | None = None,
     reason: str = "",
 ) -> None:
-    """Add an event; `before` and `after` store only their differences. Dates are stored in ISO 8601."""
+    """Add an event of a class, or of the server; `before` and `after` store only their differences.
+
+    Dates are stored in ISO 8601.
+    """
     old, new = _plain(before or {}), _plain(after or {})
     differing = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     event = AuditEvent(

@@ -196,6 +196,15 @@ class Settings(BaseSettings):
         "`https://lycee.example/balise/`; the proxy may take it off or leave it",
         json_schema_extra=_told("none"),
     )
+    platform_networks: str = Field(
+        default="",
+        description="networks, separated by commas, where platforms of the school's own may be asked; others are asked "
+        "at public addresses alone",
+        json_schema_extra=_told("none"),
+    )
+    platform_http: bool = Field(
+        default=False, description="ask platforms over http too, for trials on one machine: never for a school"
+    )
     time_zone: str = Field(
         default="Europe/Paris",
         description="the school's time zone, in which its dates are shown and written, by its IANA name",
@@ -229,7 +238,7 @@ class Settings(BaseSettings):
         "waits for one of its own; then any grades it",
     )
 
-    @field_validator("trusted_proxy")
+    @field_validator("trusted_proxy", "platform_networks")
     @classmethod
     def _addresses(cls, text: str) -> str:
         """uvicorn takes what is no address for a name that never comes, without a word."""

@@ -82,6 +82,27 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ACCOUNT_SETTINGS,
         ("federated_identity",),
     ),
+    lambda _: Row(
+        "Plateformes d’un établissement (Moodle, ENT…) : leurs adresses, leurs cours, ce que chacune a fait en dernier",
+        "jusqu’à ce que l’administrateur les retire",
+        "l’administrateur",
+        (),
+        ("identity_provider", "provider_activity", "provider_context", "line_item"),
+    ),
+    lambda _: Row(
+        "Clés avec lesquelles ce service signe, et connexions commencées par une plateforme : rien de personne",
+        "les clés, 105 jours ; une connexion, 10 minutes ; une adresse d’inscription, 24 heures",
+        HOURLY,
+        (),
+        ("signing_key", "pending_sign_in", "registration_link"),
+    ),
+    lambda _: Row(
+        "Notes envoyées à une plateforme, et ce qu’elle a répondu ; cours qu’un enseignant y donne",
+        OWNER,
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("mark_delivery", "context_teacher"),
+    ),
     lambda settings: Row(
         "Invités, et tout leur travail",
         _guests(settings),

@@ -3,7 +3,8 @@
 READ_ME = """Vos données sur Balise
 ======================
 
-compte.json      qui vous êtes ici, vos sessions ouvertes, vos jetons et la date de votre adresse d’agenda
+compte.json      qui vous êtes ici, vos sessions ouvertes, vos jetons, la date de votre adresse d’agenda,
+                 et les notes envoyées à la plateforme de votre établissement
                  (ni mot de passe, ni jeton, ni adresse : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, ce qui y est noté de vous, les aménagements en vigueur pour vous
 notes.json       les notes que des enseignants ont modifiées ou tapées, les absences et les dispenses,

@@ -20,6 +20,7 @@ from server.comments import service as comments
 from server.comments.schemas import Conversation
 from server.course import Course
 from server.database import Database
+from server.federation import personal_rows
 from server.gradebook import repository as gradings
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
@@ -122,6 +123,14 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
                 "seen_at": format_time(known.seen_at),
             }
             for known in identity.load_identities(db, account.id)
+        ],
+        "courses_on_platforms": [
+            {"course": title, "seen_at": format_time(course.seen_at)}
+            for course, title in personal_rows.load_courses_taught(db, account.id)
+        ],
+        "marks_sent_to_platforms": [
+            {"assignment": title, "points": mark.sent_points, "sent_at": format_time(mark.sent_at)}
+            for mark, title in personal_rows.load_sent_marks(db, account.id)
         ],
         "sessions": [
             {"created_at": format_time(session.created_at), "expires_at": format_time(session.expires_at)}

@@ -9,6 +9,7 @@ from server.audit import repository as audit
 from server.base.errors import Conflict
 from server.classes import service as classes
 from server.comments import service as comments
+from server.federation import personal_rows
 from server.gradebook import service as gradebook
 from server.lesson import repository as lessons
 from server.marks import service as marks
@@ -46,4 +47,5 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     marks.adopt_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)
     lessons.move_visits(db, guest_id, account_id)
+    personal_rows.move(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

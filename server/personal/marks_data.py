@@ -128,7 +128,7 @@ def _marking(marking: RubricMarking, rubric: Rubric, column: ManualColumn, name:
     }
 
 
-def _event(event: AuditEvent, name: str) -> dict[str, Any]:
+def _event(event: AuditEvent, name: str | None) -> dict[str, Any]:
     change = {"what": event.what, "about": event.about, "before": event.before, "after": event.after}
     return {"class": name, "at": format_time(event.at), **change}
 

@@ -23,6 +23,7 @@ from graders.typography import french, unaccented
 from server.api.assignment_schemas import AssignmentIn
 from server.api.column_schemas import ColumnIn, TypedMarksIn
 from server.api.schemas import NewSubmission
+from server.base.errors import InvalidFields
 from server.base.forms import decode_large_form
 from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
 from server.base.http_protocol import MAX_HEAD_BYTES
@@ -44,6 +45,7 @@ from server.desk.assignments.forms import parse_assignment, parse_exemption
 from server.desk.rubrics.forms import parse_copy, read_copy
 from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
+from server.federation.lti import registration
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
@@ -142,6 +144,15 @@ IDENTITIES = """
     body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
 """
 
+
+def _platform_form(form: FormData) -> object:
+    values = {name: value for name, value in form.items() if isinstance(value, str)}
+    try:
+        return registration.parse_form(values)
+    except InvalidFields as refused:
+        return refused.problems
+
+
 READERS: tuple[Reader, ...] = (
     Reader("an identity", lambda text: parse_uuid(text, "inconnu"), BODY, TEXTS, IDENTITIES),
     Reader(
@@ -216,6 +227,13 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         "raw:server.desk.assignments.forms.parse_exemption "
         "raw:server.desk.assignments.forms.submitted_exemption_values",
+    ),
+    Reader(
+        "a platform's form",
+        _form("name issuer client_id authorization_url token_url keys_url deployments frames", _platform_form),
+        BODY,
+        TEXTS,
+        "form:deploiement raw:server.pages.school.lti_forms._typed",
     ),
     Reader("a search", lambda text: (_index().find(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),
@@ -336,6 +354,7 @@ READERS: tuple[Reader, ...] = (
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
         raw:server.desk.people.management._render_settings raw:server.desk.requests.redirect_to_login
         raw:server.health.routes.metrics raw:server.pages.comments.read raw:server.pages.drawn.film
+        raw:server.pages.school.platforms.login_redirect
         raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
         raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
         raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here

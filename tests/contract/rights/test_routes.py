@@ -27,6 +27,7 @@ from server.classes.codes import new_code
 from server.classes.models import ClassRole, Membership, SchoolClass
 from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
 from server.database import utc_now
+from server.federation.models import IdentityProvider, Protocol
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
@@ -97,6 +98,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/devoirs/{aid}/noter": {"action": "publier"},
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
+    "POST /administration/plateforme/{provider_id}": {"action": "suspendre"},
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
@@ -230,7 +232,13 @@ class Stage:
         gradebook.record_grading(db, named.id, GradingResult(Judgement(verdict), utc_now()))
 
     def _give(self, db: Session) -> None:
-        """An assignment for each, which one may delete, with something that differs of it; and a calendar."""
+        """An assignment for each, which one may delete, with something that differs of it; a platform; a calendar."""
+        platform = f"https://moodle-{uuid4().hex}.example"
+        addresses = {"authorization_url": platform, "token_url": platform, "keys_url": platform}
+        self.provider = IdentityProvider(
+            protocol=Protocol.lti, name="Moodle", issuer=platform, client_id="balise", settings=addresses
+        )
+        db.add(self.provider)
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
@@ -265,6 +273,7 @@ class Stage:
             "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],
+            "provider_id": str(self.provider.id),
             "column_id": str(self.column.id),
             "chapter": "noter",
             "copy": self.copies[self.assignments[who]],

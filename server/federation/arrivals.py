@@ -1,0 +1,64 @@
+"""A person whom a provider has proved arrives: account, session, classes.
+
+Functions work inside the caller's transaction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from server.database import utc_now
+from server.federation import contexts, repository
+from server.federation.models import ActivityKind, IdentityProvider, ProviderContext
+from server.federation.schemas import CourseRole, SignedPerson
+from server.identity import joining
+from server.identity import repository as identity
+from server.identity.identities import ExternalPerson, clean_name
+from server.identity.models import Account, Role
+from server.identity.opened_sessions import OpenedSession
+from server.identity.secrets import digest
+from server.identity.service import AccountService
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """The session of somebody who has arrived. `is_new`: the account was made now. `contexts` are their courses."""
+
+    opened: OpenedSession
+    is_new: bool
+    contexts: tuple[ProviderContext, ...]
+
+
+def open_session(
+    db: Session,
+    accounts: AccountService,
+    provider: IdentityProvider,
+    person: SignedPerson,
+    visitor: Account | None,
+    *,
+    frames: str = "",
+) -> Arrival:
+    """Open a session for a person, and let them into the classes of their courses. Raises Forbidden."""
+    teaches = provider.trusts_teachers and person.role is CourseRole.teacher
+    name = clean_name(person.name) or clean_name(f"{person.given_name} {person.family_name}")
+    external = ExternalPerson(provider.issuer, person.subject, name, Role.teacher if teaches else Role.student)
+    is_new = identity.find_identity(db, provider.issuer, person.subject) is None
+    session = session_digest(provider, person.session) if person.session else ""
+    opened = joining.open_identity_session(accounts, db, external, visitor, external=session, frames=frames)
+    entered = tuple(contexts.enter(db, provider, context, opened.account, person) for context in person.contexts)
+    repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {person.role}")
+    return Arrival(opened, is_new, entered)
+
+
+def session_digest(provider: IdentityProvider, name: str) -> str:
+    """Return the digest of a session's name in its provider: another provider's of the same name is another one."""
+    return digest(f"{provider.id} {name}")
+
+
+def end_sessions(db: Session, provider: IdentityProvider, name: str) -> int:
+    """End the sessions that a provider has opened under this name; return how many."""
+    ended = identity.delete_external_sessions(db, session_digest(provider, name))
+    repository.record_activity(db, provider.id, ActivityKind.logout, utc_now(), f"{ended} session")
+    return ended

@@ -1,0 +1,141 @@
+"""Courses of a provider, the classes that teachers tie to them, and the seats of those who arrive.
+
+Functions work inside the caller's transaction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments.members import changing_members
+from server.base.errors import Conflict, NotFound
+from server.classes import repository as classes
+from server.classes import service as class_service
+from server.classes.folding import normalise_name
+from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
+from server.database import utc_now
+from server.federation import repository
+from server.federation.models import ADDRESS_LENGTH, IdentityProvider, ProviderContext
+from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
+from server.identity.identities import clean_name
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+
+UNKNOWN = "Ce cours n’existe pas, ou n’est pas le vôtre."
+TIED = "Ce cours est déjà lié à la classe « {name} » : déliez-le d’abord, dans les réglages de cette classe."
+SEATS = {
+    CourseRole.student: ClassRole.student,
+    CourseRole.assistant: ClassRole.assistant,
+    CourseRole.teacher: ClassRole.teacher,
+}
+
+
+def enter(
+    db: Session, provider: IdentityProvider, arrived: ArrivedContext, account: Account, person: SignedPerson
+) -> ProviderContext:
+    """Store what an arrival tells of its course, and seat the account in the class that is tied to it."""
+    now = utc_now()
+    values: Mapping[str, Any] = {
+        "seen_at": now,
+        **({"title": arrived.title[:NAME_LENGTH]} if arrived.title else {}),
+        **({"roster_url": arrived.roster_url[:ADDRESS_LENGTH]} if arrived.roster_url else {}),
+        **(
+            {"line_items_url": arrived.line_items_url[:ADDRESS_LENGTH], "scopes": list(arrived.scopes)}
+            if arrived.line_items_url
+            else {}
+        ),
+    }
+    context = repository.upsert_context(db, provider.id, arrived.deployment, arrived.context, values)
+    if person.role is CourseRole.teacher:
+        repository.remember_context_teacher(db, context.id, account.id, now)
+    else:
+        repository.forget_context_teacher(db, context.id, account.id)
+    school_class = None if context.class_id is None else classes.find_class(db, context.class_id)
+    if school_class is not None and school_class.archived_at is None:
+        _seat(db, provider, school_class, account, person)
+    return context
+
+
+def _seat(
+    db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
+) -> None:
+    """Let an account into a class. No role there changes; who was removed by a teacher asks to be admitted."""
+    role = SEATS.get(person.role)
+    if role is None:
+        return
+    membership = classes.find_membership(db, school_class.id, account.id)
+    if membership is not None and membership.status == Status.active:
+        return
+    if membership is not None and membership.status == Status.pending and membership.left_at is not None:
+        return
+    with changing_members(db, school_class.id, account.id):
+        if membership is None:
+            db.add(_new_membership(db, provider, school_class, account, person, role))
+        elif membership.left_voluntarily or membership.status == Status.pending:
+            membership.status, membership.left_at, membership.left_voluntarily = Status.active, None, False
+        elif not membership.is_staff:
+            membership.status = Status.pending
+        db.flush()
+
+
+def _new_membership(
+    db: Session,
+    provider: IdentityProvider,
+    school_class: SchoolClass,
+    account: Account,
+    person: SignedPerson,
+    role: ClassRole,
+) -> Membership:
+    given, family = clean_name(person.given_name), clean_name(person.family_name)
+    name = normalise_name(f"{given} {family}".strip() or account.name)
+    members = classes.load_members(db, school_class.id)
+    namesakes = [member.id for member in members if normalise_name(member.plain_name) == name]
+    known = repository.load_identified_members(db, provider.issuer, namesakes)
+    return Membership(
+        class_id=school_class.id,
+        account_id=account.id,
+        role=role,
+        given_name=given if family else "",
+        family_name=family if given else "",
+        is_confirmed=all(member in known for member in namesakes),
+        joined_at=utc_now(),
+    )
+
+
+def find_own_context(db: Session, context_id: UUID, account: Account) -> ProviderContext:
+    """Return a course that this account teaches. Raises NotFound."""
+    context = repository.find_context(db, context_id)
+    if context is None or not repository.teaches_context(db, context_id, account.id):
+        raise NotFound(UNKNOWN)
+    return context
+
+
+def tie(db: Session, context: ProviderContext, account: Account, class_id: UUID) -> SchoolClass:
+    """Tie a course to a class, both of which the account teaches. Raises NotFound, Forbidden or Conflict."""
+    access = rights.require_right(db, account, Right.configure_class, class_id)
+    class_service.require_open(access.school_class)
+    current = None if context.class_id is None else classes.find_class(db, context.class_id)
+    if current is not None and current.id != class_id:
+        raise Conflict(TIED.format(name=current.name))
+    context.class_id, context.linked_by = class_id, account.id
+    return access.school_class
+
+
+def tie_new_class(db: Session, context: ProviderContext, account: Account, name: str, module: str) -> SchoolClass:
+    """Make a class for a course. Raises Forbidden, Invalid or Conflict."""
+    rights.require_server_right(account, Right.create_class)
+    school_class = class_service.create_class(db, account, name, module)
+    return tie(db, context, account, school_class.id)
+
+
+def untie(db: Session, context_id: UUID, school_class: SchoolClass) -> None:
+    """Untie a course from a class: nobody enters by it any more, and no mark is sent. Raises NotFound."""
+    context = repository.find_context(db, context_id)
+    if context is None or context.class_id != school_class.id:
+        raise NotFound(UNKNOWN)
+    context.class_id = context.linked_by = None

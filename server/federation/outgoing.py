@@ -1,0 +1,177 @@
+"""HTTP to other machines, within walls: https, public addresses, no redirects, bounded sizes and times.
+
+The host is resolved once, each of its addresses is checked, and the connection goes to the checked address, so that a
+name cannot change between the check and the connection. Nothing of the environment (proxies, `.netrc`) is read. Calls
+block: they are made in a worker's thread, or by `OutgoingThreads`, never on the event loop nor in its shared threads.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
+from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import urlsplit
+
+from server.base.errors import Overloaded
+from server.base.version import VERSION
+from server.federation.errors import OutgoingError
+
+if TYPE_CHECKING:
+    from server.federation.checked_connections import Connections
+
+T = TypeVar("T")
+MAX_ANSWER = 256 * 1024  # bytes; one page of a list of people has its own bound
+CONNECT_SECONDS, READ_SECONDS, TOTAL_SECONDS = 5.0, 8.0, 12.0
+MAX_URL = 2000  # characters
+MAX_RETRY_AFTER = 3600.0  # seconds
+THREADS, MAX_WAITING = 4, 40
+BUSY = "Trop de demandes attendent le système de l’établissement : réessayez dans quelques secondes."
+NAT64 = ip_network("64:ff9b::/96")
+Network = IPv4Network | IPv6Network
+
+
+def parse_networks(text: str) -> Sequence[Network]:
+    """Parse networks separated by commas. Raises ValueError."""
+    return [ip_network(piece.strip()) for piece in text.split(",") if piece.strip()]
+
+
+def is_allowed_address(address: str, private: Sequence[Network]) -> bool:
+    """Whether a connection may go there: a public address, or one of the administrator's own networks."""
+    parsed = ip_address(address.partition("%")[0])
+    if isinstance(parsed, IPv6Address):
+        embedded = parsed.ipv4_mapped or parsed.sixtofour or (parsed.teredo[1] if parsed.teredo else None)
+        if parsed in NAT64:
+            embedded = IPv4Address(int(parsed) & 0xFFFFFFFF)
+        if embedded is not None:
+            return is_allowed_address(str(embedded), private)
+    if any(parsed.version == network.version and parsed in network for network in private):
+        return True
+    return parsed.is_global and not parsed.is_multicast and not parsed.is_reserved
+
+
+def check_url(url: str, *, insecure: bool = False) -> str:
+    """Return an address that may be asked. `insecure`: http is allowed, for tests on one machine. Raises ValueError."""
+    parts = urlsplit(url)
+    schemes = {"https", "http"} if insecure else {"https"}
+    if len(url) > MAX_URL or not url.isascii() or not url.isprintable() or " " in url or "\\" in url:
+        raise ValueError("not an address")
+    if parts.scheme not in schemes or not parts.hostname or parts.username is not None or parts.password is not None:
+        raise ValueError("not an https address")
+    if parts.fragment or parts.port == 0:
+        raise ValueError("not an address of a service")
+    return url
+
+
+def is_url(url: str, *, insecure: bool = False) -> bool:
+    """Whether an address may be asked."""
+    try:
+        check_url(url, insecure=insecure)
+    except ValueError:
+        return False
+    return True
+
+
+def origin_of(url: str) -> str:
+    """Return scheme, host and port; an empty text for what is no address."""
+    try:
+        parts = urlsplit(url)
+    except ValueError:
+        return ""
+    return f"{parts.scheme}://{parts.netloc}".lower()
+
+
+def is_same_site(url: str, origins: Iterable[str]) -> bool:
+    """Whether an address is on one of these origins: scheme, host and port."""
+    return is_url(url, insecure=True) and origin_of(url) in set(origins)
+
+
+@dataclass(frozen=True)
+class HttpAnswer:
+    status: int
+    headers: Mapping[str, str]
+    content: bytes
+
+    def json(self) -> Any:
+        """Return the document. Raises OutgoingError."""
+        try:
+            return json.loads(self.content)
+        except (ValueError, RecursionError):
+            raise OutgoingError("la réponse n’est pas du JSON") from None
+
+
+class Outgoing:
+    """Thread-safe; one for each process. `private` are the networks of the administrator's own platforms."""
+
+    def __init__(self, private: Sequence[Network] = (), *, insecure: bool = False) -> None:
+        self._private, self.insecure = tuple(private), insecure
+
+    @cached_property
+    def _connections(self) -> Connections:
+        from server.federation.checked_connections import Connections
+
+        return Connections(lambda address: is_allowed_address(address, self._private))
+
+    def request(
+        self,
+        method: str,
+        url: str,
+        *,
+        headers: Mapping[str, str] | None = None,
+        content: bytes = b"",
+        most: int = MAX_ANSWER,
+        accept: str = "application/json",
+    ) -> HttpAnswer:
+        """Return an answer with a status under 300. Raises OutgoingError, also for a redirect."""
+        try:
+            check_url(url, insecure=self.insecure)
+        except ValueError:
+            raise OutgoingError("ce n’est pas une adresse https") from None
+        sent = {"Host": urlsplit(url).netloc, "User-Agent": f"Balise/{VERSION}", "Accept": accept, **(headers or {})}
+        if method != "GET":
+            sent["Content-Length"] = str(len(content))
+        status, received, body = self._connections.exchange(
+            method, url, sent, content, most, timeouts=(CONNECT_SECONDS, READ_SECONDS, TOTAL_SECONDS)
+        )
+        return _require_success(HttpAnswer(status, received, body))
+
+    def get_json(self, url: str, *, headers: Mapping[str, str] | None = None, most: int = MAX_ANSWER) -> Any:
+        """Return a JSON document. Raises OutgoingError."""
+        return self.request("GET", url, headers=headers, most=most).json()
+
+
+def _require_success(answer: HttpAnswer) -> HttpAnswer:
+    status = answer.status
+    if status < 300:
+        return answer
+    if status < 400:
+        raise OutgoingError("la réponse renvoie ailleurs, ce qui n’est pas suivi", status=status)
+    told = answer.headers.get("retry-after", "")
+    wait = min(float(told), MAX_RETRY_AFTER) if told.isdecimal() and len(told) < 8 else 0.0
+    retry = status in {408, 425, 429} or status >= 500
+    raise OutgoingError(f"réponse {status}", status=status, retry=retry, retry_after=wait)
+
+
+class OutgoingThreads:
+    """A few threads of the web process for calls that a page waits for, with a bound on those that wait."""
+
+    def __init__(self) -> None:
+        self._waiting = 0
+
+    @cached_property
+    def _threads(self) -> ThreadPoolExecutor:
+        return ThreadPoolExecutor(THREADS, thread_name_prefix="outgoing")
+
+    async def run(self, work: Callable[[], T]) -> T:
+        """Return the result of `work`. Raises Overloaded where too many wait, else as `work`."""
+        if self._waiting >= MAX_WAITING:
+            raise Overloaded(BUSY, retry_after=5)
+        self._waiting += 1
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._threads, work)
+        finally:
+            self._waiting -= 1

@@ -1,0 +1,94 @@
+"""Sign-ins that a browser has begun: a state that is used once, by the same browser, with the nonce of its answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import timedelta
+from hmac import compare_digest
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.database import Database, utc_now
+from server.federation import repository
+from server.federation.errors import Refused
+from server.federation.models import PendingSignIn
+from server.identity.secrets import digest, new_token
+
+LIFETIME = timedelta(minutes=10)
+COOKIE_PREFIX, NAME_DIGITS = "balise_etat_", 16
+USED = "Cette connexion a déjà servi, ou a trop attendu : recommencez depuis votre établissement."
+OTHER_BROWSER = "Cette connexion a été commencée dans un autre navigateur : recommencez depuis votre établissement."
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A sign-in that begins: its state goes to the provider, `browser` in a cookie of the browser."""
+
+    state: str
+    browser: str
+
+
+def cookie_name(state: str) -> str:
+    """Return the name of the cookie of a state: several frames of one page may begin at once."""
+    return COOKIE_PREFIX + digest(state)[:NAME_DIGITS]
+
+
+def begin(db: Session, provider_id: UUID, target: str, details: Mapping[str, Any]) -> Begun:
+    """Record a sign-in that begins. Its nonce is set when the browser has shown that it keeps the cookie."""
+    begun = Begun(new_token(), new_token())
+    db.add(
+        PendingSignIn(
+            state_digest=digest(begun.state),
+            provider_id=provider_id,
+            nonce_digest="",
+            browser_digest=digest(begun.browser),
+            target=target,
+            details=dict(details),
+            expires_at=utc_now() + LIFETIME,
+        )
+    )
+    db.flush()
+    return begun
+
+
+def find(db: Session, state: str) -> PendingSignIn:
+    """Return a sign-in that has begun and is not used. Raises Refused."""
+    pending = repository.find_pending(db, digest(state), utc_now())
+    if pending is None:
+        raise Refused("state", USED)
+    return pending
+
+
+def require_browser(pending: PendingSignIn, browser: str) -> None:
+    """Raise Refused for another browser than the one that has begun."""
+    if not browser or not compare_digest(pending.browser_digest, digest(browser)):
+        raise Refused("browser", OTHER_BROWSER)
+
+
+def draw_nonce(db: Session, pending: PendingSignIn, details: Mapping[str, Any]) -> str:
+    """Return a new nonce for a sign-in, which replaces an earlier one. Raises Refused."""
+    nonce = new_token()
+    row = repository.set_nonce(db, pending.state_digest, pending.browser_digest, digest(nonce), details)
+    if not row:
+        raise Refused("state", USED)
+    return nonce
+
+
+def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Mapping[str, Any]]:
+    """Use a sign-in up, and return its target and details: in one statement, so that it serves once. Raises Refused."""
+    if not isinstance(nonce, str) or not nonce:
+        raise Refused("nonce", USED)
+    row = repository.consume_pending(
+        db, pending.provider_id, pending.state_digest, digest(nonce), pending.browser_digest, utc_now()
+    )
+    if row is None:
+        raise Refused("replayed", USED)
+    return row
+
+
+def delete_expired(database: Database) -> None:
+    with database.write() as db:
+        repository.delete_expired(db, utc_now())

@@ -1,0 +1,21 @@
+"""What the room shares between requests: connections to other machines, and the public keys read there."""
+
+from __future__ import annotations
+
+from server.base.settings import Settings
+from server.federation.outgoing import Outgoing, OutgoingThreads, parse_networks
+from server.federation.remote_keys import RemoteKeys
+
+
+class Federation:
+    """One for each process. Nothing is opened, nor any library of a protocol loaded, before the first use."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.outgoing = Outgoing(parse_networks(settings.platform_networks), insecure=settings.platform_http)
+        self.threads = OutgoingThreads()
+        self.keys = RemoteKeys(self.outgoing)
+
+    @property
+    def insecure(self) -> bool:
+        """Whether platforms may be asked over http, for trials on one machine."""
+        return self.outgoing.insecure

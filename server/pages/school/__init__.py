@@ -1,0 +1,1 @@
+"""Pages of the systems of schools: their administration, and the ways by which one comes from them."""
