@@ -152,10 +152,13 @@ class Batch:
         self._answered += answers
 
     def next_expected(self) -> tuple[int, int | None]:
-        """Return the token of the next answer, and the number of arguments that it must hold (None: not requested)."""
+        """Return the token of the next answer, and the number of values that it must hold beside its own.
+
+        They are the arguments and, from the second answer on, the value before; None where they were not requested.
+        """
         index = self._answered
         self._answered += 1
-        return self._tokens[index], self._lengths[index] if self.return_arguments else None
+        return self._tokens[index], self._lengths[index] + (index > 0) if self.return_arguments else None
 
     def count_fault(self) -> None:
         """Count the received answer as a fault."""

@@ -78,7 +78,10 @@ class CallBatch:
 
 
 class Reply(NamedTuple):
-    """Result of a call; `arguments` holds the arguments as they are after the call, when they were requested."""
+    """Result of a call; `arguments` holds the arguments as they are after the call, when they were requested.
+
+    After them it holds the value of the call before in the same batch, as it is by then (None if that one failed).
+    """
 
     value: Value
     arguments: tuple[Value, ...] | None

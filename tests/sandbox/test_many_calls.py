@@ -191,11 +191,19 @@ def test_each_call_finds_arguments_of_its_own(sandbox: Sandbox) -> None:
     same = np.zeros(2)
     with sandbox.open(source) as session:
         given = list(session.call_many("f", [(same,), (same,), (same,)], return_arguments=True))
-        for answer in given:
+        for number, answer in enumerate(given):
             assert isinstance(answer, Reply)
             assert answer.arguments is not None
-            assert [array.tolist() for array in (answer.value, *answer.arguments)] == [[1.0, 1.0]] * 2  # type: ignore[union-attr]
+            values = [array.tolist() for array in (answer.value, *answer.arguments)]  # type: ignore[union-attr]
+            assert values == [[1.0, 1.0]] * (3 if number else 2)  # the value before comes after the arguments
     assert same.tolist() == [0.0, 0.0]
+
+
+def test_a_value_comes_back_as_the_next_call_leaves_it(sandbox: Sandbox) -> None:
+    source = b"kept = [0]\ndef f(x):\n    if x:\n        kept[0] = x\n        return kept\n    raise ValueError\n"
+    with sandbox.open(source) as session:
+        given = list(session.call_many("f", [(1,), (2,), (0,), (3,)], return_arguments=True))
+        assert [answer.arguments for answer in given if isinstance(answer, Reply)] == [(1,), (2, [2]), (3, None)]
 
 
 def test_a_missing_function_answers_once_for_all_its_calls(sandbox: Sandbox) -> None:

@@ -36,7 +36,7 @@ LIMITS = ValueLimits(1 << 16, 8, 1000)
 def told(number: int, answer: Reply | ProgramFault) -> tuple[int, object]:
     if isinstance(answer, ProgramFault):
         return number, answer.exception or str(answer.kind)
-    return number, answer.value if answer.arguments is None else [one.tolist() for one in answer.arguments]  # type: ignore[union-attr]
+    return number, answer.value if answer.arguments is None else [one and one.tolist() for one in answer.arguments]  # type: ignore[union-attr]
 
 
 def all_told(blocks: Iterator[AnswerBlock]) -> list[tuple[int, object]]:
@@ -55,7 +55,7 @@ ANSWERED = [
     *((0, (1, 6.0)), (0, "ZeroDivisionError"), (0, (3, 2.0))),
     (1, "missing_function"),
     *((2, "ZeroDivisionError"), (2, "ZeroDivisionError")),
-    *((4, [[1.5], 0.5]), (4, [[1.25], 0.25])),
+    *((4, [[1.5], 0.5]), (4, [[1.25], 0.25, None])),
     (5, (6, 3.0)),
 ]  # fmt: skip
 

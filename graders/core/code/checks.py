@@ -27,7 +27,7 @@ from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.compare.told_apart import text_pair
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, PlannedCalls, StudentFault
+from graders.core.contract.program import Answer, KitSettings, PlannedCalls, Reply, StudentFault
 from graders.core.contract.rows import ArrayReplies, Rows
 from graders.core.contract.values import Arguments, Value, same_value
 
@@ -132,6 +132,7 @@ class Trial(Check):
 class Untouched(Check):
     """The functions must not modify their arguments, nor what they returned. `inputs` draws arguments of each.
 
+    A second call must leave the first one's result alone: its arguments are drawn by `then`, or by `inputs` again.
     Functions in `chance` draw random numbers: they are first called RANDOM_CALLS times, as one may raise only rarely.
     """
 
@@ -139,6 +140,7 @@ class Untouched(Check):
 
     names: dict[str, tuple[str, ...]]
     inputs: Callable[[np.random.Generator], dict[str, Arguments]]
+    then: Callable[[np.random.Generator], dict[str, Arguments]] | None = None
     chance: tuple[str, ...] = ()
 
     @property
@@ -146,50 +148,49 @@ class Untouched(Check):
         return False
 
     def planned_calls(self, bench: Bench) -> Sequence[PlannedCalls]:
-        batches = []
-        for function, args in self.inputs(bench.rng).items():
+        batches, inputs = [], self.inputs(bench.rng)
+        other = (self.then or self.inputs)(bench.rng)
+        for function, args in inputs.items():
             if function in self.chance:
                 batches.append(PlannedCalls(function, [args] * RANDOM_CALLS, faults=1))
-            batches.append(PlannedCalls(function, [args], return_arguments=True))
+            batches.append(PlannedCalls(function, [args, other[function]], return_arguments=True))
         return batches
 
     def run(self, bench: Bench) -> None:
         for batch in planned_calls_of(self, bench):
-            args = batch.calls[0]
-            after = self._after(bench, batch)
+            answers = self._answers(bench, batch)
             if not batch.return_arguments:
                 continue
+            args, after = batch.calls[0], answers[0].arguments or ()
             trio = zip(self.names[batch.function], args, after, strict=True)
             changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
             bench.observe(batch.function, ",".join(changed), ok=not changed)
             if changed:
                 raise self._rejection(batch.function, changed[0], args, after)
-            self._keep_results(bench, batch.function, args)
+            self._keep_results(bench, batch, answers)
 
-    def _keep_results(self, bench: Bench, function: str, args: Arguments) -> None:
+    def _keep_results(self, bench: Bench, batch: PlannedCalls, answers: Sequence[Answer]) -> None:
         """Results that the student returned must stay as they were, whatever is called next."""
-        calls = [args, self.inputs(np.random.default_rng(0))[function]]
-        found = find_changed_result(bench.runner, bench.kit, function, calls)
-        if found is None:
+        if (found := find_changed_result(batch.calls, answers)) is None:
             return
-        bench.observe(function, SHARED, ok=False)
+        bench.observe(batch.function, SHARED, ok=False)
         raise Rejection(
-            f"{function} réécrit ce qu’elle a renvoyé : gardé, le premier résultat change à l’appel suivant.",
-            inputs=dict(zip(self.names[function], calls[0], strict=True)),
+            f"{batch.function} réécrit ce qu’elle a renvoyé : gardé, le premier résultat change à l’appel suivant.",
+            inputs=dict(zip(self.names[batch.function], batch.calls[0], strict=True)),
             expected=found.before,
             got=found.after,
             slip=SHARED,
         )
 
-    def _after(self, bench: Bench, batch: PlannedCalls) -> Arguments:
-        """Return the arguments after the last of the calls."""
-        after: Arguments = ()
+    def _answers(self, bench: Bench, batch: PlannedCalls) -> Sequence[Reply]:
+        """Return the replies to all calls. Raises Rejection for a fault."""
+        replies = []
         for args, answer in bench.answers(batch):
             if isinstance(answer, StudentFault):
                 inputs = dict(zip(self.names[batch.function], args, strict=True))
                 raise fault_rejection(answer, inputs=inputs) from answer
-            after = answer.arguments or ()
-        return after
+            replies.append(answer)
+        return replies
 
     def _rejection(self, function: str, name: str, args: Arguments, after: Arguments) -> Rejection:
         at = self.names[function].index(name)

@@ -110,7 +110,7 @@ class Prober:
                 if not names:
                     fallback += self._fallback_names(index, sequence)
             probes = self.probes[index]
-            if not names and find_changed_result(runner, probes.kit, probes.function, probes.calls) is not None:
+            if not names and may_keep_state(runner.source) and _changes_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
@@ -300,6 +300,17 @@ def _probe_side_program(
     except StudentFault:
         return []
     return results
+
+
+def _changes_results(runner: Runner, probes: Probes) -> bool:
+    """Whether a fresh launch, asked these probes, changes what it returned to one of them at the next."""
+    batch = PlannedCalls(probes.function, probes.calls, return_arguments=True)
+    try:
+        with runner.side_program(probes.kit, [batch]) as program:
+            answers = [answer for _, answer in flatten_blocks(program.call_batches([batch]))]
+    except StudentFault:
+        return False
+    return find_changed_result(probes.calls, answers) is not None
 
 
 def _reseeded(kit: KitSettings) -> KitSettings:

@@ -7,12 +7,10 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache, partial
 
 from graders.core.code.batch_judging import concatenate_blocks
 from graders.core.code.piggyback import PiggybackCalls
 from graders.core.code.pipelining import CallPipeline, fatal_fault
-from graders.core.code.stateless import may_keep_state
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -69,7 +67,6 @@ class Runner:
         self._started_at, self._answer_count = self.clock(), 0
         self.programs = programs
         self._source = source
-        self.may_keep_state = cache(partial(may_keep_state, source))  # read once for all checks
         self._kit, self._launches = kit, 0
         self._side_programs = self._announced = 0
         self._program: Program | None = None

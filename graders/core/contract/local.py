@@ -128,6 +128,7 @@ class LocalProgram:
     """Run trusted code in this process, with the same kit and the same interface as a student's program."""
 
     def __init__(self, source: bytes | types.CodeType, kit: KitSettings) -> None:
+        self._last_value: Any = None
         self._names: dict[str, Any] = {"__name__": "solution", **kit_names(kit)}
         before = set(self._names)
         exec(_compiled(source, "<trusted>") if isinstance(source, bytes) else source, self._names)
@@ -149,13 +150,21 @@ class LocalProgram:
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
+        self._last_value = value
         return Reply(copy_value(_plain(value)), arguments if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return call_sequentially(self, function, calls, faults)
 
     def call_batches(self, batches: Sequence[PlannedCalls]) -> Iterator[Block]:
-        return call_batches_sequentially(self, batches)
+        for number, batch in enumerate(batches):
+            former: tuple[Any, ...] = ()
+            for _, (answer,) in call_batches_sequentially(self, [batch]):
+                if isinstance(answer, Reply) and answer.arguments is not None:
+                    yield number, (Reply(answer.value, (*answer.arguments, *map(copy_value, map(_plain, former)))),)
+                else:
+                    yield number, (answer,)
+                former = (self._last_value if isinstance(answer, Reply) else None,)
 
     def stdout(self) -> str:
         return ""

@@ -27,7 +27,10 @@ class KitSettings:
 
 
 class Reply(NamedTuple):
-    """The value of a call and, on request, its arguments after the call."""
+    """The value of a call and, on request, its arguments after the call.
+
+    From the sandbox, the value of the call before in the same batch follows them, as it is by then.
+    """
 
     value: Value
     arguments: tuple[Value, ...] | None = None
@@ -68,7 +71,7 @@ class PlannedCalls:
     """A batch of calls of one function that do not depend on answers, so that they can be sent in advance.
 
     Calls stop after `faults` faults (None: never). With `return_arguments`, each reply holds the arguments after the
-    call. `context` is data of the caller, one item a call.
+    call, then the value of the call before. `context` is data of the caller, one item a call.
     """
 
     function: str

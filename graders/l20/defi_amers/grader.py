@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from graders.core.code.checks import Untouched
@@ -18,8 +20,8 @@ SYSTEM, SLAM = ("systeme",), ("slam_amers",)
 NAMES = ("poses", "amers", "aretes", "observations")
 
 
-def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    one = asked.turning(rng)[2]  # one that never changes: whoever holds no pose raises there, or does not
+def arguments_to_keep(rng: np.random.Generator, number: int = 2) -> dict[str, Arguments]:
+    one = asked.turning_by_hand()[number]  # one that never changes: whoever holds no pose raises there, or does not
     return {"systeme": tuple(one.at.values()), "slam_amers": tuple(one.inputs.values())}
 
 
@@ -96,6 +98,7 @@ CHECKS = (
         functions=("systeme", "slam_amers"),
         names={"systeme": NAMES, "slam_amers": (*NAMES, "n_iter")},
         inputs=arguments_to_keep,
+        then=partial(arguments_to_keep, number=0),
         hint="Votre boucle écrit-elle dans les tableaux reçus, ou dans des copies ?",
     ),
 )

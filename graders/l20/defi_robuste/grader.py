@@ -24,8 +24,8 @@ from graders.l20.defi_robuste.robust import Robustness
 KERNEL, ROBUST = ("dimension_noyau",), ("gauss_newton_robuste",)
 
 
-def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    one = graphs.chosen(rng, 1)[0]
+def arguments_to_keep(rng: np.random.Generator, number: int = 0) -> dict[str, Arguments]:
+    one = graphs.chosen(rng, 1)[number]
     kept = (one.poses, list(one.edges), graphs.DELTA, 2)
     return {"dimension_noyau": kernel.in_pieces(rng, 2), "gauss_newton_robuste": kept}
 
@@ -81,6 +81,7 @@ CHECKS = (
         functions=("dimension_noyau", "gauss_newton_robuste"),
         names={"dimension_noyau": kernel.NAMES, "gauss_newton_robuste": ("poses", "aretes", "delta", "n_iter")},
         inputs=arguments_to_keep,
+        then=partial(arguments_to_keep, number=1),
         hint="Votre boucle écrit-elle dans les tableaux reçus, ou dans des copies ?",
     ),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from graders.core.code.checks import Untouched
@@ -17,8 +19,8 @@ from graders.l20.slam_graphe.residual import errors
 GAUSS_NEWTON = ("gauss_newton",)
 
 
-def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    graph = asked.weighted(rng)[0]
+def arguments_to_keep(rng: np.random.Generator, number: int = 0) -> dict[str, Arguments]:
+    graph = asked.always(asked.weighted_by_hand)[number]
     return {"erreur": residual.untouched_edge(rng), "gauss_newton": tuple(graph.inputs.values())}
 
 
@@ -94,6 +96,7 @@ CHECKS = (
         functions=("erreur", "gauss_newton"),
         names={"erreur": residual.NAMES, "gauss_newton": ("poses", "aretes", "n_iter")},
         inputs=arguments_to_keep,
+        then=partial(arguments_to_keep, number=1),
         hint="Votre boucle écrit-elle dans le tableau poses reçu, ou dans une copie ?",
     ),
 )

@@ -5,7 +5,8 @@ question, or twice, cannot pass for one. The payload is a value of `codec`, but 
 
 CALLS is a batch: the part SHARED by all its calls, their TOKENS, then either their arguments in COLUMNS,
 one array for each argument, or a frame of ARGUMENTS for each call. Its answers come in that order, each as
-soon as it is known, then DONE with the token of the batch.
+soon as it is known, then DONE with the token of the batch. Where arguments come back, the value of the call before
+follows them, as it is by then.
 
 TOGETHER is several questions, taken in whole before the first is answered. Once a file has not loaded, the others are
 dropped; so is a batch that calls what the file does not define.

@@ -59,6 +59,7 @@ class Program:
         self._deferred_code: list[CodeType] = []
         self._course_functions: ModuleType = library.EarlierFunctions((), {})
         self._offered: frozenset[str] = frozenset()
+        self._former_value: Any = None
         self._notes: list[Note] = []
 
     def set_answer_limits(self, limits: ValueLimits) -> None:
@@ -166,10 +167,19 @@ class Program:
         except BaseException:  # it cannot be sent, or the student's own code in it has failed
             return encode((described, ()), self._limits)
 
-    def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
-        """Call a function of the file; return the encoded (value, arguments after the call or null)."""
-        value = self._run_student_code(self._call_with_driver, function, arguments)
-        return self._encode_result(value, arguments if return_arguments else None, function)
+    def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool, is_first: bool) -> bytes:
+        """Call a function of the file; return the encoded (value, what is asked back or null).
+
+        With `return_arguments`, these are the arguments after the call and, unless it is the first one of its batch,
+        the value of the call before as it is now (None where that one failed).
+        """
+        if not return_arguments:
+            return self._encode_result(
+                self._run_student_code(self._call_with_driver, function, arguments), None, function
+            )
+        former, self._former_value = () if is_first else (self._former_value,), None
+        self._former_value = value = self._run_student_code(self._call_with_driver, function, arguments)
+        return self._encode_result(value, (*arguments, *former), function)
 
     def _call_with_driver(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
         target, driver = self._globals[function], self._drivers.get(function)
@@ -179,6 +189,7 @@ class Program:
         """Release the file and its kit: their names, which refer to each other, its module and its lines."""
         self._globals.clear()
         self._globals, self._injected, self._drivers, self._functions = {}, {}, {}, frozenset()
+        self._former_value = None
         self._lines, self._filename, self._notes = [], "", []
         linecache.clearcache()
         sys.modules.pop(MODULE, None)

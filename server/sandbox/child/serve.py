@@ -228,7 +228,9 @@ class ForkServer:
         self._clock.stop()
 
     def _call(self, function: str, arguments: _BatchArguments, number: int, return_arguments: bool) -> bytes:
-        return self._program.call(function, arguments.of_call(number), return_arguments=return_arguments)
+        return self._program.call(
+            function, arguments.of_call(number), return_arguments=return_arguments, is_first=not number
+        )
 
     def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes]:
         """Run an action under a wall timer; return its outcome and payload."""
