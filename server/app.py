@@ -20,6 +20,7 @@ from server.base import middleware, root_path, school_time, turns
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
+from server.base.security_headers import SecurityHeaders
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
@@ -319,7 +320,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
         device_max_age=DEVICE_DAYS * DAY,
         path=settings.root_path or "/",
     )
-    app.add_middleware(middleware.SecurityHeaders)
+    app.add_middleware(SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
     app.add_middleware(middleware.AcceptEncoding)
     app.add_middleware(middleware.HeadAsGet)

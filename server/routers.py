@@ -33,7 +33,9 @@ from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
+from server.pages.school.courses import router as courses_router
 from server.pages.school.keys import router as keys_router
+from server.pages.school.launches import router as launches_router
 from server.pages.school.lti_forms import router as lti_forms_router
 from server.pages.school.platforms import router as platforms_router
 from server.reading.routes import router as reading_router
@@ -41,7 +43,7 @@ from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
 
 #: Routers whose requests carry their own proof of identity, or give one: tokens, log-in forms.
-UNNAMED_ROUTERS = (api_router, health_router, guide_router, accounts_router)
+UNNAMED_ROUTERS = (api_router, health_router, guide_router, accounts_router, launches_router)
 
 #: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
 ROUTERS = (
@@ -57,6 +59,8 @@ ROUTERS = (
     platforms_router,
     lti_forms_router,
     keys_router,
+    launches_router,
+    courses_router,
     comments_router,
     board_router,
     lesson_router,

@@ -46,22 +46,22 @@ def accepted_encodings(header: str) -> Sequence[str]:
 
 def session_token(connection: HTTPConnection) -> str:
     """Return the token of the session cookie, else of a frame's, or an empty string."""
-    return _cookie_value(connection, SESSION_COOKIE) or framed_token(connection)
+    return cookie_value(connection, SESSION_COOKIE) or framed_token(connection)
 
 
 def framed_token(connection: HTTPConnection) -> str:
     """Return the token of the session of a frame, or an empty string."""
-    return _cookie_value(connection, FRAMED_COOKIE)
+    return cookie_value(connection, FRAMED_COOKIE)
 
 
 def is_framed_session(connection: HTTPConnection) -> bool:
     """Whether the session of this request is that of a frame."""
-    return not _cookie_value(connection, SESSION_COOKIE) and bool(framed_token(connection))
+    return not cookie_value(connection, SESSION_COOKIE) and bool(framed_token(connection))
 
 
 def device_token(connection: HTTPConnection) -> str:
     """Return the token by which this browser is recognised at a log-in, or an empty string."""
-    return _cookie_value(connection, DEVICE_COOKIE)
+    return cookie_value(connection, DEVICE_COOKIE)
 
 
 def bearer_token(connection: HTTPConnection) -> str:
@@ -70,7 +70,7 @@ def bearer_token(connection: HTTPConnection) -> str:
     return token.strip() if scheme.lower() == "bearer" else ""
 
 
-def _cookie_value(connection: HTTPConnection, cookie: str) -> str:
+def cookie_value(connection: HTTPConnection, cookie: str) -> str:
     """Return the first of several: browsers send the cookie of the longest path first, the others are of an earlier
     root path."""
     pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))

@@ -5,13 +5,15 @@ Functions work inside the caller's transaction.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from server.assignments.members import changing_members
+from server.audit import service as audit
+from server.audit.models import AuditAction
 from server.base.errors import Conflict, NotFound
 from server.classes import repository as classes
 from server.classes import service as class_service
@@ -39,10 +41,10 @@ def enter(
     db: Session, provider: IdentityProvider, arrived: ArrivedContext, account: Account, person: SignedPerson
 ) -> ProviderContext:
     """Store what an arrival tells of its course, and seat the account in the class that is tied to it."""
-    now = utc_now()
+    now, title = utc_now(), clean_name(arrived.title[:NAME_LENGTH])
     values: Mapping[str, Any] = {
         "seen_at": now,
-        **({"title": arrived.title[:NAME_LENGTH]} if arrived.title else {}),
+        **({"title": title} if title else {}),
         **({"roster_url": arrived.roster_url[:ADDRESS_LENGTH]} if arrived.roster_url else {}),
         **(
             {"line_items_url": arrived.line_items_url[:ADDRESS_LENGTH], "scopes": list(arrived.scopes)}
@@ -91,20 +93,32 @@ def _new_membership(
     person: SignedPerson,
     role: ClassRole,
 ) -> Membership:
+    """Return a seat; it is unconfirmed where a member of the same name may be the same person."""
     given, family = clean_name(person.given_name), clean_name(person.family_name)
-    name = normalise_name(f"{given} {family}".strip() or account.name)
-    members = classes.load_members(db, school_class.id)
-    namesakes = [member.id for member in members if normalise_name(member.plain_name) == name]
-    known = repository.load_identified_members(db, provider.issuer, namesakes)
+    name = f"{given} {family}".strip() or account.name
     return Membership(
         class_id=school_class.id,
         account_id=account.id,
         role=role,
         given_name=given if family else "",
         family_name=family if given else "",
-        is_confirmed=all(member in known for member in namesakes),
+        is_confirmed=role is not ClassRole.student or not _namesakes(db, provider.issuer, school_class.id, name),
         joined_at=utc_now(),
     )
+
+
+def _namesakes(db: Session, issuer: str, class_id: UUID, name: str) -> Sequence[UUID]:
+    """Return the members of this name who have no identity at this issuer: each may be the person who arrives."""
+    folded = normalise_name(name)
+    found = [member.id for member in classes.load_members(db, class_id) if normalise_name(member.plain_name) == folded]
+    known = repository.load_identified_members(db, issuer, found)
+    return [member for member in found if member not in known]
+
+
+def may_be_another_member(db: Session, class_id: UUID, account_id: UUID) -> bool:
+    """Whether a member who has just arrived may be one whom the class's list has already."""
+    seat = classes.find_membership(db, class_id, account_id)
+    return seat is not None and not seat.is_confirmed
 
 
 def find_own_context(db: Session, context_id: UUID, account: Account) -> ProviderContext:
@@ -122,7 +136,9 @@ def tie(db: Session, context: ProviderContext, account: Account, class_id: UUID)
     current = None if context.class_id is None else classes.find_class(db, context.class_id)
     if current is not None and current.id != class_id:
         raise Conflict(TIED.format(name=current.name))
-    context.class_id, context.linked_by = class_id, account.id
+    if current is None:
+        context.class_id, context.linked_by = class_id, account.id
+        audit.record_event(db, class_id, account.id, AuditAction.course_tied, about=context.title)
     return access.school_class
 
 
@@ -133,9 +149,10 @@ def tie_new_class(db: Session, context: ProviderContext, account: Account, name:
     return tie(db, context, account, school_class.id)
 
 
-def untie(db: Session, context_id: UUID, school_class: SchoolClass) -> None:
+def untie(db: Session, context_id: UUID, school_class: SchoolClass, by: UUID) -> None:
     """Untie a course from a class: nobody enters by it any more, and no mark is sent. Raises NotFound."""
     context = repository.find_context(db, context_id)
     if context is None or context.class_id != school_class.id:
         raise NotFound(UNKNOWN)
     context.class_id = context.linked_by = None
+    audit.record_event(db, school_class.id, by, AuditAction.course_untied, about=context.title)

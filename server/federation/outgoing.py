@@ -14,15 +14,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Protocol, TypeVar
 from urllib.parse import urlsplit
 
 from server.base.errors import Overloaded
 from server.base.version import VERSION
 from server.federation.errors import OutgoingError
-
-if TYPE_CHECKING:
-    from server.federation.checked_connections import Connections
 
 T = TypeVar("T")
 MAX_ANSWER = 256 * 1024  # bytes; one page of a list of people has its own bound
@@ -104,17 +101,36 @@ class HttpAnswer:
             raise OutgoingError("la réponse n’est pas du JSON") from None
 
 
+class Exchange(Protocol):
+    """One request and its answer; see `checked_connections.Connections.exchange`."""
+
+    def __call__(
+        self,
+        method: str,
+        url: str,
+        headers: Mapping[str, str],
+        content: bytes,
+        most: int,
+        *,
+        timeouts: tuple[float, float, float],
+    ) -> tuple[int, Mapping[str, str], bytes]: ...
+
+
 class Outgoing:
     """Thread-safe; one for each process. `private` are the networks of the administrator's own platforms."""
 
-    def __init__(self, private: Sequence[Network] = (), *, insecure: bool = False) -> None:
-        self._private, self.insecure = tuple(private), insecure
+    def __init__(
+        self, private: Sequence[Network] = (), *, insecure: bool = False, exchange: Exchange | None = None
+    ) -> None:
+        self._private, self.insecure, self._given = tuple(private), insecure, exchange
 
     @cached_property
-    def _connections(self) -> Connections:
+    def _exchange(self) -> Exchange:
+        if self._given is not None:
+            return self._given
         from server.federation.checked_connections import Connections
 
-        return Connections(lambda address: is_allowed_address(address, self._private))
+        return Connections(lambda address: is_allowed_address(address, self._private)).exchange
 
     def request(
         self,
@@ -134,7 +150,7 @@ class Outgoing:
         sent = {"Host": urlsplit(url).netloc, "User-Agent": f"Balise/{VERSION}", "Accept": accept, **(headers or {})}
         if method != "GET":
             sent["Content-Length"] = str(len(content))
-        status, received, body = self._connections.exchange(
+        status, received, body = self._exchange(
             method, url, sent, content, most, timeouts=(CONNECT_SECONDS, READ_SECONDS, TOTAL_SECONDS)
         )
         return _require_success(HttpAnswer(status, received, body))

@@ -10,8 +10,9 @@ from server.federation.remote_keys import RemoteKeys
 class Federation:
     """One for each process. Nothing is opened, nor any library of a protocol loaded, before the first use."""
 
-    def __init__(self, settings: Settings) -> None:
-        self.outgoing = Outgoing(parse_networks(settings.platform_networks), insecure=settings.platform_http)
+    def __init__(self, settings: Settings, outgoing: Outgoing | None = None) -> None:
+        private = parse_networks(settings.platform_networks)
+        self.outgoing = outgoing or Outgoing(private, insecure=settings.platform_http)
         self.threads = OutgoingThreads()
         self.keys = RemoteKeys(self.outgoing)
 

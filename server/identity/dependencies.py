@@ -13,12 +13,13 @@ from starlette.concurrency import run_in_threadpool
 from server.base.app_services import app_service, get_service
 from server.base.counters import REFUSED_LOGINS
 from server.base.errors import Unauthorised
-from server.base.http import client_address, framed_token, session_token
+from server.base.http import client_address, framed_token, is_framed_session, session_token
+from server.base.security_headers import FRAMES_STATE
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.identity import service, tokens
 from server.identity.models import Account
-from server.identity.opened_sessions import OpenedSession
+from server.identity.opened_sessions import OpenedSession, frames_of_session
 from server.identity.service import AccountService
 
 _bearer = HTTPBearer(
@@ -58,8 +59,13 @@ def load_session_account(request: Request, database: Database) -> Account | None
 
 
 def load_account_through(db: Session, request: Request) -> Account | None:
-    """Return the account of the browser's session within an open read transaction."""
+    """Return the account of the browser's session within an open read transaction.
+
+    The answer to a session of a frame may be shown by the platform that opened it.
+    """
     token = session_token(request)
+    if token and is_framed_session(request):
+        setattr(request.state, FRAMES_STATE, frames_of_session(db, token))
     return service.account_of_session(db, token) if token else None
 
 

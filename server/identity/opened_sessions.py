@@ -6,6 +6,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.database import utc_now
+from server.identity import repository, secrets
 from server.identity.models import Account
 
 
@@ -47,6 +49,12 @@ class PasswordProof:
 Adopt = Callable[[Session, UUID, UUID], None]
 #: Raises Conflict where the work of an account (first id) cannot move to another one (second id).
 JoinCheck = Callable[[Session, UUID, UUID], None]
+
+
+def frames_of_session(db: Session, token: str) -> str:
+    """Return the origins that may show a session in a frame, separated by spaces; empty for none."""
+    session = repository.find_session(db, secrets.digest(token), utc_now())
+    return "" if session is None else session.frames
 
 
 def accept_every_join(_db: Session, _newcomer_id: UUID, _account_id: UUID) -> None:

@@ -98,6 +98,21 @@ def load_classes_of_teacher(db: Session, account_id: UUID, module: str) -> Seque
     return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
 
 
+def load_taught_classes(db: Session, account_id: UUID) -> Sequence[SchoolClass]:
+    """Load the open classes that an account teaches, by name."""
+    query = (
+        select(SchoolClass)
+        .join(Membership, Membership.class_id == SchoolClass.id)
+        .where(
+            Membership.account_id == account_id,
+            Membership.role == ClassRole.teacher,
+            Membership.status == Status.active,
+            SchoolClass.archived_at.is_(None),
+        )
+    )
+    return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
+
+
 def load_classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:
     query = select(SchoolClass).where(_is_open(module))
     return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()

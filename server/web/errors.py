@@ -17,7 +17,8 @@ from server.base.app_services import get_service
 from server.base.errors import Invalid, ServiceError, StorageFull, TooLarge, Unavailable
 from server.base.forms import TOO_MANY_FIELDS
 from server.base.http import TITLES, error_document, error_location, problem_document, problem_response
-from server.base.middleware import SECURITY_HEADERS, route_path
+from server.base.middleware import route_path
+from server.base.security_headers import SECURITY_HEADERS
 from server.database import Database, is_storage_full, is_unavailable
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account

@@ -10,7 +10,7 @@ import html
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 from urllib.parse import parse_qsl
 
@@ -23,7 +23,7 @@ from graders.typography import french, unaccented
 from server.api.assignment_schemas import AssignmentIn
 from server.api.column_schemas import ColumnIn, TypedMarksIn
 from server.api.schemas import NewSubmission
-from server.base.errors import InvalidFields
+from server.base.errors import InvalidFields, ServiceError
 from server.base.forms import decode_large_form
 from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
 from server.base.http_protocol import MAX_HEAD_BYTES
@@ -46,6 +46,9 @@ from server.desk.rubrics.forms import parse_copy, read_copy
 from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
 from server.federation.lti import registration
+from server.federation.lti.launch import target_path
+from server.federation.lti.sign_in import Initiation
+from server.federation.tokens import read_header
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
@@ -139,10 +142,17 @@ IDENTITIES = """
     form:absence form:action form:approbation form:attendu form:bonus form:choix form:confirme form:defi form:devoir
     form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
     form:derniere form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
-    form:sans_reponse form:semaines form:verification form:version
+    form:sans_reponse form:semaines form:classe form:verification form:version
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
     body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
 """
+
+
+def _caught(read: Callable[[], object]) -> object:
+    try:
+        return read()
+    except ServiceError as refused:
+        return refused
 
 
 def _platform_form(form: FormData) -> object:
@@ -183,7 +193,9 @@ READERS: tuple[Reader, ...] = (
         "form:password form:new_password body:Proof.password",
     ),
     Reader("a token's label", validate_token_label, BODY, TEXTS, "form:label"),
-    Reader("a token", lambda text: digest(read_token(text)), HEAD, TEXTS, "path:token query:code"),
+    Reader(
+        "a token", lambda text: digest(read_token(text)), BODY, TEXTS, "path:token query:code query:state form:state"
+    ),
     Reader("a class's name", validate_class_name, BODY, TEXTS, "body:NewClass.name"),
     Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
@@ -227,6 +239,25 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         "raw:server.desk.assignments.forms.parse_exemption "
         "raw:server.desk.assignments.forms.submitted_exemption_values",
+    ),
+    Reader(
+        "a launch's begin",
+        lambda text: (
+            Initiation(text, text, text).query(),
+            _caught(lambda: target_path(f"https://a.fr/{text}", "https://a.fr")),
+        ),
+        BODY,
+        TEXTS,
+        "query:iss query:login_hint query:target_link_uri query:client_id query:lti_message_hint "
+        "query:lti_deployment_id form:iss form:login_hint form:target_link_uri form:client_id form:lti_message_hint "
+        "form:lti_deployment_id form:error",
+    ),
+    Reader(
+        "a signed token",
+        lambda text: [_caught(partial(read_header, token)) for token in (text, f"{text}.a.b")],
+        BODY,
+        {**TEXTS, **JSON},
+        "form:id_token",
     ),
     Reader(
         "a platform's form",
@@ -344,7 +375,7 @@ READERS: tuple[Reader, ...] = (
         HEAD,
         TEXTS,
         """
-        raw:server.api.routes.Api.matches raw:server.base.http._cookie_value raw:server.base.http.problem_document
+        raw:server.api.routes.Api.matches raw:server.base.http.cookie_value raw:server.base.http.problem_document
         raw:server.base.middleware.AcceptEncoding.__call__
         raw:server.base.middleware.BoundedBody.__call__ raw:server.client.routes.download
         raw:server.base.http.bearer_token raw:server.base.turns.FairTurns.__call__
@@ -354,7 +385,8 @@ READERS: tuple[Reader, ...] = (
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
         raw:server.desk.people.management._render_settings raw:server.desk.requests.redirect_to_login
         raw:server.health.routes.metrics raw:server.pages.comments.read raw:server.pages.drawn.film
-        raw:server.pages.school.platforms.login_redirect
+        raw:server.pages.school.platforms.login_redirect raw:server.pages.school.launches._open
+        raw:server.pages.school.launches._without_cookies
         raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
         raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page
         raw:server.web.form_identity.refusal_context raw:server.web.rendering._back raw:server.web.rendering._here

@@ -9,8 +9,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal
-from urllib.parse import urlencode, urlsplit
+from typing import Annotated, Literal
+from urllib.parse import urlsplit
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
@@ -27,8 +27,15 @@ MEMBERSHIP = "http://purl.imsglobal.org/vocab/lis/v2/membership"
 TEACHERS = frozenset({f"{MEMBERSHIP}#Instructor", "Instructor"})
 ASSISTANTS = frozenset({f"{MEMBERSHIP}/Instructor#TeachingAssistant", f"{MEMBERSHIP}#TeachingAssistant"})
 STUDENTS = frozenset({f"{MEMBERSHIP}#Learner", "Learner"})
+STUDENT_KINDS = f"{MEMBERSHIP}/Learner#"
+SYSTEM = "http://purl.imsglobal.org/vocab/lis/v2/system/"
+NO_COURSE_ROLE = (
+    "La plateforme ne vous donne de rôle que dans son administration, et aucun dans ce cours : entrez comme enseignant "
+    "ou comme élève du cours."
+)
 ALGORITHMS = ("RS256",)
-MAX_HINT = 2000
+#: Pages to which no launch leads.
+NO_TARGETS = ("/lti/", "/api/", "/compte", "/connexion", "/deconnexion", "/administration")
 LAUNCH_PATH = "/lti/lancement"
 UNREADABLE = "Le lancement de la plateforme n’est pas complet : {why}."
 
@@ -60,6 +67,10 @@ class EndpointClaim(_Claim):
 class RosterClaim(_Claim):
     context_memberships_url: Text
     service_versions: list[Text] = []
+
+
+class PresentationClaim(_Claim):
+    document_target: Text = ""
 
 
 class LinkingClaim(_Claim):
@@ -94,6 +105,9 @@ class LaunchClaims(_Claim):
     roster: RosterClaim | None = Field(
         alias="https://purl.imsglobal.org/spec/lti-nrps/claim/namesroleservice", default=None
     )
+    presentation: PresentationClaim | None = Field(
+        alias="https://purl.imsglobal.org/spec/lti/claim/launch_presentation", default=None
+    )
     linking: LinkingClaim | None = Field(
         alias="https://purl.imsglobal.org/spec/lti-dl/claim/deep_linking_settings", default=None
     )
@@ -101,11 +115,16 @@ class LaunchClaims(_Claim):
 
 @dataclass(frozen=True)
 class Launch:
-    """A verified launch. `target` is a path of ours; `linking` is there where a teacher chooses content."""
+    """A verified launch. `target` is a path of ours, or empty; `linking` is there where a teacher chooses content.
+
+    `is_framed`: the platform says that it shows us in a frame.
+    """
 
     person: SignedPerson
     nonce: str
+    deployment: str
     target: str
+    is_framed: bool = False
     linking: LinkingClaim | None = field(default=None)
 
 
@@ -154,7 +173,9 @@ def _build_launch(provider: IdentityProvider, settings: LtiSettings, read: Launc
         role,
         contexts=() if read.context is None else (_arrived(read.context, read, provider, settings),),
     )
-    return Launch(person, read.nonce, target_path(read.target, service), linking)
+    is_framed = read.presentation is not None and read.presentation.document_target == "iframe"
+    target = target_path(read.target, service) if read.target else ""
+    return Launch(person, read.nonce, read.deployment, target, is_framed, linking)
 
 
 def _arrived(
@@ -186,14 +207,18 @@ def is_of_platform(url: str, provider: IdentityProvider, settings: LtiSettings) 
 def course_role(roles: Sequence[str]) -> CourseRole:
     """Return the role in the course: of several, the one with the fewest rights.
 
-    Roles of a system or an institution give none.
+    Roles of an institution give none. Raises Refused where there are roles of the platform's system alone.
     """
     names = frozenset(roles)
-    if names & STUDENTS:
+    if any(name in STUDENTS or name.startswith(STUDENT_KINDS) for name in names):
         return CourseRole.student
     if names & ASSISTANTS:
         return CourseRole.assistant
-    return CourseRole.teacher if names & TEACHERS else CourseRole.none
+    if names & TEACHERS:
+        return CourseRole.teacher
+    if names and all(name.startswith(SYSTEM) for name in names):
+        raise Refused("role", NO_COURSE_ROLE)
+    return CourseRole.none
 
 
 def target_path(target: str, service: str) -> str:
@@ -206,25 +231,4 @@ def target_path(target: str, service: str) -> str:
     if base and not parts.path.startswith(f"{base}/"):
         return "/"
     path = local_path(parts.path.removeprefix(base) + (f"?{parts.query}" if parts.query else ""))
-    return "/" if path.startswith(("/lti/", "/compte", "/deconnexion", "/administration")) else path
-
-
-def authorization_url(
-    provider: IdentityProvider, settings: LtiSettings, details: dict[str, Any], state: str, nonce: str, service: str
-) -> str:
-    """Return the platform's address to which the browser goes for the launch (OIDC, implicit flow by form)."""
-    query = {
-        "scope": "openid",
-        "response_type": "id_token",
-        "response_mode": "form_post",
-        "prompt": "none",
-        "client_id": provider.client_id,
-        "redirect_uri": service.rstrip("/") + LAUNCH_PATH,
-        "login_hint": str(details.get("login_hint", "")),
-        "state": state,
-        "nonce": nonce,
-    }
-    if details.get("lti_message_hint"):
-        query["lti_message_hint"] = str(details["lti_message_hint"])
-    separator = "&" if urlsplit(settings.authorization_url).query else "?"
-    return f"{settings.authorization_url}{separator}{urlencode(query)}"
+    return "/" if path.startswith(NO_TARGETS) else path

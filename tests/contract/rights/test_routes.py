@@ -27,7 +27,7 @@ from server.classes.codes import new_code
 from server.classes.models import ClassRole, Membership, SchoolClass
 from server.comments.models import Message, Note, NoteReader, Thread, ThreadState
 from server.database import utc_now
-from server.federation.models import IdentityProvider, Protocol
+from server.federation.models import ContextTeacher, IdentityProvider, Protocol, ProviderContext
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import GradingResult
@@ -99,6 +99,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     "POST /administration/plateforme/{provider_id}": {"action": "suspendre"},
+    "POST /etablissement/cours/{context_id}": {"action": "lier", "classe": "{class_id}"},
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
@@ -239,6 +240,11 @@ class Stage:
             protocol=Protocol.lti, name="Moodle", issuer=platform, client_id="balise", settings=addresses
         )
         db.add(self.provider)
+        db.flush()
+        self.course = ProviderContext(provider_id=self.provider.id, context="c")
+        db.add(self.course)
+        db.flush()
+        db.add(ContextTeacher(context_id=self.course.id, account_id=self.accounts["teacher"].id))
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
@@ -273,6 +279,7 @@ class Stage:
             "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],
+            "context_id": str(self.course.id),
             "provider_id": str(self.provider.id),
             "column_id": str(self.column.id),
             "chapter": "noter",

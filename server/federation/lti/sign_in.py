@@ -1,0 +1,106 @@
+"""The sign-in of LTI 1.3: a browser begins, keeps a cookie, and comes back with a token (OIDC third-party login).
+
+Functions work inside the caller's transaction, but for `read_launch`, which may ask the platform for its keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from urllib.parse import urlencode, urlsplit
+
+from sqlalchemy.orm import Session
+
+from server.federation import pending, providers, repository
+from server.federation.errors import Refused
+from server.federation.lti import registration
+from server.federation.lti.launch import LAUNCH_PATH, Launch, target_path, verify_launch
+from server.federation.lti.schemas import LtiSettings, lti_settings
+from server.federation.models import IdentityProvider, PendingSignIn
+from server.federation.remote_keys import RemoteKeys
+
+OTHER_DEPLOYMENT = "Ce lancement est d’un autre déploiement que celui qui l’a commencé : recommencez depuis le cours."
+HINTS = ("login_hint", "lti_message_hint", "lti_deployment_id")
+
+
+@dataclass(frozen=True)
+class Initiation:
+    """The parameters by which a platform begins a launch (LTI Core 1.3, 5.1.1)."""
+
+    iss: str = ""
+    login_hint: str = ""
+    target_link_uri: str = ""
+    client_id: str = ""
+    lti_message_hint: str = ""
+    lti_deployment_id: str = ""
+
+    def query(self) -> str:
+        """Return the query by which the same launch begins once more."""
+        return urlencode({name: value for name, value in vars(self).items() if value})
+
+
+@dataclass(frozen=True)
+class BegunLaunch:
+    """A launch that begins; `frames` are the origins that may show its pages."""
+
+    begun: pending.Begun
+    frames: str
+
+
+def begin(db: Session, initiation: Initiation, service: str) -> BegunLaunch:
+    """Begin a launch; `service` is our own address. Raises Refused."""
+    provider = registration.find_platform(db, initiation.iss, initiation.client_id)
+    if not initiation.login_hint:
+        raise Refused("claims", "La plateforme ne dit pas de qui il s’agit (login_hint).")
+    details = {name: getattr(initiation, name) for name in HINTS}
+    begun = pending.begin(db, provider.id, target_path(initiation.target_link_uri, service), details)
+    return BegunLaunch(begun, frames_of(lti_settings(provider)))
+
+
+def frames_of(settings: LtiSettings) -> str:
+    return " ".join(settings.frames)
+
+
+def find_begun(db: Session, state: str) -> tuple[PendingSignIn, IdentityProvider]:
+    """Return a launch that has begun, with its platform. Raises Refused."""
+    begun = pending.find(db, state)
+    provider = repository.find_provider(db, begun.provider_id)
+    if provider is None:
+        raise Refused("state", pending.USED)
+    return begun, provider
+
+
+def authorization_url(db: Session, begun: PendingSignIn, provider: IdentityProvider, state: str, service: str) -> str:
+    """Return the address of the platform to which the browser goes for its token (OIDC, implicit flow by form)."""
+    settings = lti_settings(provider)
+    query = {
+        "scope": "openid",
+        "response_type": "id_token",
+        "response_mode": "form_post",
+        "prompt": "none",
+        "client_id": provider.client_id,
+        "redirect_uri": service + LAUNCH_PATH,
+        "login_hint": str(begun.details.get("login_hint", "")),
+        "state": state,
+        "nonce": pending.draw_nonce(db, begun, begun.details),
+    }
+    if begun.details.get("lti_message_hint"):
+        query["lti_message_hint"] = str(begun.details["lti_message_hint"])
+    separator = "&" if urlsplit(settings.authorization_url).query else "?"
+    return f"{settings.authorization_url}{separator}{urlencode(query)}"
+
+
+def read_launch(begun: PendingSignIn, provider: IdentityProvider, token: str, keys: RemoteKeys, service: str) -> Launch:
+    """Return the launch of a token, verified but for its nonce. Raises Refused."""
+    providers.require_active(provider)
+    launch = verify_launch(provider, lti_settings(provider), token, keys, service)
+    announced = begun.details.get("lti_deployment_id")
+    if announced and announced != launch.deployment:
+        raise Refused("deployment", OTHER_DEPLOYMENT)
+    return launch
+
+
+def resume_query(details: Mapping[str, object], provider: IdentityProvider, target: str) -> str:
+    """Return the query by which a begun launch begins once more, in another tab."""
+    hints = {name: str(details.get(name) or "") for name in HINTS}
+    return Initiation(iss=provider.issuer, client_id=provider.client_id, target_link_uri=target, **hints).query()

@@ -1,0 +1,202 @@
+"""Launches of LTI platforms: their begin, the look whether the browser keeps cookies, and the signed token's arrival.
+
+A launch is the one cross-site form that is let in: it proves itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Depends, Query, Request
+from fastapi.responses import HTMLResponse, Response
+from starlette.concurrency import run_in_threadpool
+
+from server.base.app_services import SettingsOf
+from server.base.http import client_address
+from server.base.root_path import service_url
+from server.base.security_headers import FRAMES_STATE
+from server.database import Database, utc_now
+from server.database.dependencies import DatabaseOf
+from server.federation import arrivals, pending, repository
+from server.federation.errors import Refused
+from server.federation.lti import sign_in
+from server.federation.lti.launch import LAUNCH_PATH, Launch
+from server.federation.lti.schemas import lti_settings
+from server.federation.lti.sign_in import Initiation
+from server.federation.models import ActivityKind, IdentityProvider
+from server.federation.service import Federation
+from server.identity.dependencies import AccountServiceOf, OptionalAccount, set_session_cookie
+from server.identity.models import Account
+from server.identity.service import AccountService
+from server.limits import service as limits
+from server.pages.school import landing
+from server.pages.school.cookies import clear_state_cookie, set_state_cookie, state_cookie
+from server.pages.school.platforms import FederationOf
+from server.web.forms import Field, redirect
+from server.web.rendering import render_page
+
+router = APIRouter(include_in_schema=False)
+
+BEGIN_PATH, CHECK_PATH = "/lti/connexion", "/lti/suite"
+Hint = Annotated[str, Query(max_length=2000)]
+State = Annotated[str, Query(max_length=100)]
+TOO_MANY = "Trop d’entrées à la fois depuis cette adresse : réessayez dans {seconds} s."
+NO_TOKEN = "La plateforme n’a pas laissé entrer ({error}) : recommencez depuis le cours."
+FRAMES = frozenset({"iframe", "frame", "embed", "object"})
+
+
+def _from_query(
+    iss: Hint = "",
+    login_hint: Hint = "",
+    target_link_uri: Hint = "",
+    client_id: Hint = "",
+    lti_message_hint: Hint = "",
+    lti_deployment_id: Hint = "",
+) -> Initiation:
+    return Initiation(iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
+
+
+def _from_form(
+    iss: Field = "",
+    login_hint: Field = "",
+    target_link_uri: Field = "",
+    client_id: Field = "",
+    lti_message_hint: Field = "",
+    lti_deployment_id: Field = "",
+) -> Initiation:
+    fields = (iss, login_hint, target_link_uri, client_id, lti_message_hint, lti_deployment_id)
+    if any(len(field) > 2000 for field in fields):
+        raise Refused("claims", "Le début du lancement est trop long.")
+    return Initiation(*fields)
+
+
+@router.get(BEGIN_PATH)
+def begin_by_query(
+    request: Request,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    initiation: Annotated[Initiation, Depends(_from_query)],
+) -> Response:
+    return _begin(request, database, settings, initiation)
+
+
+@router.post(BEGIN_PATH)
+def begin_by_form(
+    request: Request, database: DatabaseOf, settings: SettingsOf, initiation: Annotated[Initiation, Depends(_from_form)]
+) -> Response:
+    return _begin(request, database, settings, initiation)
+
+
+def _begin(request: Request, database: Database, settings: SettingsOf, initiation: Initiation) -> Response:
+    with database.write() as db:
+        limits.take_token(db, f"lti:{client_address(request)}", settings.guest_bucket, TOO_MANY)
+        launch = sign_in.begin(db, initiation, service_url(request))
+    response = redirect(f"{CHECK_PATH}?{urlencode({'state': launch.begun.state})}")
+    set_state_cookie(response, launch.begun)
+    return response
+
+
+@router.get(CHECK_PATH)
+def go_on(request: Request, database: DatabaseOf, state: State = "") -> Response:
+    """Send a browser that keeps cookies to its platform; another one gets a button that opens a tab."""
+    with database.write() as db:
+        begun, provider = sign_in.find_begun(db, state)
+        setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
+        browser = state_cookie(request, state)
+        if browser:
+            pending.require_browser(begun, browser)
+            return redirect(sign_in.authorization_url(db, begun, provider, state, service_url(request)))
+        query = sign_in.resume_query(begun.details, provider, service_url(request) + begun.target)
+    return _without_cookies(request, provider, f"{BEGIN_PATH}?{query}")
+
+
+def _without_cookies(request: Request, provider: IdentityProvider, again: str) -> HTMLResponse:
+    is_framed = request.headers.get("sec-fetch-dest", "") in FRAMES
+    return render_page(
+        request, "platforms/no_cookies.html", None, platform=provider.name, again=again, is_framed=is_framed
+    )
+
+
+@router.get(LAUNCH_PATH)
+def explain(request: Request, account: OptionalAccount) -> HTMLResponse:
+    """Say to whoever opens the address of a tool by hand how one enters."""
+    return render_page(request, "platforms/from_platform.html", account)
+
+
+@router.post(LAUNCH_PATH)
+async def arrive(
+    request: Request,
+    database: DatabaseOf,
+    accounts: AccountServiceOf,
+    federation: FederationOf,
+    visitor: OptionalAccount,
+    id_token: Field = "",
+    state: Field = "",
+    error: Field = "",
+) -> Response:
+    """Verify a launch, and open the session of its person."""
+    provider = await run_in_threadpool(_expect, request, database, state[:100])
+    try:
+        if not id_token:
+            raise Refused("platform", NO_TOKEN.format(error=error[:60] or "sans dire pourquoi"))
+        work = _reader(request, database, federation, state, id_token)
+        launch = await federation.threads.run(work)
+        response = await run_in_threadpool(_open, request, database, accounts, visitor, state, launch)
+    except Refused as refused:
+        await run_in_threadpool(_record_refusal, database, provider, refused)
+        raise
+    clear_state_cookie(response, state)
+    return response
+
+
+def _expect(request: Request, database: Database, state: str) -> IdentityProvider:
+    """Return the platform of a launch that this browser has begun. Raises Refused."""
+    with database.read() as db:
+        begun, provider = sign_in.find_begun(db, state)
+        setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
+        pending.require_browser(begun, state_cookie(request, state))
+    return provider
+
+
+def _reader(
+    request: Request, database: Database, federation: Federation, state: str, token: str
+) -> Callable[[], Launch]:
+    service = service_url(request)
+
+    def read() -> Launch:
+        with database.read() as db:
+            begun, provider = sign_in.find_begun(db, state)
+        return sign_in.read_launch(begun, provider, token, federation.keys, service)
+
+    return read
+
+
+def _open(
+    request: Request,
+    database: Database,
+    accounts: AccountService,
+    visitor: Account | None,
+    state: str,
+    launch: Launch,
+) -> Response:
+    """Use the launch up, and open its session, in one transaction. Raises Refused or Forbidden."""
+    destination = request.headers.get("sec-fetch-dest", "")
+    is_framed = destination in FRAMES or (not destination and launch.is_framed)
+    with database.write() as db:
+        begun, provider = sign_in.find_begun(db, state)
+        target, _ = pending.consume(db, begun, launch.nonce)
+        frames = sign_in.frames_of(lti_settings(provider)) if is_framed else ""
+        arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
+        page = landing.choose_page(db, arrival, launch, launch.target or target, visitor)
+    set_session_cookie(request, arrival.opened)
+    return redirect(page)
+
+
+def _record_refusal(database: Database, provider: IdentityProvider, refused: Refused) -> None:
+    with database.write() as db:
+        if repository.find_provider(db, provider.id) is not None:
+            repository.record_activity(
+                db, provider.id, ActivityKind.sign_in, utc_now(), refused.detail, succeeded=False
+            )
