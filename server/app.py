@@ -310,10 +310,11 @@ def _account_service(services: Services) -> AccountService:
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(middleware.LargeForms, refuse=errors.error_response)
+    app.add_middleware(middleware.Refusals, refuse=errors.error_response)
+    app.add_middleware(middleware.LargeForms)
     app.add_middleware(turns.FairTurns, refuse=errors.error_response)
-    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.error_response)
-    app.add_middleware(middleware.SameOrigin, refuse=errors.error_response)
+    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes)
+    app.add_middleware(middleware.SameOrigin)
     app.add_middleware(
         middleware.SessionCookie,
         max_age=settings.session_days * DAY,

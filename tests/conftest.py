@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from server.sandbox import Sandbox
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
-SHARED = ("tests.support.service", "tests.support.small_course")
+SHARED = ("tests.support.service", "tests.support.small_course", "tests.support.write_lock")
 
 #: A file system in memory, where a synchronised write costs nothing, and what it must have left to be used.
 MEMORY, MEMORY_BYTES = Path("/dev/shm"), 4 << 30

@@ -9,8 +9,9 @@ import time
 from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -27,6 +28,8 @@ from server.base.http import (
     SAFE_METHODS,
     SESSION_COOKIE,
     accepted_encodings,
+    error_document,
+    problem_response,
 )
 from server.base.validation import format_size
 
@@ -35,6 +38,8 @@ UNKNOWN_LENGTH = (
     "(« Transfer-Encoding: chunked »)."
 )
 CUT_OFF = "Cette demande s’est interrompue avant sa fin : rien n’en a été pris en compte."
+#: Where a scope holds the error by which a middleware refuses its request, for `Refusals`.
+REFUSAL = "balise.refusal"
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
@@ -193,13 +198,12 @@ class SameOrigin:
     The API knows no cookie, so it needs no such check.
     """
 
-    def __init__(self, app: ASGIApp, refuse: Refuse) -> None:
-        self._app, self._refuse = app, refuse
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "http" and _is_forged(scope):
-            error = Forbidden("Cette demande vient d’un autre site : elle a été refusée.")
-            return await self._refuse(Request(scope), error)(scope, receive, send)
+            scope[REFUSAL] = Forbidden("Cette demande vient d’un autre site : elle a été refusée.")
         await self._app(scope, receive, send)
 
 
@@ -221,11 +225,11 @@ class BoundedBody:
     connection is closed by the refusal. Browsers, curl and proxies that buffer announce lengths.
     """
 
-    def __init__(self, app: ASGIApp, most: int, refuse: Refuse) -> None:
-        self._app, self._most, self._refuse = app, most, refuse
+    def __init__(self, app: ASGIApp, most: int) -> None:
+        self._app, self._most = app, most
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http":
+        if scope["type"] != "http" or REFUSAL in scope:
             return await self._app(scope, receive, send)
         try:
             if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
@@ -234,12 +238,18 @@ class BoundedBody:
                 body = await self._read(scope, receive)
                 record_arrival()
                 receive = _resend(body, receive)
+        except ClientDisconnect:
+            nobody_reads = problem_response(error_document(Request(scope), Invalid(CUT_OFF)))
+            return await nobody_reads(scope, receive, send)
         except ServiceError as error:
-            return await self._refuse(Request(scope), error)(scope, receive, send)
+            scope[REFUSAL] = error
         await self._app(scope, receive, send)
 
     async def _read(self, scope: Scope, receive: Receive) -> bytes:
-        """Return the body. Raises TooLarge, at once where its length is announced, and Invalid for half a request."""
+        """Return the body.
+
+        Raises TooLarge, at once where its length is announced; ClientDisconnect for half a request.
+        """
         announced = next((value for name, value in scope["headers"] if name == b"content-length"), b"")
         if announced.isdigit() and int(announced) > self._most:
             raise self._too_large()
@@ -247,7 +257,7 @@ class BoundedBody:
         while more:
             message = await receive()
             if message["type"] == "http.disconnect":
-                raise Invalid(CUT_OFF)  # nobody reads this answer
+                raise ClientDisconnect
             chunk = message.get("body", b"")
             size += len(chunk)
             if size > self._most:
@@ -263,18 +273,31 @@ class BoundedBody:
 class LargeForms:
     """Decodes large forms, whose bodies are whole, in their turn."""
 
-    def __init__(self, app: ASGIApp, refuse: Refuse) -> None:
-        self._app, self._refuse = app, refuse
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
+        if scope["type"] == "http" and scope["method"] not in SAFE_METHODS and REFUSAL not in scope:
             body = (await receive()).get("body", b"")
             try:
                 scope, body = decode_large_form(scope, body)
             except ServiceError as error:
-                return await self._refuse(Request(scope), error)(scope, receive, send)
+                scope[REFUSAL] = error
             receive = _resend(body, receive)
         await self._app(scope, receive, send)
+
+
+class Refusals:
+    """Answers what was refused before it had a turn: the page that says so takes as long to make as any other."""
+
+    def __init__(self, app: ASGIApp, refuse: Refuse) -> None:
+        self._app, self._refuse = app, refuse
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        app = self._app
+        if REFUSAL in scope:
+            app = await run_in_threadpool(self._refuse, Request(scope), scope[REFUSAL])
+        await app(scope, receive, send)
 
 
 def _resend(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:

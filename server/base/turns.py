@@ -18,14 +18,16 @@ import asyncio
 import math
 import time
 from collections import Counter
-from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from hashlib import blake2b
 from http import HTTPStatus
 from uuid import UUID
 
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -183,7 +185,30 @@ class Turns:
 
 
 _senders: LRUCache[bytes, tuple[str, bool]] = LRUCache(MAX_SENDERS)
-_end_turn: ContextVar[Callable[[], None] | None] = ContextVar("end_turn", default=None)
+
+
+class RequestTurn:
+    """The turn of one request, which ends while the request waits for something, and for good as its answer begins."""
+
+    def __init__(self, turns: Turns, flow: Flow) -> None:
+        self._turns, self._flow = turns, flow
+        self._end: Callable[[], None] = lambda: None
+        self._is_over = False
+
+    async def begin(self) -> None:
+        """Wait for the turn. Raises Overloaded."""
+        if not self._is_over:
+            self._end = await self._turns.begin(self._flow)
+
+    def pause(self) -> None:
+        self._end()
+
+    def end(self) -> None:
+        self._is_over = True
+        self._end()
+
+
+_turn: ContextVar[RequestTurn | None] = ContextVar("turn", default=None)
 
 
 def record_sender(token: str, account: UUID, *, is_guest: bool) -> None:
@@ -191,11 +216,23 @@ def record_sender(token: str, account: UUID, *, is_guest: bool) -> None:
     _senders.put(_key(token), (account.hex, is_guest))
 
 
-def end_turn() -> None:
-    """End the turn of this request, which will now wait for something else than the processor of this process."""
-    end = _end_turn.get()
-    if end is not None:
-        end()
+@asynccontextmanager
+async def out_of_turn() -> AsyncIterator[None]:
+    """Wait for something else than the processor of this process: the turn of this request ends.
+
+    What the request does next, and be it a page that refuses it, has a turn again. Raises Overloaded.
+    """
+    turn = _turn.get()
+    if turn is None:
+        yield
+        return
+    turn.pause()
+    try:
+        yield
+    except Exception:
+        await turn.begin()
+        raise
+    await turn.begin()
 
 
 def flow_of(scope: Scope) -> Flow:
@@ -228,29 +265,34 @@ class FairTurns:
 
     def __init__(self, app: ASGIApp, refuse: Callable[[Request, ServiceError], Response]) -> None:
         self._app, self._refuse = app, refuse
-        self._turns = Turns()
+        self._turns, self._refusals = Turns(), CapacityLimiter(1)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["path"] in MONITORING_PATHS:
             return await self._app(scope, receive, send)
         is_crowded = self._turns.waiting > 0
+        turn = RequestTurn(self._turns, flow_of(scope))
         try:
-            end = await self._turns.begin(flow_of(scope))
+            await turn.begin()
         except Overloaded as error:
             is_page = scope["method"] in SAFE_METHODS and not scope["path"].startswith(API)
-            answer = _plain(error) if is_page else self._refuse(Request(scope), error)
+            answer = _plain(error) if is_page else await self._refused(Request(scope), error)
             return await answer(scope, receive, send)
         if is_crowded and scope["method"] in SAFE_METHODS and await _has_left(scope, receive):
-            end()
+            turn.end()
             return await Response(status_code=HTTPStatus.SERVICE_UNAVAILABLE)(scope, receive, send)
 
         def send_and_end(message: Message) -> Awaitable[None]:
             if message["type"] == "http.response.body":
-                end()
+                turn.end()
             return send(message)
 
-        _end_turn.set(end)
+        _turn.set(turn)
         try:
             await self._app(scope, receive, send_and_end)
         finally:
-            end()
+            turn.end()
+
+    async def _refused(self, request: Request, error: Overloaded) -> Response:
+        """Return a page for whom has sent a form: one is made at a time, as the queue is full."""
+        return await run_sync(self._refuse, request, error, limiter=self._refusals)

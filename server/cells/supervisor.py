@@ -14,7 +14,7 @@ from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import IDLE_TIMEOUT, Helper, HelperError, HelperProgram
 from server.base.processes import child_environment
 from server.base.settings import Settings
-from server.base.turns import end_turn
+from server.base.turns import out_of_turn
 
 COMMAND = (sys.executable, "-P", "-m", "server.cells")
 #: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.
@@ -66,7 +66,10 @@ class Cells:
         if self._count_by_reader[reader] >= MAX_CELLS_PER_READER:
             raise Overloaded(TOO_MANY_CELLS, retry_after=2)
         self._count_by_reader[reader] += 1
-        end_turn()
+        async with out_of_turn():
+            return await self._wait_and_ask(question, reader, flow, rank)
+
+    async def _wait_and_ask(self, question: bytes, reader: str, flow: str, rank: int) -> bytes:
         try:
             await self._limiter.acquire(flow, rank)
         except LimiterFullError:

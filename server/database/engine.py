@@ -30,6 +30,7 @@ WAL_TIMEOUT, WAL_RETRY_SECONDS = 15.0, 0.01
 AFTER_COMMIT = "after_commit"
 #: Execution option: how a transaction of SQLite begins.
 BEGIN_STATEMENT = "balise_begin"
+BEGIN_AND_LOCK = "BEGIN IMMEDIATE"
 POOL_SIZE = 10
 #: Connections that one process may open: one or two per thread that answers a request.
 MAX_CONNECTIONS = 50
@@ -88,7 +89,7 @@ def _create_private_file(file: Path) -> None:
 
 def writing_engine(engine: Engine) -> Engine:
     """Return the same engine, whose transactions take SQLite's write lock when they begin."""
-    return engine.execution_options(**{BEGIN_STATEMENT: "BEGIN IMMEDIATE"})
+    return engine.execution_options(**{BEGIN_STATEMENT: BEGIN_AND_LOCK})
 
 
 def _begin_sqlite(connection: Connection) -> None:
@@ -126,6 +127,40 @@ def _configure_postgres(connection: Any, _record: object) -> None:
 def run_after_commit(db: Session, action: Callable[[], None]) -> None:
     """Run `action` once the writing transaction of `db` is committed; never if it is rolled back."""
     db.info.setdefault(AFTER_COMMIT, []).append(action)
+
+
+def _commit(db: Session) -> None:
+    with traces.span("commit"):
+        db.commit()
+    for action in db.info.pop(AFTER_COMMIT, ()):
+        action()
+
+
+def commit_then_read(db: Session) -> None:
+    """Commit the changes of a writing session, which only reads from then on.
+
+    To be called before a page is built: that takes milliseconds, for which no other writer of SQLite waits.
+    """
+    _commit(db)
+    _only_read(db)
+
+
+def roll_back_then_read(db: Session) -> None:
+    """Drop the changes of a writing session, which only reads from then on: before the page of a refusal is built."""
+    db.rollback()
+    db.info.pop(AFTER_COMMIT, None)
+    _only_read(db)
+
+
+def _only_read(db: Session) -> None:
+    bind = db.get_bind()
+    assert isinstance(bind, Engine)
+    db.bind = bind.execution_options(**{BEGIN_STATEMENT: "BEGIN"})
+
+
+def holds_write_lock(db: Session) -> bool:
+    """Whether this session has begun a transaction for which other writers of SQLite wait."""
+    return db.in_transaction() and db.get_bind().get_execution_options().get(BEGIN_STATEMENT) == BEGIN_AND_LOCK
 
 
 def is_lock_timeout(error: OperationalError) -> bool:
@@ -169,12 +204,6 @@ class Database:
         """Return a session whose changes are dropped; the caller closes it."""
         return self._read_sessions()
 
-    def only_read(self, db: Session) -> None:
-        """Drop the changes of a writing session, which only reads from then on: the page of a refusal, which takes
-        long to render, keeps no other writer of SQLite waiting."""
-        db.rollback()
-        db.bind = self.engine
-
     @contextmanager
     def read(self) -> Iterator[Session]:
         """Yield a session whose changes are dropped."""
@@ -186,10 +215,7 @@ class Database:
         """Yield a session that is committed at the end of the block, or rolled back when the block raises."""
         with self._write_sessions() as db:
             yield db
-            with traces.span("commit"):
-                db.commit()
-            for action in db.info.pop(AFTER_COMMIT, ()):
-                action()
+            _commit(db)
 
     def wait_until_available(self, seconds: float) -> None:
         """Retry until the database answers. Raise DBAPIError where it still does not after so many seconds."""

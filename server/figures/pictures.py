@@ -15,7 +15,7 @@ from server.base.caches import LRUCache
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import InternalFailure, Overloaded
 from server.base.helpers import HelperError
-from server.base.turns import end_turn
+from server.base.turns import out_of_turn
 from server.figures.drawing_requests import WARM_UP_PAYLOAD, DrawingRequest
 from server.figures.program import RESERVE
 from server.figures.store import PictureStore
@@ -69,9 +69,9 @@ class Pictures:
             return known
         coming = self._in_flight.get(order.key) or self._start(order, flow, rank)
         coming.viewers += 1
-        end_turn()
         try:
-            return await asyncio.shield(coming.task)
+            async with out_of_turn():
+                return await asyncio.shield(coming.task)
         finally:
             coming.viewers -= 1
             if not coming.viewers and not coming.started:

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from server.base.concurrency import FairLimiter, LimiterFullError
 from server.base.errors import Overloaded
-from server.base.turns import end_turn
+from server.base.turns import out_of_turn
 from server.identity import secrets
 
 THREADS_PER_HASH = 4
@@ -46,15 +46,15 @@ class PasswordHasher:
         return await self._in_turn(address, rank, login, partial(secrets.verify_password, password, stored))
 
     async def _in_turn(self, address: str, rank: int, login: str, work: Callable[[], T]) -> T:
-        end_turn()
-        try:
-            await self._turns.acquire(address, rank, login)
-        except LimiterFullError:
-            raise Overloaded(BUSY, retry_after=5) from None
-        try:
-            return await asyncio.get_running_loop().run_in_executor(self._threads, work)
-        finally:
-            self._turns.release(address, rank)
+        async with out_of_turn():
+            try:
+                await self._turns.acquire(address, rank, login)
+            except LimiterFullError:
+                raise Overloaded(BUSY, retry_after=5) from None
+            try:
+                return await asyncio.get_running_loop().run_in_executor(self._threads, work)
+            finally:
+                self._turns.release(address, rank)
 
 
 def _give_way() -> None:

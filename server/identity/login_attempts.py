@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import RateLimited
 from server.base.settings import Settings
-from server.base.turns import end_turn
+from server.base.turns import out_of_turn
 from server.identity import devices, repository, secrets
 from server.identity.hashing import KNOWN, NOBODY, UNKNOWN
 from server.identity.logins import normalise_login
@@ -40,8 +40,8 @@ class LoginAttempt:
 
     async def refusal(self) -> RateLimited:
         """Return the error, as long after the beginning whether the account exists or not."""
-        end_turn()
-        await asyncio.sleep(self.began + FLOODED_SECONDS - time.monotonic())
+        async with out_of_turn():
+            await asyncio.sleep(self.began + FLOODED_SECONDS - time.monotonic())
         return limits.too_many(TOO_MANY_LOGINS, self.seconds_refused)
 
 

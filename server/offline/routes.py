@@ -31,7 +31,7 @@ async def offline(request: Request, archives: ArchivesOf, reader: CurrentReader,
     view = shown(module_link(course_module), await archives.look(course_module))
     headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
     account = await run_in_threadpool(reader.who)
-    return render_page(request, "offline/page.html", account, headers=headers, page=view)
+    return await run_in_threadpool(render_page, request, "offline/page.html", account, headers=headers, page=view)
 
 
 @router.post("/{module:module}/hors-ligne")

@@ -44,8 +44,8 @@ async def sign_up(
     try:
         opened = await _opened(request, accounts, account, (name, login, password))
     except RefusedForm as refused:
-        return account_form(
-            request, "inscription.html", account, refused, name=name, login=login, after=local_path(suite)
+        return await run_in_threadpool(
+            account_form, request, "inscription.html", account, refused, name=name, login=login, after=local_path(suite)
         )
     set_session_cookie(request, opened)
     return redirect(local_path(suite))
@@ -87,7 +87,9 @@ async def welcome(
     try:
         opened = await _opened(request, accounts, account, (name, login, password), token)
     except RefusedForm as refused:
-        return account_form(request, "bienvenue.html", account, refused, name=name, login=login)
+        return await run_in_threadpool(
+            account_form, request, "bienvenue.html", account, refused, name=name, login=login
+        )
     set_session_cookie(request, opened)
     return redirect("/")
 
@@ -115,14 +117,14 @@ async def log_in(
             login, password, visitor=account, address=client_address(request), device=device_token(request)
         )
     except RefusedForm as refused:
-        return account_form(request, "connexion.html", account, refused, login=login, **form)
+        return await run_in_threadpool(account_form, request, "connexion.html", account, refused, login=login, **form)
     set_session_cookie(request, opened)
     fields = decode_fields(reprise)
     if fields is None:
         return redirect(form["after"])
     button = SEND_AS.format(name=visible(opened.account.name))
     context = resend_context(fields, form["action"], form["after"], opened.account, button=button)
-    return render_page(request, "resend.html", opened.account, **context)
+    return await run_in_threadpool(render_page, request, "resend.html", opened.account, **context)
 
 
 @router.get("/nouveau-mot-de-passe")
@@ -156,7 +158,9 @@ async def new_password(
             token, new_password, visitor=account, address=client_address(request), device=device_token(request)
         )
     except RefusedForm as refused:
-        return account_form(request, "nouveau_mot_de_passe.html", account, refused, login=login)
+        return await run_in_threadpool(
+            account_form, request, "nouveau_mot_de_passe.html", account, refused, login=login
+        )
     set_session_cookie(request, opened)
     return redirect("/")
 

@@ -13,6 +13,7 @@ from server.base.http import local_path
 from server.comments import notes, notes_repository, service
 from server.comments.line_tracking import LineRange
 from server.comments.schemas import WHOLE_WORK, ThreadTarget
+from server.database import roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
@@ -61,7 +62,7 @@ def comment(
         text = _said(reader.db, account, attempt.submission.account_id, texte, phrase)
         thread = service.begin_thread(reader.db, account, attempt, target, text, settings)
     except REFUSALS as refused:
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         aim = Aim(lines, verification, Draft(texte, refused.detail))
         again = gradebook.find_attempt(reader.db, account, submission_id)
         return attempt_page(request, reader, database, again, aim, status=int(refused.status))
@@ -110,7 +111,7 @@ def ask(
     try:
         thread = service.begin_exercise_thread(reader.db, account, account.id, exercise.id, texte, settings)
     except REFUSALS as refused:
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         seed = (
             None if exercise.answers is None else variants.seed_while_reading(reader.db, database, account, exercise.id)
         )
@@ -153,7 +154,7 @@ def reply(
         text = _said(reader.db, account, thread.account_id, texte, phrase)
         service.reply_to_thread(reader.db, account, thread, text, settings)
     except REFUSALS as refused:
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         return _thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
     return _back(thread_id, retour)
 

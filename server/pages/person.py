@@ -1,11 +1,14 @@
 """Pages of what is one's own: password, API tokens, data to take away or to erase, and what is kept."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated
 from urllib.parse import urlsplit
 from uuid import UUID
 
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import app_service
@@ -15,7 +18,7 @@ from server.base.settings import Settings
 from server.base.validation import CutAt
 from server.calendars import repository as calendar_addresses
 from server.calendars import service as calendars
-from server.database import utc_now
+from server.database import Database, roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.identity import identities, joining, tokens
 from server.identity.dependencies import (
@@ -42,6 +45,16 @@ TOKEN_FIELDS = {"password": "token_password"}
 NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
 ShortQuery = Annotated[str, Query(max_length=100)]
 SettingsOf = Annotated[Settings, Depends(app_service(Settings))]
+
+
+async def _page_of(database: Database, build: Callable[[Session], HTMLResponse]) -> HTMLResponse:
+    """Return the page that `build` makes in a thread, of a session that reads."""
+
+    def read() -> HTMLResponse:
+        with database.read() as db:
+            return build(db)
+
+    return await run_in_threadpool(read)
 
 
 @router.get("/donnees-personnelles")
@@ -104,6 +117,7 @@ def word_pseudonym(request: Request, person: SignedIn, db: Db, settings: Setting
     try:
         identities.word_pseudonym(db, person, name)
     except RefusedForm as refused:
+        roll_back_then_read(db)
         return _account_page(request, person, db, settings, refused=refused, name=name)
     return redirect("/compte")
 
@@ -143,8 +157,8 @@ async def join_account(
             accounts, person, login, password, session=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:
-        with database.read() as db:
-            return _join_page(request, person, db, refused, login=login, after=local_path(suite))
+        page = partial(_join_page, request, person, refused=refused, login=login, after=local_path(suite))
+        return await _page_of(database, page)
     set_session_cookie(request, opened)
     return redirect(local_path(suite))
 
@@ -165,8 +179,8 @@ async def create_token(
         _, secret = await accounts.create_token(person, label, password, session=session, address=address)
     except RefusedForm as error:
         refused = RefusedForm({TOKEN_FIELDS.get(field, field): why for field, why in error.problems.items()})
-    with database.read() as db:
-        return _account_page(request, person, db, settings, secret, refused, label=label)
+    page = partial(_account_page, request, person, settings=settings, secret=secret, refused=refused, label=label)
+    return await _page_of(database, page)
 
 
 @router.post("/compte/jetons/{token_id}/revoquer")
@@ -197,8 +211,7 @@ async def change_password(
     try:
         await accounts.change_password(person, password, new_password, session=session, address=address)
     except RefusedForm as refused:
-        with database.read() as db:
-            return _account_page(request, person, db, settings, refused=refused)
+        return await _page_of(database, partial(_account_page, request, person, settings=settings, refused=refused))
     return redirect("/compte?change=mot-de-passe")
 
 
@@ -247,8 +260,7 @@ async def erase(
             person, password, credential=session_token(request), address=client_address(request)
         )
     except RefusedForm as refused:
-        with database.read() as db:
-            return _erase_page(request, person, db, settings, refused)
+        return await _page_of(database, partial(_erase_page, request, person, settings=settings, refused=refused))
     if not await run_in_threadpool(personal.erase_on_request, person.id):
         return redirect("/compte/supprimer")
     clear_session_cookie(request)

@@ -17,7 +17,7 @@ from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
-from server.base.turns import end_turn
+from server.base.turns import out_of_turn
 from server.database import is_unavailable
 from server.queue.interfaces import JOB_STARTED_SUFFIX
 
@@ -152,7 +152,10 @@ class JobEvents:
         The job was enqueued a moment ago: until it changes, there is nothing to read.
         """
         deadline = time.monotonic() + seconds
-        end_turn()
+        async with out_of_turn():
+            return await self._wait_until_done(key, read, deadline)
+
+    async def _wait_until_done(self, key: str, read: Callable[[], SnapshotType], deadline: float) -> SnapshotType:
         with _registered(self._end_watchers, key) as event:
             if key in self._recently_changed:
                 event.set()

@@ -61,7 +61,7 @@ def test_the_arrival_is_when_the_whole_body_is_there(site: Site) -> None:
         arrivals.append(datetime.now(UTC))
 
     scope = {"type": "http", "method": "POST", "path": "/", "headers": []}
-    bounded = BoundedBody(app, most=100, refuse=lambda request, error: pytest.fail(str(error)))
+    bounded = BoundedBody(app, most=100)
     with site.client._portal_factory() as portal:
         portal.call(bounded, scope, receive, None)
     assert arrivals == sorted(arrivals)

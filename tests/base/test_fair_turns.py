@@ -22,8 +22,8 @@ from server.base.turns import (
     ProcessorClock,
     Turns,
     Usage,
-    end_turn,
     flow_of,
+    out_of_turn,
     record_sender,
 )
 from tests.support.quick import in_a_loop
@@ -219,7 +219,8 @@ def test_a_turn_ends_as_the_answer_begins_or_as_the_request_waits(monkeypatch: p
             await send({"type": "http.response.start", "status": 200, "headers": []})
             await send({"type": "http.response.body", "body": b"", "more_body": True})
         elif scope["path"] == "/waits":
-            end_turn()
+            async with out_of_turn():
+                await asyncio.Event().wait()
         await asyncio.Event().wait()
 
     async def scene() -> None:
@@ -310,3 +311,62 @@ def test_a_refused_page_costs_nothing_and_a_form_says_what_was_typed(
     in_a_loop(scene())
     assert answers[1]["body"] == (b"Plus tard." if is_plain else b"whole")
     assert not is_plain or (answers[0]["status"] == 503 and (b"retry-after", b"5") in answers[0]["headers"])
+
+
+@pytest.mark.parametrize("refused", [False, True])
+def test_who_has_waited_for_something_else_takes_a_turn_again(monkeypatch: pytest.MonkeyPatch, refused: bool) -> None:
+    """What follows a hashed password is a page, as long to make as any."""
+    monkeypatch.setattr(turns, "TURN_SECONDS", 3600.0)
+    monkeypatch.setattr(turns, "GIVE_WAY_SECONDS", 0.0)
+    done, waited = list[str](), asyncio.Event()
+
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        try:
+            async with out_of_turn():
+                done.append("waits")
+                await waited.wait()
+                if refused:
+                    raise Overloaded("Plus tard.", retry_after=5)
+        except Overloaded:
+            done.append("refused")
+        done.append("page")
+
+    async def scene() -> None:
+        fair = FairTurns(app, lambda request, error: pytest.fail(str(error)))
+        for _ in range(IN_PROGRESS):
+            await fair._turns.begin(flow_of(scope_of()))
+        request = asyncio.create_task(fair({**scope_of(), "method": "POST"}, lambda: pytest.fail("read"), None))  # type: ignore[arg-type]
+        for _ in range(9):
+            await asyncio.sleep(0)
+        other = await fair._turns.begin(flow_of(scope_of()))
+        waited.set()
+        for _ in range(9):
+            await asyncio.sleep(0)
+        assert done == ["waits"], "another has the turn"
+        other()
+        await request
+
+    in_a_loop(asyncio.wait_for(scene(), 300))
+    assert done == ["waits", *["refused"] * refused, "page"]
+
+
+def test_what_is_refused_before_its_turn_is_answered_in_turn(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of each refusal by a middleware the page is made in a turn, and in a thread (`tests.support.write_lock`)."""
+    begun = list[Flow]()
+    begin = Turns.begin
+
+    async def counted(self: Turns, flow: Flow) -> Callable[[], None]:
+        begun.append(flow)
+        return await begin(self, flow)
+
+    monkeypatch.setattr(Turns, "begin", counted)
+    kind = {"content-type": "application/x-www-form-urlencoded"}
+    answers = [
+        site.client.post("/connexion", headers={"sec-fetch-site": "cross-site"}),
+        site.client.post("/connexion", content=b"a" * 5_000_000),
+        site.client.post("/connexion", content=iter([b"a"])),
+        site.client.post("/connexion", content=b"a=b&" * 20_000, headers=kind),
+    ]
+    assert [answer.status_code for answer in answers] == [403, 413, 411, 413]
+    assert all("<html" in answer.text for answer in answers)
+    assert len(begun) == len(answers)

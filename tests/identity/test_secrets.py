@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from sqlalchemy import select
+from starlette.concurrency import run_in_threadpool
 
 from server.base.settings import Settings
 from server.cli import main
@@ -162,15 +163,17 @@ def test_a_token_is_not_made_with_a_password_that_changes_meanwhile(ada: Site) -
 
     async def verify_slowly(*arguments: Any, **options: Any) -> bool:
         is_right = await verify(*arguments, **options)
+        changed = await run_in_threadpool(secrets.hash_password, NEW)
         with ada.database.write() as db:
-            repository.set_password(db, account.id, secrets.hash_password(NEW))
+            repository.set_password(db, account.id, changed)
         return is_right
 
     object.__setattr__(ada.accounts.hashing, "verify", verify_slowly)
     with pytest.raises(RefusedForm):
         in_a_loop(ada.accounts.create_token(account, "x", FORM["password"], session="s", address="a"))
+    unchanged = secrets.hash_password(FORM["password"])
     with ada.database.write() as db:
-        repository.set_password(db, account.id, secrets.hash_password(FORM["password"]))
+        repository.set_password(db, account.id, unchanged)
         before = len(repository.load_sessions(db, account.id))
     with pytest.raises(RefusedForm):
         in_a_loop(ada.accounts.log_in("ada", FORM["password"], visitor=None, address="a"))
@@ -228,9 +231,10 @@ def test_nobody_chooses_the_token_of_a_browser(ada: Site) -> None:
 
 def test_unknown_logins_are_told_and_throttled_as_known_ones_are(ada: Site) -> None:
     new_account(ada.database)
+    hashed = secrets.hash_password("x")
     with ada.database.write() as db:
         db.add(Account(name="Sans mot de passe", login="sans"))
-        db.add(Account(name="S", login="suspendu", password_hash=secrets.hash_password("x"), disabled_at=utc_now()))
+        db.add(Account(name="S", login="suspendu", password_hash=hashed, disabled_at=utc_now()))
     ada.tighten(login_burst=2, login_refill_seconds=1000.0)
 
     def answers(login: str) -> list[tuple[int, str]]:

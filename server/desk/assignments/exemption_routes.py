@@ -10,6 +10,7 @@ from server.base.errors import Forbidden, InvalidFields
 from server.classes import repository as classes
 from server.classes.schemas import Member
 from server.course.dependencies import CourseOf
+from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk.assignments import exemption_views
 from server.desk.assignments import forms as assignment_forms
@@ -73,6 +74,7 @@ def grant_exemption(
             db, access.school_class, account.id, found, members, whom, wanted, replacing=values.replace
         )
     except InvalidFields as refused:
+        roll_back_then_read(db)
         version = assignment_forms.field_text(fields, VERSION_FIELD)
         view = exemption_views.build_exemptions_page(db, course, access, found, "", values, refused.problems, version)
         return render_page(request, "classes/exemptions.html", account, status=422, page=view)

@@ -11,6 +11,7 @@ from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.base.errors import InvalidFields
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
+from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk import views
 from server.desk.assignments import exam_papers
@@ -73,6 +74,7 @@ def create_assignment(
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
+    roll_back_then_read(db)
     view = assignment_views.build_form_page(course, access, values, problems=problems, drawn=drawn)
     return _render_form(request, account, view)
 
@@ -134,6 +136,7 @@ def update_assignment(
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
+    roll_back_then_read(db)
     version = assignment_forms.field_text(fields, VERSION_FIELD)
     view = assignment_views.build_form_page(
         course, access, values, assignment=found, problems=problems, drawn=drawn, version=version

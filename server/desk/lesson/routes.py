@@ -20,7 +20,7 @@ from server.board.service import load_progress, may_watch_board
 from server.classes.service import NOT_A_MEMBER
 from server.course import Course
 from server.course.dependencies import CourseOf
-from server.database import Database, utc_now
+from server.database import Database, roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
 from server.desk.lesson.review import review_page
@@ -80,7 +80,6 @@ def run_lesson(
     class_id: str,
     account: SignedIn,
     reader: CurrentReader,
-    database: DatabaseOf,
     action: Field = "",
     exercice: Names = [],  # noqa: B006 (FastAPI copies it)
     suite: Field = Afterwards.none.value,
@@ -109,7 +108,7 @@ def run_lesson(
     except (Conflict, Invalid) as refused:
         if action not in {"commencer", "modifier"}:
             raise
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         again = rights.require_right(reader.db, account, Right.run_lessons, class_id)
         return _render_lesson(request, reader, account, again, (plan, refused.detail))
     return redirect(href)

@@ -12,6 +12,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.errors import Invalid, InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
+from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk.marks import column_views
 from server.desk.marks.column_views import ColumnForm
@@ -67,6 +68,7 @@ def create_column(
     try:
         column = columns.create_column(db, access.school_class, account, _read(form))
     except Invalid as refused:
+        roll_back_then_read(db)
         return _list_page(request, account, db, course, access, form.with_problems(_problems(refused)))
     return redirect(f"{class_href(access.school_class)}/carnet/colonnes/{column.id}")
 
@@ -154,6 +156,7 @@ def _save_column(
     try:
         columns.change_column(db, access.school_class, account, name, _read(form))
     except Invalid as refused:
+        roll_back_then_read(db)
         form = form.with_problems(_problems(refused))
         view = column_views.build_column_page(db, course, access, name, form=form)
         return render_page(request, "classes/column.html", account, status=422, page=view, saved=False)
@@ -171,6 +174,7 @@ def _save_marks(
     if entered.conflicts and not pasting:
         require_version(fields, account, entered.version, TYPED_MEANWHILE, SAVE_MINE, entered.conflicts)
     if entered.problems or pasting:
+        roll_back_then_read(db)
         view = column_views.build_column_page(db, course, access, name, entered=entered)
         status = 422 if entered.problems else 200
         return render_page(request, "classes/column.html", account, status=status, page=view, saved=False)

@@ -10,7 +10,7 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from server.base.errors import Invalid, NotFound
 from server.base.validation import parse_uuid
 from server.course.dependencies import CourseOf
-from server.database import utc_now
+from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.marks.mark_views import average_page, changed_texts, mark_page, stored_texts
 from server.desk.marks.schemas import MarkForm
@@ -143,6 +143,7 @@ def change_mark(
         else:
             _change_override(db, course, access, account, *target, action, form)
     except Invalid as refused:
+        roll_back_then_read(db)
         form = replace(form, problem=refused.detail)
         return _mark_page(request, account, db, course, access, student, assignment_id, form, status=422)
     return redirect(f"{request.url.path}#{exercice.rpartition('/')[2] or 'etat'}")

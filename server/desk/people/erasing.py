@@ -9,7 +9,7 @@ from server.base.app_services import SettingsOf
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.course.dependencies import CourseOf
-from server.database import utc_now
+from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
@@ -82,6 +82,7 @@ def erase_student(
             erasures.cancel_erasure(db, person, scope, account)
             return redirect(f"{address}/{student}/effacer")
         if attendu != preview.digest:
+            roll_back_then_read(db)
             return _render(request, db, course, settings, account, access, student, changed=bool(attendu))
     done = personal.erase_on_request(student, by=account.id, class_id=scope)
     return redirect(address if done else f"{address}/{student}/effacer")

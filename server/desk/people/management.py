@@ -22,6 +22,7 @@ from server.classes.roster import UnreadColumns
 from server.classes.schemas import CODE_LIFETIMES, DEFAULT_CODE_LIFETIME, validate_class_name
 from server.classes.sheets import to_csv
 from server.course.dependencies import CourseOf
+from server.database import commit_then_read, roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.people import date_shift, list_import
@@ -162,6 +163,7 @@ def create_password_slips(
     chosen, renew = eleve or None, bool(nouveaux)
     create = partial(slips.create_password_slips, made_by=account.id, renew=renew)
     given, refused = create(db, access.school_class, chosen, settings)
+    commit_then_read(db)
     view = views.build_slips_page(course, access, given, refused, settings.first_password_days, service_url(request))
     view |= {"chosen": chosen or (), "renewed": renew}
     return render_page(
@@ -187,6 +189,8 @@ def _render_settings(
     typed: Mapping[str, str] | None = None,
 ) -> HTMLResponse:
     """With `refused`, the page says why, and the form of the request has what was `typed`."""
+    if refused:
+        roll_back_then_read(db)
     view = views.build_settings_page(db, course, access, service_url(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
     return render_page(
@@ -269,6 +273,7 @@ def change_staff(
         if retirer is None:
             named = service.find_future_staff(db, school_class, login)
             if confirme != str(named.id):
+                roll_back_then_read(db)
                 return render_page(
                     request,
                     "classes/new_staff.html",

@@ -13,7 +13,7 @@ from server.classes import service
 from server.classes.dependencies import ClassServiceOf
 from server.classes.schemas import validate_guest_name
 from server.course.dependencies import CourseOf
-from server.database import utc_now
+from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
@@ -58,6 +58,7 @@ def create_class(
     try:
         made = service.create_class(db, account, name, find_module(course, module).slug)
     except Invalid as refused:
+        roll_back_then_read(db)
         return _render_classes(request, db, course, account, name, refused.detail)
     return redirect(views.class_href(made))
 

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import NotFound, ServiceError
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
-from server.database import Database
+from server.database import Database, roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.regrades.views import build_regrade_page, build_regrades_page, progress_text, regrade_href
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
@@ -77,6 +77,7 @@ def prepare_regrade(
         wanted = RegradeInput(exercice, RegradePolicy(regle), _parse_optional_id(devoir), _parse_optional_id(eleve))
         made = store.start(db, access.school_class, account.id, wanted)
     except ServiceError as refused:
+        roll_back_then_read(db)
         chosen = RegradeFormValues(exercice, regle, devoir, eleve, refused.detail)
         view, status = build_regrades_page(db, course, access, store), int(refused.status)
         return render_page(request, "classes/regrades.html", account, status=status, page=view, chosen=chosen)
@@ -115,6 +116,7 @@ def change_regrade(
     except ServiceError as refused:
         if isinstance(refused, NotFound):
             raise
+        roll_back_then_read(db)
         view, status = build_regrade_page(db, course, access, regrade), int(refused.status)
         return render_page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
     return redirect(regrade_href(regrade))

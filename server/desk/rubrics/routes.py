@@ -13,6 +13,7 @@ from server.assignments import editing
 from server.base.errors import Conflict, Invalid, InvalidFields, NotFound
 from server.classes import repository as classes
 from server.classes.service import NOT_A_MEMBER
+from server.database import roll_back_then_read
 from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
 from server.desk.rubrics import forms, views
 from server.desk.rubrics.copies import build_copy
@@ -57,6 +58,7 @@ def save_rubric(
     assignment = editing.find_assignment(reader.db, access.school_class, aid)
     form = forms.read_form(fields)
     if fields.get("action") == "lignes":
+        roll_back_then_read(reader.db)
         view = views.build_rubric_page(reader, access, assignment, form)
         return render_page(request, "classes/rubric.html", account, page=view)
     wanted, form = forms.parse_form(form)
@@ -67,9 +69,9 @@ def save_rubric(
             rubrics.save_rubric(reader.db, access.school_class, account, assignment, wanted)
             return redirect(f"/classes/{class_id}/devoirs/{aid}/noter")
         except Invalid as refused:
-            reader.db.rollback()
             problems = refused.problems if isinstance(refused, InvalidFields) else {"": refused.detail}
             form = replace(form, problems=problems)
+    roll_back_then_read(reader.db)
     view = views.build_rubric_page(reader, access, assignment, form)
     return render_page(request, "classes/rubric.html", account, status=422, page=view)
 
@@ -151,9 +153,9 @@ def mark_copy(
             version=int(seen) if seen.isdecimal() and len(seen) < 10 else None,
         )
     except Invalid as refused:
-        reader.db.rollback()
         if by_script:
             raise
+        roll_back_then_read(reader.db)
         view = views.build_marking_page(reader, access, assignment, copy, forms.with_refusal(typed, refused))
         return _render_marking(request, reader, account, view, int(refused.status))
     except Conflict as refused:

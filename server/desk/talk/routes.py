@@ -11,7 +11,7 @@ from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes
 from server.comments.models import CHECK_LENGTH
-from server.database.dependencies import DatabaseOf
+from server.database import roll_back_then_read
 from server.desk.requests import redirect_to_login
 from server.desk.talk import views
 from server.desk.talk.work_views import find_class_exercise
@@ -63,7 +63,6 @@ def send_note(
     class_id: str,
     account: SignedIn,
     reader: CurrentReader,
-    database: DatabaseOf,
     settings: SettingsOf,
     exercice: Field = "",
     erreur: Field = "",
@@ -77,7 +76,7 @@ def send_note(
         link = views.validate_link(reader.course, access, lien)
         notes.send_note(reader.db, account, access.school_class, exercise.id, erreur or None, texte, link, settings)
     except (Invalid, Conflict, RateLimited) as refused:
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         again = rights.require_right(reader.db, account, Right.comment, class_id)
         view = views.build_notes_page(reader, again, exercise.id, erreur, lien, Draft(texte, refused.detail))
         return render_page(request, "classes/words.html", account, status=int(refused.status), page=view)

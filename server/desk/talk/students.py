@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes, service
-from server.database.dependencies import DatabaseOf
+from server.database import roll_back_then_read
 from server.desk.requests import redirect_to_login
 from server.desk.talk import work_views
 from server.identity.dependencies import SignedIn
@@ -85,7 +85,6 @@ def comment_on_exercise(
     slug: str,
     account: SignedIn,
     reader: CurrentReader,
-    database: DatabaseOf,
     settings: SettingsOf,
     texte: Field = "",
     phrase: Field = "",
@@ -99,7 +98,7 @@ def comment_on_exercise(
         text = notes.prepend_phrase(reader.db, account, notes.parse_phrase_id(phrase), texte)
         thread = service.begin_exercise_thread(reader.db, account, student, exercise.id, text, settings)
     except (Invalid, Conflict, RateLimited) as refused:
-        database.only_read(reader.db)
+        roll_back_then_read(reader.db)
         draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
         return _render_work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
     if garder and texte.strip():
