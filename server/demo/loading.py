@@ -72,8 +72,10 @@ def create_demo_class(
     everyone = draw_pupils(random, students)
     steps = plan_attempts(module, everyone, random, now)
     seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
+    logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
+    hashes = {login: secrets.hash_password(password) for login, password in logins.items()}
     with database.write() as db:
-        made, teacher, accounts, logins = _create_people(db, module, everyone, now)
+        made, teacher, accounts = _create_people(db, module, everyone, hashes, now)
         room = teaching.Classroom(course, module, made, teacher, accounts)
         test = teaching.create_assignments(db, room, now)
     past = [step for step in steps if step.sent_at <= now]
@@ -88,29 +90,27 @@ def create_demo_class(
 
 
 def _create_people(
-    db: Session, module: Module, everyone: Sequence[Pupil], now: datetime
-) -> tuple[SchoolClass, Account, list[UUID], dict[str, str]]:
+    db: Session, module: Module, everyone: Sequence[Pupil], hashes: Mapping[str, str], now: datetime
+) -> tuple[SchoolClass, Account, list[UUID]]:
     first = lesson_starts(now)[0]
-    logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
-    teacher = _create_account(db, *TEACHER, Role.teacher, logins)
-    assistant = _create_account(db, *ASSISTANT, Role.teacher, logins)
+    teacher = _create_account(db, *TEACHER, Role.teacher, hashes)
+    assistant = _create_account(db, *ASSISTANT, Role.teacher, hashes)
     made = classes.create_class(db, teacher, CLASS_NAME, module.slug)
     made.created_at = first - WEEK
     db.add(Membership(class_id=made.id, account_id=assistant.id, role=ClassRole.assistant))
-    accounts = [_enrol_student(db, made, pupil, first, logins) for pupil in everyone]
-    return made, teacher, accounts, logins
+    accounts = [_enrol_student(db, made, pupil, first, hashes) for pupil in everyone]
+    return made, teacher, accounts
 
 
-def _create_account(db: Session, login: str, name: str, role: Role, passwords: Mapping[str, str]) -> Account:
-    hashed = secrets.hash_password(passwords[login]) if login in passwords else None
-    account = Account(login=login, name=name, role=role, password_hash=hashed)
+def _create_account(db: Session, login: str, name: str, role: Role, hashes: Mapping[str, str]) -> Account:
+    account = Account(login=login, name=name, role=role, password_hash=hashes.get(login))
     db.add(account)
     db.flush()
     return account
 
 
-def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, passwords: Mapping[str, str]) -> UUID:
-    account = _create_account(db, pupil.login, pupil.name, Role.student, passwords)
+def _enrol_student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, hashes: Mapping[str, str]) -> UUID:
+    account = _create_account(db, pupil.login, pupil.name, Role.student, hashes)
     row = Membership(
         class_id=made.id,
         account_id=account.id,
