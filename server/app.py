@@ -36,7 +36,7 @@ from server.figures.pictures import Pictures
 from server.figures.program import helper_program
 from server.figures.service import Figures
 from server.figures.store import PictureStore
-from server.grading import regrade_task
+from server.grading import regrade_task, trial_task
 from server.grading.grading_task import give_up_handlers
 from server.grading.job_lanes import JOB_LANES
 from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
@@ -61,6 +61,9 @@ from server.replays.service import Replays
 from server.rights import slips
 from server.routers import ROUTERS, UNNAMED_ROUTERS
 from server.steps.service import StepService
+from server.studio import repository as authored_exercises
+from server.studio.authored import AuthoredExercises
+from server.studio.service import StudioService
 from server.submissions.job_events import JobEvents
 from server.submissions.service import GRADE, Submissions
 from server.submissions.sitting_collector import SittingCollector
@@ -105,6 +108,10 @@ class Services:
         return Database(self.settings.url)
 
     @cached_property
+    def studio(self) -> StudioService:
+        return StudioService(self.settings, self.queue)
+
+    @cached_property
     def queue(self) -> Queue:
         return TableQueue(self.switchboard if self.engine is None else self.engine.notifier)
 
@@ -119,7 +126,7 @@ class Services:
     @cached_property
     def submissions(self) -> Submissions:
         course = self.course
-        return Submissions(self.settings, self.queue, lambda: self.watch.stalled, course.version_of, course.reused)
+        return Submissions(self.settings, self.queue, lambda: self.watch.stalled, course.needed_version, course.reused)
 
     @cached_property
     def collecting(self) -> SittingCollector:
@@ -165,6 +172,7 @@ class Services:
             **give_up_handlers(self.course),
             **regrade_task.give_up_handlers(self.course, self.queue),
             **fingerprints.give_up_handlers(),
+            **trial_task.give_up_handlers(),
         }
 
     def take_back(self, owner: LeaseOwner) -> None:
@@ -181,6 +189,7 @@ class Services:
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
             federation.delete_expired(db, utc_now())
+            authored_exercises.delete_abandoned(db)
         self.personal.erase_lost_guests(utc_now())
         self.personal.carry_out_requests(utc_now())
         erased = self.personal.erase_expired_students(utc_now())
@@ -288,7 +297,8 @@ def _share(app: FastAPI, services: Services) -> None:
         app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
     )
     add_services(app, RegradeService(course, services.queue))
-    add_services(app, services.submissions, services.collecting)
+    course.exercises.find_authored = AuthoredExercises(services.database, course).find
+    add_services(app, services.submissions, services.collecting, services.studio)
     carrier = None if services.engine is None else services.engine.status
     add_services(
         app, Readiness(services.database, services.supervisor, services.walls, services.settings.data_dir, carrier)

@@ -23,6 +23,7 @@ from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router
 from server.desk.rubrics.routes import router as rubrics_router
 from server.desk.sitting.routes import router as sitting_router
+from server.desk.studio.routes import router as studio_router
 from server.desk.talk.routes import router as talking_router
 from server.desk.talk.students import router as students_router
 from server.health.routes import router as health_router
@@ -82,6 +83,7 @@ ROUTERS = (
     assignments_router,
     exemptions_router,
     own_router,
+    studio_router,
     teachers_guide_router,
     offline_router,
     client_router,

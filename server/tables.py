@@ -18,6 +18,7 @@ from server.personal import models as personal
 from server.polls import models as polls
 from server.queue import models as queue
 from server.regrades import models as regrades
+from server.studio import models as studio
 from server.submissions import models as submissions
 
 TABLES = (
@@ -74,6 +75,8 @@ TABLES = (
     federation.LineItem,
     federation.MarkDelivery,
     federation.SigningKey,
+    studio.AuthoredExercise,
+    studio.ExerciseVersion,
     health.EventCount,
 )
 metadata = Base.metadata

@@ -34,6 +34,7 @@ from server.classes.models import SchoolClass
 from server.classes.service import require_open
 from server.course import Course
 from server.database import utc_now
+from server.studio import service as studio
 
 MAX_PAST_RULES = 100
 #: How long a deletion can be undone.
@@ -77,10 +78,13 @@ def load_assignment_input(db: Session, assignment: Assignment) -> AssignmentInpu
     return assignment_input(assignment, repository.load_exercises(db, [assignment.id]).get(assignment.id, ()))
 
 
-def assignable_exercises(course: Course, school_class: SchoolClass) -> Mapping[str, str]:
-    """Return the titles of the exercises of the class's module by id, in the course's order."""
+def assignable_exercises(db: Session, course: Course, school_class: SchoolClass) -> Mapping[str, str]:
+    """Return the titles of the exercises of the class's module by id, in the course's order; then its teachers' own."""
     module = course.modules.get(school_class.module)
-    return {} if module is None else {exercise.id: exercise.title for exercise in module.exercises}
+    if module is None:
+        return {}
+    own = studio.list_class_exercises(db, school_class)
+    return {exercise.id: exercise.title for exercise in module.exercises} | dict(own)
 
 
 def create_assignment(
@@ -88,7 +92,7 @@ def create_assignment(
 ) -> Assignment:
     """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
     require_open(school_class)
-    valid = validate_assignment(fields, assignable_exercises(course, school_class))
+    valid = validate_assignment(fields, assignable_exercises(db, course, school_class))
     assignment = _insert(db, school_class, by, valid)
     audit.record_event(
         db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_log_values(valid)
@@ -119,7 +123,7 @@ def update_assignment(
     safeguards.lock_test(db, assignment)
     before = load_assignment_input(db, assignment)
     current = {exercise: exercise for exercise, _ in before.exercises}
-    valid = validate_assignment(fields, current | dict(assignable_exercises(course, school_class)))
+    valid = validate_assignment(fields, current | dict(assignable_exercises(db, course, school_class)))
     if valid == before:
         return
     now = utc_now()

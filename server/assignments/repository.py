@@ -57,6 +57,13 @@ def load_exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, 
     return exercises
 
 
+def load_class_exercises(db: Session, class_id: UUID) -> Sequence[str]:
+    """Return the exercises that any assignment of a class asks, each once."""
+    of_class = select(Assignment.id).where(Assignment.class_id == class_id)
+    query = select(AssignedExercise.exercise).distinct().where(AssignedExercise.assignment_id.in_(of_class))
+    return db.execute(query.order_by(AssignedExercise.exercise)).scalars().all()
+
+
 @prepared_statement
 def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
     query = select(Exemption).where(Exemption.assignment_id.in_(assignments))

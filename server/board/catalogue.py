@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from graders.core.code.diagnosis import combine_diagnoses
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.verdict import Diagnosis
+from graders.core.declared.declaration import DeclaredMistake
+from graders.core.declared.grading import DeclaredGrader
 from server.course import Course, Exercise
 
 
@@ -33,6 +35,9 @@ def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMiscon
     if exercise.answers is not None:
         mistake = exercise.answers.catalogue.get(misconception)
         return None if mistake is None else CataloguedMisconception(mistake.diagnosis, (), mistake.question)
+    if isinstance(exercise.grader, DeclaredGrader):
+        declared = exercise.grader.declaration.mistakes
+        return next((_declared(each) for each in declared if each.id == misconception), None)
     if not isinstance(exercise.grader, CodeGrader):
         return None
     catalogue = exercise.grader.misconceptions
@@ -43,3 +48,8 @@ def _catalogue_entry(exercise: Exercise, misconception: str) -> CataloguedMiscon
         return CataloguedMisconception(combine_diagnoses([misconception], catalogue), functions, question)
     except KeyError:
         return None
+
+
+def _declared(mistake: DeclaredMistake) -> CataloguedMisconception:
+    diagnosis = Diagnosis(mistake.id, mistake.title, mistake.explanation)
+    return CataloguedMisconception(diagnosis, (), mistake.question)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
+from server.course.exercises import ExerciseTable
 from server.course.kinds import LessonKind
 from server.course.objectives import Objective
 from server.sandbox.policy import Policy
@@ -288,11 +289,10 @@ class Course:
     problems: tuple[Problem, ...]
 
     @cached_property
-    def exercises(self) -> Mapping[str, Exercise]:
-        """Exercises by id ("l20/poses"), in the order of the course."""
-        return MappingProxyType(
-            {exercise.id: exercise for module in self.modules.values() for exercise in module.exercises}
-        )
+    def exercises(self) -> ExerciseTable[Exercise]:
+        """Exercises by id, in the order of the course."""
+        packaged = (exercise for module in self.modules.values() for exercise in module.exercises)
+        return ExerciseTable({exercise.id: exercise for exercise in packaged})
 
     @cached_property
     def latest(self) -> tuple[Module, ...]:
@@ -313,7 +313,8 @@ class Course:
 
     def title_of(self, exercise: str) -> str:
         """Return the title of an exercise by its id, or the id of one that has left the course."""
-        return self.exercises[exercise].title if exercise in self.exercises else exercise
+        served = self.exercises.get(exercise)
+        return exercise if served is None else served.title
 
     def title_at(self, path: str) -> str:
         """Return the title of the lesson or exercise at an address, empty where nothing is there any more."""
@@ -327,7 +328,12 @@ class Course:
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
-        return self.exercises[exercise].version if exercise in self.exercises else UNKNOWN_VERSION
+        served = self.exercises.get(exercise)
+        return UNKNOWN_VERSION if served is None else served.version
+
+    def needed_version(self, exercise: str) -> str | None:
+        """The version that a worker must have of an exercise; None of an authored one, read at each grading."""
+        return self.version_of(exercise) if self.exercises.is_packaged(exercise) else None
 
     def reused(self, exercise: str) -> Sequence[Exercise]:
         """The exercises whose functions the programs of an exercise may import."""

@@ -95,6 +95,7 @@ def build_classes_page(db: Session, course: Course, account: Account | None) -> 
         "attended": [row for row in rows if row["listed"].archived_at is None and not row["is_staff"]],
         "archived": [row for row in rows if row["listed"].archived_at is not None],
         "may_create": account is not None and Right.create_class in rights.server_rights(account),
+        "may_write": account is not None and Right.write_exercises in rights.server_rights(account),
         "modules": course.latest,
     }
 

@@ -19,6 +19,7 @@ await build({
     "src/js/lesson.js",
     "src/js/reading.js",
     "src/js/rubric.js",
+    "src/js/studio.js",
     "src/js/replays/index.js",
     "src/js/manipulations/index.js",
     "src/js/steps/index.js",

@@ -5,6 +5,12 @@ from collections.abc import Mapping
 from server.behaviour.fingerprints import FINGERPRINT
 from server.queue.interfaces import BACKGROUND, INTERACTIVE
 from server.regrades.service import REGRADE_JOB
+from server.studio.service import TRIAL_JOB
 from server.submissions.service import GRADE
 
-JOB_LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE_JOB: BACKGROUND, FINGERPRINT: BACKGROUND}
+JOB_LANES: Mapping[str, str] = {
+    GRADE: INTERACTIVE,
+    REGRADE_JOB: BACKGROUND,
+    FINGERPRINT: BACKGROUND,
+    TRIAL_JOB: BACKGROUND,
+}

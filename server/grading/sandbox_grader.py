@@ -24,7 +24,7 @@ from graders.core.contract.verdict import Diagnosis, Verdict, internal_error_ver
 from server import sandbox
 from server.behaviour.fingerprints import SEARCH_SECONDS, search_limits
 from server.course import reuse
-from server.course.models import Course
+from server.course.models import UNKNOWN_VERSION, Course
 from server.course.reuse import NOTHING_OWN, Own
 from server.sandbox import CallBatch, Frame, Kit, LibraryFile, Policy, ProgramFault, Sandbox, Session, judging_too_long
 from server.sandbox.seat import seat_clock
@@ -237,10 +237,11 @@ class SandboxGrader:
         `tested` exercises are not given; `policy` replaces the limits of the exercise. `while_naming` is as in
         `Grader.grade`.
         """
-        version = self._course.version_of(exercise_id)
+        version = UNKNOWN_VERSION
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
+                version = exercise.version
                 programs = self.programs(exercise_id, policy or exercise.policy, own, tested)
                 early = {"while_naming": _completed(while_naming, programs)} if while_naming else {}
                 judgement = exercise.grader.grade(source, programs, seed=seed, version=version, **early)

@@ -23,6 +23,7 @@ from server.grading.idle_monitor import IdleMonitor
 from server.grading.job_lanes import JOB_LANES
 from server.grading.regrade_task import RegradeTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
+from server.grading.trial_task import TrialTask
 from server.queue.engine import create_nats_engine
 from server.queue.graceful_stop import GracefulStop
 from server.queue.interfaces import QueueNotifier, Tasks, WorkerCapabilities, WorkSource
@@ -30,6 +31,8 @@ from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.regrades.service import REGRADE_JOB
 from server.sandbox import Sandbox, SandboxFault
+from server.studio.authored import AuthoredExercises
+from server.studio.service import TRIAL_JOB
 from server.submissions.service import GRADE, version_requirement
 
 log = logging.getLogger(__name__)
@@ -102,6 +105,7 @@ def _run_worker(
     gc.freeze()
     gc.enable()
     database = Database(settings.url)
+    course.exercises.find_authored = AuthoredExercises(database, course).find
     with closing(database), Sandbox(course.kits, on_template_replaced=on_template_renewed) as sandbox:
         grader, idle_monitor = SandboxGrader(course, sandbox), IdleMonitor()
         if settings.warm_up:
@@ -129,6 +133,7 @@ def _run_worker(
             GRADE: GradingTask(course, grade),
             REGRADE_JOB: RegradeTask(course, queue, grade_anew),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
+            TRIAL_JOB: TrialTask(queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)
         threading.Thread(
@@ -153,5 +158,5 @@ def _capabilities(settings: Settings, course: Course) -> WorkerCapabilities | No
     """Return what this worker can grade; None on a single machine, which has one version of everything."""
     if not settings.nats_url:
         return None
-    versions = {version_requirement(exercise.id, exercise.version) for exercise in course.exercises.values()}
-    return WorkerCapabilities(versions, settings.version_seconds)
+    needed = (version_requirement(exercise.id, exercise.version) for exercise in course.exercises.values())
+    return WorkerCapabilities({need for need in needed if need}, settings.version_seconds)

@@ -23,7 +23,8 @@ def hints(
     everything = progress.succeeded or access.teaches
     failed = 0 if everything else _failed(reader, exercise)
     views = []
-    for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
+    written = [(html, needed) for html, needed in zip(exercise.hints, HINT_OPENS_AFTER, strict=True) if html]
+    for number, (html, needed) in enumerate(written, 1):
         closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
         views.append(HintView(number, "" if closed else html, closed))
     return tuple(views)

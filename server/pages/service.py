@@ -143,6 +143,8 @@ def common_parts(
 
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
     way = exercises_in_reading_order(module)
+    if exercise not in way:  # a teacher's own
+        return None, None
     place = way.index(exercise)
     around = (way[place - 1] if place else None, *way[place + 1 : place + 2], None)
     before, after = ((exercise_href(neighbour), neighbour.title) if neighbour else None for neighbour in around[:2])

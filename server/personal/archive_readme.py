@@ -13,6 +13,7 @@ exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés o
 messages.json    ce que vous avez écrit et ce qu’on vous a écrit sur votre travail,
                  et, pour un enseignant, les phrases que vous gardez
 controles.json   les contrôles que vous avez commencés, et ce que vous y avez enregistré
+mes_exercices.json  pour un enseignant, les exercices qu’il a écrits, tels qu’il les a tapés
 essais/          un dossier par envoi : votre réponse telle que vous l’avez envoyée,
                  et corrections.json, ce qui en a été dit à chaque correction
 

@@ -31,6 +31,7 @@ from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
 from server.personal.marks_data import format_time, marks_data
 from server.polls import repository as polls
+from server.studio import repository as studio
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
 
@@ -54,6 +55,7 @@ def export_files(database: Database, course: Course, account_id: UUID) -> Iterat
         yield "exercices.json", _json(_exercises(db, account_id))
         yield "messages.json", _json(_messages(db, account_id))
         yield "controles.json", _json(_tests(db, account_id))
+        yield "mes_exercices.json", _json(_authored(db, account_id))
     last: UUID | None = None
     while True:
         with database.read() as db:
@@ -63,6 +65,14 @@ def export_files(database: Database, course: Course, account_id: UUID) -> Iterat
         if len(names) < BATCH_SIZE:
             return
         last = names[-1]
+
+
+def _authored(db: Session, account_id: UUID) -> list[dict[str, Any]]:
+    """Return the exercises that an account has written, as typed."""
+    return [
+        {"exercise": exercise.name, "module": exercise.module, "draft": exercise.draft, "versions": exercise.number}
+        for exercise in studio.list_exercises(db, account_id)
+    ]
 
 
 def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:

@@ -77,7 +77,7 @@ class RegradeService:
     def start(self, db: Session, school_class: SchoolClass, by: UUID, fields: RegradeInput) -> Regrade:
         """Create a regrade and enqueue its first attempt. Raises NotFound, Invalid or Conflict."""
         require_open(school_class)
-        if fields.exercise not in self.exercises(school_class):
+        if fields.exercise not in self.exercises(db, school_class):
             raise NotFound(NO_EXERCISE)
         classes.lock_class(db, school_class.id)
         if any(
@@ -89,18 +89,22 @@ class RegradeService:
         db.add(regrade)
         db.flush()
         repository.add_items(db, regrade.id, items)
-        version = version_requirement(regrade.exercise, self.course.version_of(regrade.exercise))
+        version = version_requirement(regrade.exercise, self.course.needed_version(regrade.exercise))
         enqueue_next(db, self.queue, regrade.id, regrade.class_id, version)
         return regrade
 
-    def exercises(self, school_class: SchoolClass) -> Mapping[str, str]:
-        """Return the titles of the exercises of the class's module, by id."""
+    def exercises(self, db: Session, school_class: SchoolClass) -> Mapping[str, str]:
+        """Return the titles of the exercises of the class's module, by id, and of those that its assignments ask."""
         module = self.course.modules.get(school_class.module)
-        return {} if module is None else {exercise.id: exercise.title for exercise in module.exercises}
+        if module is None:
+            return {}
+        titles = {exercise.id: exercise.title for exercise in module.exercises}
+        asked = assignments.load_class_exercises(db, school_class.id)
+        return titles | {name: self.course.title_of(name) for name in asked if name in self.course.exercises}
 
     def outdated(self, db: Session, school_class: SchoolClass) -> Sequence[OutdatedExercise]:
         """Return the exercises that have changed since attempts were graded, in the course's order."""
-        versions = {name: self.course.version_of(name) for name in self.exercises(school_class)}
+        versions = {name: self.course.version_of(name) for name in self.exercises(db, school_class)}
         return repository.load_outdated_exercises(db, school_class.id, versions)
 
 

@@ -34,6 +34,7 @@ class Right(StrEnum):
     regrade = "recorriger les essais de la classe"
     name_behaviours = "nommer une erreur pour la classe"
     create_class = "créer une classe"
+    write_exercises = "écrire des exercices"
     open_solutions_to_all = "ouvrir les corrigés à tous"
 
 

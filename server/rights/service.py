@@ -27,6 +27,7 @@ from server.rights.models import MEMBER_ONLY_RIGHTS, PENDING_RIGHTS, ROLES_BY_RI
 MISSING = "Il vous manque le droit de {right}."
 ONLY = {
     Right.create_class: " Les enseignants l’ont : l’administrateur de ce serveur peut vous le donner.",
+    Right.write_exercises: " Les enseignants l’ont : l’administrateur de ce serveur peut vous le donner.",
     Right.open_solutions_to_all: (
         " L’administrateur de ce serveur l’a ; un enseignant ouvre les corrigés à ses classes."
     ),
@@ -93,7 +94,7 @@ def require_server_right(account: Account, right: Right) -> None:
 
 
 def server_rights(account: Account) -> frozenset[Right]:
-    teacher = frozenset({Right.create_class}) if account.is_teacher else frozenset()
+    teacher = frozenset({Right.create_class, Right.write_exercises}) if account.is_teacher else frozenset()
     return teacher | (frozenset({Right.open_solutions_to_all}) if account.is_administrator else frozenset())
 
 

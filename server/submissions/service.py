@@ -80,15 +80,15 @@ class Submissions:
         settings: Settings,
         queue: Queue,
         is_stalled: Callable[[], bool] = lambda: False,
-        version_of: Callable[[str], str] | None = None,
+        needed_version: Callable[[str], str | None] = lambda _: None,
         reused_exercises: Callable[[str], Sequence[Exercise]] = lambda _: (),
     ) -> None:
-        """`version_of` returns the version of an exercise as shown here, which the graders must have.
+        """`needed_version` returns the version of an exercise as shown here, where the graders must have it.
 
         `reused_exercises` returns the exercises whose functions the programs of one may import.
         """
-        self._settings, self._queue, self._is_stalled, self._version_of = settings, queue, is_stalled, version_of
-        self._reused_exercises = reused_exercises
+        self._settings, self._queue, self._is_stalled = settings, queue, is_stalled
+        self._needed_version, self._reused_exercises = needed_version, reused_exercises
 
     def submit(
         self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
@@ -199,7 +199,7 @@ class Submissions:
         values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
         submission = repository.add(db, id=submission_id, account_id=account.id, exercise=exercise_id, **values)
         sender = queue_sender(account, address, member=presence.is_member(db, account.id, seen=True))
-        needs = None if self._version_of is None else version_requirement(exercise_id, self._version_of(exercise_id))
+        needs = version_requirement(exercise_id, self._needed_version(exercise_id))
         self._queue.enqueue(
             db, GRADE, job_key(submission.id), sender=sender, limits=backlog_limits, required_version=needs
         )
@@ -250,9 +250,9 @@ def _find_resubmission(
     return stored
 
 
-def version_requirement(exercise_id: str, version: str) -> str:
-    """Return the requirement on a worker: this exercise in this version."""
-    return f"{exercise_id}@{version}"
+def version_requirement(exercise_id: str, version: str | None) -> str | None:
+    """Return the requirement on a worker: this exercise in this version; None where any worker can grade it."""
+    return None if version is None else f"{exercise_id}@{version}"
 
 
 def job_key(submission_id: UUID) -> str:

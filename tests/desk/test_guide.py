@@ -75,6 +75,8 @@ class Follower:
         answer = self.client.post(path, data=data)
         assert answer.status_code in {200, 303}, (path, answer.text)
         where = answer.headers.get("location", "")
+        if found := re.match(r"/mes-exercices/[0-9a-f-]{36}", where):
+            self.places["exercice"] = found[0]
         if found := re.fullmatch(r"/classes/[0-9a-f-]{36}", where):
             self.places["classe"] = found[0]
         if found := re.fullmatch(r"/classes/[0-9a-f-]{36}/devoirs/[0-9a-f-]{36}", where):

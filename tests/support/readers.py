@@ -49,6 +49,8 @@ from server.federation.lti import registration
 from server.federation.lti.launch import target_path
 from server.federation.lti.sign_in import Initiation
 from server.federation.tokens import read_header
+from server.desk.studio.forms import read_form as read_exercise_form
+from server.desk.studio.views import render_statement
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
@@ -59,6 +61,7 @@ from server.sandbox.foreign_characters import describe_odd_letters, find_foreign
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
 from server.steps.calls import MAX_CHARACTERS, parse_call
+from server.studio.drafts import ExerciseDraft
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_lines
@@ -130,7 +133,7 @@ def _index() -> search.Index:
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
 IDENTITIES = """
     path:aid path:assignment_id path:chapter path:check
-    path:class_id path:code path:column_id path:copy path:eid path:file
+    path:class_id path:code path:column_id path:copy path:eid path:exercise_id path:file
     path:group path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
     path:version
@@ -231,6 +234,24 @@ READERS: tuple[Reader, ...] = (
         BODY,
         TEXTS,
         "raw:server.desk.rubrics.forms.read_copy raw:server.desk.rubrics.routes.mark_copy",
+    ),
+    Reader(
+        "a teacher's exercise",
+        _form(
+            "titre enonce solution v-0-c-0-appel v-0-fichiers e-0-programme raison-0123456789ab",
+            lambda form: read_exercise_form(form, ExerciseDraft()).digest,
+        ),
+        BODY,
+        TEXTS,
+        "raw:server.desk.studio.forms.read_form raw:server.desk.studio.forms._text "
+        "raw:server.desk.studio.routes.save_exercise",
+    ),
+    Reader(
+        "a statement",
+        lambda text: render_statement(the_course(), "l20", text),
+        BODY,
+        {**TEXTS, **MARKDOWN},
+        "form:enonce",
     ),
     Reader(
         "an exemption's form",

@@ -7,10 +7,10 @@ import difflib
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 from graders.core.alterations import calls, expressions, statements
-from graders.core.alterations.text import ProgramText
+from graders.core.alterations.text import Change, ProgramText
 
 RULES = (*expressions.RULES, *calls.RULES, *statements.RULES)
 
@@ -54,23 +54,44 @@ def find_alterations(source: str) -> list[Alteration]:
     Raises SyntaxError for an invalid source.
     """
     text = ProgramText(source)
-    changes = [
-        (change, text.function(node), getattr(node, "lineno", 1))
-        for node in text.nodes()
-        for rule in RULES
-        for change in rule(text, node)
-    ]
-    changes.sort(key=lambda entry: (entry[0].start, entry[0].end, not entry[0].is_course_mistake, entry[0].text))
     alterations_by_text: dict[str, Alteration] = {}
-    same = ast.dump(text.tree)
-    for change, function, _ in changes:
-        altered = text.apply(change)
-        line = text.raw.count(b"\n", 0, change.start) + 1
-        if altered not in alterations_by_text and _differs(altered, same):
-            alterations_by_text[altered] = Alteration(
-                source, altered, change.operator, change.is_course_mistake, line, function
-            )
+    for alteration in map(partial(_apply, text, ast.dump(text.tree)), _find_changes(text)):
+        if alteration is not None:
+            alterations_by_text.setdefault(alteration.altered, alteration)
     return list(alterations_by_text.values())
+
+
+def sample_alterations(source: str, most: int) -> list[Alteration]:
+    """Return at most so many alterations, spread evenly over the program: the same ones each time.
+
+    Each takes the time of a compilation, so that a long program takes no longer than its length. Raises SyntaxError.
+    """
+    text = ProgramText(source)
+    changes = _find_changes(text)
+    same, chosen = ast.dump(text.tree), dict[str, Alteration]()
+    step = max(1.0, len(changes) / most)
+    for rank in range(min(most, len(changes))):
+        alteration = _apply(text, same, changes[int(rank * step)])
+        if alteration is not None:
+            chosen.setdefault(alteration.altered, alteration)
+    return list(chosen.values())
+
+
+def _find_changes(text: ProgramText) -> list[tuple[Change, str]]:
+    """Return every change by the rules with the function around it, in the order of the lines."""
+    changes = [(change, text.function(node)) for node in text.nodes() for rule in RULES for change in rule(text, node)]
+    changes.sort(key=lambda entry: (entry[0].start, entry[0].end, not entry[0].is_course_mistake, entry[0].text))
+    return changes
+
+
+def _apply(text: ProgramText, same: str, entry: tuple[Change, str]) -> Alteration | None:
+    """Return the alteration that a change makes; None where it does not compile, or leaves the tree `same`."""
+    change, function = entry
+    altered = text.apply(change)
+    if not _differs(altered, same):
+        return None
+    line = text.raw.count(b"\n", 0, change.start) + 1
+    return Alteration(text.raw.decode(), altered, change.operator, change.is_course_mistake, line, function)
 
 
 def _differs(altered: str, same: str) -> bool:

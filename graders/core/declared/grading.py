@@ -50,11 +50,12 @@ class SolutionFault(Exception):
 
 @dataclass(frozen=True)
 class DeclaredGrader:
-    """Grades one declared exercise."""
+    """Grades one declared exercise; `fingerprints` are those of its known mistakes, where they were made before."""
 
     exercise: str
     declaration: Declaration
     folder: Path | None = None
+    fingerprints: Mapping[str, Fingerprint] | None = None
     _made: dict[str, Mapping[str, Fingerprint]] = field(default_factory=dict, repr=False, compare=False)
     _making: threading.Lock = field(default_factory=threading.Lock, repr=False, compare=False)
 
@@ -138,7 +139,7 @@ class DeclaredGrader:
                 findings.append(Finding(CheckResult(check.id, check.title, True, check.points, check.points)))
                 continue
             simplest = self._simplest(check, failure, student, solution, clock)
-            findings.append(self._failed(check, simplest))
+            findings.append(self.describe_failure(check, simplest))
         return findings
 
     def _right_answers(self, solution: Player, cases: Mapping[str, Sequence[Case]]) -> list[Played]:
@@ -177,7 +178,7 @@ class DeclaredGrader:
             failure = better
         return failure
 
-    def _failed(self, check: DeclaredCheck, failure: Failure) -> Finding:
+    def describe_failure(self, check: DeclaredCheck, failure: Failure) -> Finding:
         """Return the finding of a failing case."""
         scenario, fault = failure.case.scenario, failure.got.fault
         statement = scenario.statements[min(failure.step, len(scenario.statements) - 1)]
@@ -265,6 +266,8 @@ class DeclaredGrader:
             player.close()
 
     def _known_fingerprints(self, programs: Programs) -> Mapping[str, Fingerprint]:
+        if self.fingerprints is not None:
+            return self.fingerprints
         with self._making:
             if "mistakes" not in self._made:
                 self._made["mistakes"] = self.make_fingerprints(programs)

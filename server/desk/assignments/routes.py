@@ -53,7 +53,7 @@ def show_new_form(request: Request, class_id: str, reader: CurrentReader, sujet:
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(access.school_class)
     values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
-    view = assignment_views.build_form_page(reader.course, access, values)
+    view = assignment_views.build_form_page(reader.db, reader.course, access, values)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
 
@@ -70,12 +70,12 @@ def create_assignment(
         if not fields.get("apercu"):
             made = editing.create_assignment(db, course, access.school_class, account.id, wanted)
             return redirect(assignment_views.assignment_href(made))
-        drawn = validate_assignment(wanted, editing.assignable_exercises(course, access.school_class))
+        drawn = validate_assignment(wanted, editing.assignable_exercises(db, course, access.school_class))
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
     roll_back_then_read(db)
-    view = assignment_views.build_form_page(course, access, values, problems=problems, drawn=drawn)
+    view = assignment_views.build_form_page(db, course, access, values, problems=problems, drawn=drawn)
     return _render_form(request, account, view)
 
 
@@ -109,7 +109,7 @@ def show_edit_form(request: Request, class_id: str, aid: str, reader: CurrentRea
     values = assignment_forms.stored_assignment_values(wanted)
     version = version_of(assignment_forms.assignment_texts(values))
     view = assignment_views.build_form_page(
-        reader.course, access, values, assignment=found, drawn=wanted, version=version
+        reader.db, reader.course, access, values, assignment=found, drawn=wanted, version=version
     )
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
@@ -132,14 +132,14 @@ def update_assignment(
             editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(course, access.school_class)))
+        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(db, course, access.school_class)))
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
     roll_back_then_read(db)
     version = assignment_forms.field_text(fields, VERSION_FIELD)
     view = assignment_views.build_form_page(
-        course, access, values, assignment=found, problems=problems, drawn=drawn, version=version
+        db, course, access, values, assignment=found, problems=problems, drawn=drawn, version=version
     )
     return _render_form(request, account, view)
 

@@ -37,12 +37,14 @@ from server.desk.sitting.views import release_view
 from server.marks.rubrics_repository import load_rubric_titles
 from server.rights.models import Right
 from server.rights.service import ClassAccess
+from server.studio import service as studio
 from server.web.time_warnings import time_warnings
 from server.web.views import exercise_href, exercises_in_reading_order
 from server.web.words import iso_moment, long_moment
 
 NOBODY = UUID(int=0)
 TAB = "/devoirs"
+OWN_EXERCISES = "Exercices des enseignants de la classe"
 
 
 def format_date(date: datetime | None) -> FormattedDate:
@@ -161,6 +163,7 @@ def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
 
 
 def build_form_page(
+    db: Session,
     course: Course,
     access: ClassAccess,
     values: AssignmentValues,
@@ -179,7 +182,7 @@ def build_form_page(
         is_new=assignment is None,
         version=version,
         values=values,
-        choices=tuple(_exercise_options(course, access, values.weights)),
+        choices=tuple(_exercise_options(db, course, access, values.weights)),
         problems=problems or {},
         line=None if drawn is None else draw_late_line(common_rules(drawn)),
         zone=school_time.time_zone_name(),
@@ -188,8 +191,10 @@ def build_form_page(
     )
 
 
-def _exercise_options(course: Course, access: ClassAccess, chosen: Mapping[str, str]) -> Sequence[ExerciseOption]:
-    """In the order in which one meets them; then those that have left the course, and were given."""
+def _exercise_options(
+    db: Session, course: Course, access: ClassAccess, chosen: Mapping[str, str]
+) -> Sequence[ExerciseOption]:
+    """In the order in which one meets them; the teachers' own; then those that have left the course, and were given."""
     module = course.modules.get(access.school_class.module)
     exercises = [] if module is None else exercises_in_reading_order(module)
     labels = {} if module is None else {lesson.slug: lesson.label for lesson in module.lessons}
@@ -199,6 +204,14 @@ def _exercise_options(course: Course, access: ClassAccess, chosen: Mapping[str, 
         weight = chosen.get(each.id, "1")
         found.append(ExerciseOption(each.id, each.title, each.id in chosen, weight, "" if after == last else after))
         last = after
+    own = studio.list_class_exercises(db, access.school_class)
+    own = dict(own) | {name: course.title_of(name) for name in chosen if name in course.exercises and name not in own}
     known = {each.id for each in exercises}
+    for name, title in own.items():
+        if name not in known:
+            head = "" if last == OWN_EXERCISES else OWN_EXERCISES
+            found.append(ExerciseOption(name, title, name in chosen, chosen.get(name, "1"), head))
+            known.add(name)
+            last = OWN_EXERCISES
     gone = [name for name in chosen if name not in known]
     return [*found, *(ExerciseOption(name, f"{name} (n’est plus dans le cours)", True, chosen[name]) for name in gone)]

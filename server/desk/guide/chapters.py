@@ -21,6 +21,7 @@ TITLES: Mapping[str, str] = {
     "commencer": "Les cinq premières minutes",
     "seance": "La séance",
     "devoirs": "Les devoirs et les contrôles",
+    "exercices": "Écrire un exercice",
     "noter": "Noter",
     "eleves": "Les élèves",
     "annee": "Jusqu’à la fin de l’année",

@@ -73,7 +73,7 @@ def build_regrades_page(db: Session, course: Course, access: ClassAccess, regrad
     return {
         "head": class_head(course, access, PATH),
         "outdated": regrades.outdated(db, school_class),
-        "exercises": regrades.exercises(school_class),
+        "exercises": regrades.exercises(db, school_class),
         "names": _ClassNames(db, school_class.id),
         "policies": POLICIES,
         "states": STATES,

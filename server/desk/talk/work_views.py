@@ -67,6 +67,9 @@ def build_student_page(reader: Reader, student: StudentWork) -> dict[str, Any]:
     work = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = exercises_in_reading_order(module) if module else []
+    served = {exercise.id for exercise in exercises}
+    own = (reader.course.exercises.get(name) for name in sorted(work.keys() - served))
+    exercises += [exercise for exercise in own if exercise is not None]
     return {
         "head": class_head(reader.course, student.access, "/eleves"),
         "student": student,

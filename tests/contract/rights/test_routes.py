@@ -38,6 +38,8 @@ from server.lesson.models import LiveLesson
 from server.marks import rubrics
 from server.marks.models import ManualColumn, Override, Rubric
 from server.regrades.models import Regrade
+from server.studio.drafts import ExerciseDraft
+from server.studio.models import AuthoredExercise
 from server.submissions.models import Submission
 from tests.support.service import EXERCISE, Site, fake_verdict
 
@@ -78,6 +80,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
+    "POST /mes-exercices": {"module": "l20"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
@@ -246,6 +249,9 @@ class Stage:
         db.flush()
         db.add(ContextTeacher(context_id=self.course.id, account_id=self.accounts["teacher"].id))
         self.calendar = calendars.renew_address(db, self.accounts["student"])
+        teacher = self.accounts["teacher"].id
+        self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
+        db.add(self.authored)
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
             db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
@@ -276,6 +282,7 @@ class Stage:
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
+            "exercise_id": str(self.authored.id),
             "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],

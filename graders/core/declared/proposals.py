@@ -1,0 +1,159 @@
+"""Proposals for an author: the functions that a solution defines, a starter, and how inputs may be drawn.
+
+A solution is read here, and never run.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from graders.core.compare.python_values import python_text
+from graders.core.contract.values import Value
+from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.scenario_values import FunctionSource, Reference
+from graders.core.declared.scenarios import Statement, parse_scenario
+
+#: Different characters of a proposed alphabet.
+MAX_ALPHABET = 20
+TO_DO = "# À vous de jouer."
+
+
+def parse_solution(source: str) -> ast.Module | None:
+    """Return the syntax tree of a solution; None where it has none."""
+    try:
+        return ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def propose_functions(solution: str, cases: Sequence[str]) -> list[str]:
+    """Return the functions and classes of a solution that its cases call; all public ones where they call none."""
+    tree = parse_solution(solution)
+    defined = [node.name for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)] if tree else []
+    trees = filter(None, map(parse_solution, cases))
+    called = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    names = dict.fromkeys(defined)
+    return [name for name in names if name in called] or [name for name in names if not name.startswith("_")]
+
+
+def propose_signatures(solution: str, functions: Sequence[str]) -> dict[str, str]:
+    """Return each function's signature as the solution writes it: « f(x, n=2) », « class Pile »."""
+    tree = parse_solution(solution)
+    signatures = {name: f"{name}(…)" for name in functions}
+    for node in tree.body if tree else ():
+        if isinstance(node, ast.FunctionDef) and node.name in signatures:
+            signatures[node.name] = f"{node.name}({ast.unparse(node.args)})"
+        elif isinstance(node, ast.ClassDef) and node.name in signatures:
+            signatures[node.name] = f"class {node.name}"
+    return signatures
+
+
+def propose_starter(solution: str, functions: Sequence[str]) -> str:
+    """Return the file that a student begins from: the headers of the solution, with nothing in them."""
+    tree = parse_solution(solution)
+    nodes = [node for node in tree.body if getattr(node, "name", None) in functions] if tree else []
+    return "\n\n".join("\n".join(_header(node, "")) + "\n" for node in nodes)
+
+
+def _header(node: ast.AST, indent: str) -> Iterator[str]:
+    if isinstance(node, ast.FunctionDef):
+        yield f"{indent}def {node.name}({ast.unparse(node.args)}):"
+        yield f"{indent}    {TO_DO}"
+        yield f"{indent}    pass"
+    elif isinstance(node, ast.ClassDef):
+        methods = [child for child in node.body if isinstance(child, ast.FunctionDef)]
+        yield f"{indent}class {node.name}:"
+        for number, method in enumerate(methods):
+            yield from [""] * bool(number)
+            yield from _header(method, f"{indent}    ")
+        if not methods:
+            yield f"{indent}    pass"
+
+
+def propose_draws(cases: Sequence[str], functions: Sequence[str]) -> tuple[str, str]:
+    """Return « tirages » and « appel » for inputs like those of the examples; empty where they are of no one kind.
+
+    Bounds are those of the examples, so that no input is drawn which the statement may not allow.
+    """
+    try:
+        statements = [parse_scenario(case, functions) for case in cases]
+    except MalformedDeclaration:
+        return "", ""
+    calls = [each[0] for each in statements if len(each) == 1 and each[0].kind == "call" and not each[0].named]
+    alike = [call for call in calls if calls and call.callee == calls[0].callee]
+    widths = {len(call.arguments) for call in alike}
+    if len(alike) < 2 or len(widths) != 1 or "." in alike[0].callee:
+        return "", ""
+    return _draws_of_calls(alike)
+
+
+def _draws_of_calls(calls: Sequence[Statement]) -> tuple[str, str]:
+    draws, arguments = [], []
+    for position, values in enumerate(zip(*(call.arguments for call in calls), strict=True)):
+        texts = {_constant(value) for value in values}
+        if len(texts) == 1 and "" not in texts:
+            arguments.append(texts.pop())
+            continue
+        generator = _generator(values)
+        if not generator:
+            return "", ""
+        name = f"x{position + 1}"
+        draws.append(f"{name} = {generator}")
+        arguments.append(name)
+    return ("; ".join(draws), f"{calls[0].callee}({', '.join(arguments)})") if draws else ("", "")
+
+
+def _constant(value: Value) -> str:
+    """Return a value as a case writes it, with all its digits; empty for one that a case does not repeat."""
+    if isinstance(value, FunctionSource):
+        return value.source
+    return "" if isinstance(value, Reference | np.ndarray) else python_text(value, None)
+
+
+def _generator(values: Sequence[Value]) -> str:
+    """Return what draws values like these; empty where nothing does."""
+    kinds = {type(value) for value in values}
+    kind = kinds.pop() if len(kinds) == 1 else float if kinds == {int, float} else type(None)
+    maker = _GENERATORS.get(kind)
+    return maker(values) if maker else ""
+
+
+def _text_generator(values: Sequence[str]) -> str:
+    alphabet = "".join(sorted(set("".join(values))))
+    lengths = [len(value) for value in values]
+    fits = 0 < len(alphabet) <= MAX_ALPHABET and alphabet.isprintable()
+    return f"texte({python_text(alphabet)}, {min(lengths)}, {max(lengths)})" if fits else ""
+
+
+def _list_generator(values: Sequence[list[Value]]) -> str:
+    items = [item for value in values for item in value]
+    inner = _generator(items) if items else ""
+    if not inner:
+        return ""
+    lengths = [len(value) for value in values]
+    sorts = all(isinstance(item, int | float | str) for item in items)
+    long = [value for value in values if len(value) > 2]
+    in_order = sorts and len(long) > 1 and all(a <= b for value in long for a, b in itertools.pairwise(value))
+    return f"liste({inner}, {min(lengths)}, {max(lengths)}{', triee=True' if in_order else ''})"
+
+
+def _tuple_generator(values: Sequence[tuple[Value, ...]]) -> str:
+    if len({len(value) for value in values}) != 1:
+        return ""
+    parts = [_generator(part) for part in zip(*values, strict=True)]
+    return f"nuplet({', '.join(parts)})" if parts and all(parts) else ""
+
+
+_GENERATORS: dict[type, Callable[[Sequence[Any]], str]] = {
+    bool: lambda values: "booleen()",
+    int: lambda values: f"entier({min(values)}, {max(values)})",
+    float: lambda values: f"reel({min(values)!r}, {max(values)!r})",
+    str: _text_generator,
+    list: _list_generator,
+    tuple: _tuple_generator,
+}

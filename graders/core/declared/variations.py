@@ -1,0 +1,61 @@
+"""Inputs near those of an author's cases, by which a changed solution may be told from the solution."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import replace
+
+from graders.core.contract.streams import stream
+from graders.core.contract.values import Value
+from graders.core.declared.declaration import DeclaredCheck
+from graders.core.declared.scenarios import Scenario, Statement
+
+#: Inputs of one check, and the seed of those that are drawn.
+MAX_VARIATIONS, VARIATION_SEED = 80, 1000
+
+
+def vary_cases(check: DeclaredCheck) -> list[Scenario]:
+    """Return cases beside those of a check: other drawn ones, then the written ones with one argument changed."""
+    drawn = check.drawn.draw(stream(VARIATION_SEED, check.id)) if check.drawn else ()
+    seen = {case.text() for case in check.cases}
+    nearby = itertools.chain((each.scenario for each in drawn), *zip(*map(_vary, check.cases), strict=False))
+    near = itertools.chain(nearby, itertools.chain.from_iterable(map(_vary, check.cases)))
+    chosen: dict[str, Scenario] = {}
+    for scenario in itertools.islice(near, 4 * MAX_VARIATIONS):
+        if scenario.text() not in seen and len(chosen) < MAX_VARIATIONS:
+            chosen.setdefault(scenario.text(), scenario)
+    return list(chosen.values())
+
+
+def _vary(case: Scenario) -> Iterator[Scenario]:
+    for at, statement in enumerate(case.statements):
+        if statement.kind == "call":
+            for changed in _vary_call(statement):
+                statements = (*case.statements[:at], changed, *case.statements[at + 1 :])
+                yield replace(case, statements=statements, expected=())
+
+
+def _vary_call(call: Statement) -> Iterator[Statement]:
+    for at, value in enumerate(call.arguments):
+        for other in vary_value(value):
+            yield replace(call, arguments=(*call.arguments[:at], other, *call.arguments[at + 1 :]))
+
+
+def vary_value(value: Value) -> Iterator[Value]:
+    """Yield values near a value, of its type."""
+    if isinstance(value, bool):
+        yield not value
+    elif isinstance(value, int):
+        yield from dict.fromkeys((value + 1, value - 1, 2 * value, 0, 1, -value))
+    elif isinstance(value, float):
+        yield from (value + 0.5, -value, 0.0, value / 3)
+    elif isinstance(value, str):
+        yield from (f"{value} {value}", value[::-1], value[:1], f" {value}", f"{value} ", value.upper(), "", value * 2)
+        yield from ("a", "a b", "ab a b", "Aa1")
+    elif isinstance(value, list):
+        yield from (value + value, value[::-1], value[:1], value[1:], [], [*value, *value[:1]])
+        if value:
+            yield from ([first, *value[1:]] for first in itertools.islice(vary_value(value[0]), 3))
+        else:
+            yield from ([1], [3, 1, 2, 1], [0.5, -1.0], ["a", "b", "a"], [[1, 2], [3, 4]])

@@ -1,0 +1,80 @@
+"""The form of an exercise: from what is typed to a draft. It refuses nothing: what is wrong is told beside it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from starlette.datastructures import FormData
+
+from server.studio.drafts import (
+    HINTS,
+    MAX_CASES,
+    MAX_CHECKS,
+    MAX_MISTAKES,
+    CaseDraft,
+    CheckDraft,
+    ExerciseDraft,
+    MistakeDraft,
+)
+
+YES = "oui"
+REASON_FIELD = "raison-"
+MAX_REASONS = 60
+#: Rows beyond the bounds are read, so that they are told and not lost.
+ROOM = 2
+_CHECK_TEXTS = {
+    "title": "titre", "points": "points", "hint": "indice", "draws": "tirages", "call": "appel", "count": "combien",
+    "conditions": "conditions", "tolerance": "tolerance", "order": "ordre", "watched": "regarder", "lines": "entrees",
+    "files": "fichiers",
+}  # fmt: skip
+_CHECK_FLAGS = {"absolute": "absolue", "strict": "stricts", "ignores_spaces": "espaces"}
+_EXERCISE_TEXTS = {
+    "title": "titre", "summary": "resume", "level": "niveau", "themes": "themes", "statement": "enonce",
+    "functions": "fonctions", "solution": "solution", "starter": "depart", "forbidden": "interdits",
+    "required": "demandes",
+}  # fmt: skip
+_MISTAKE_TEXTS = {"title": "titre", "explanation": "explication", "question": "question", "program": "programme"}
+_REASON = re.compile(rf"{REASON_FIELD}([0-9a-f]{{12}})")
+
+
+def read_form(fields: FormData, before: ExerciseDraft) -> ExerciseDraft:
+    """Return what is typed; reasons that the form does not show stay as they were `before`."""
+    texts = {name: _text(fields, field) for name, field in _EXERCISE_TEXTS.items()}
+    reasons = dict(before.reasons)
+    for name, value in fields.multi_items():
+        shown = _REASON.fullmatch(name)
+        if shown and isinstance(value, str):
+            reasons[shown[1]] = value.strip()
+    return ExerciseDraft(
+        **texts,
+        hints=tuple(_text(fields, f"indice-{number}") for number in range(1, HINTS + 1)),
+        checks=tuple(_checks(fields)),
+        mistakes=tuple(_mistakes(fields)),
+        reasons=dict([(name, reason) for name, reason in reasons.items() if reason][-MAX_REASONS:]),
+    ).without_empty_parts()
+
+
+def _text(fields: FormData, name: str) -> str:
+    value = fields.get(name, "")
+    return value.replace("\r\n", "\n") if isinstance(value, str) else ""
+
+
+def _checks(fields: FormData) -> Iterator[CheckDraft]:
+    for at in range(ROOM * MAX_CHECKS):
+        texts = {name: _text(fields, f"v-{at}-{field}") for name, field in _CHECK_TEXTS.items()}
+        texts["order"], texts["watched"] = texts["order"] or "oui", texts["watched"] or "valeur"
+        flags = {name: _text(fields, f"v-{at}-{field}") == YES for name, field in _CHECK_FLAGS.items()}
+        yield CheckDraft(**texts, **flags, cases=tuple(_cases(fields, at)))  # type: ignore[arg-type]
+
+
+def _cases(fields: FormData, at: int) -> Iterator[CaseDraft]:
+    for row in range(ROOM * MAX_CASES):
+        case = CaseDraft(_text(fields, f"v-{at}-c-{row}-appel"), _text(fields, f"v-{at}-c-{row}-attendu"))
+        if not case.is_empty:
+            yield case
+
+
+def _mistakes(fields: FormData) -> Iterator[MistakeDraft]:
+    for at in range(ROOM * MAX_MISTAKES):
+        yield MistakeDraft(**{name: _text(fields, f"e-{at}-{field}") for name, field in _MISTAKE_TEXTS.items()})

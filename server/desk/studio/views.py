@@ -1,0 +1,194 @@
+"""What the pages of a teacher's exercises show."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from graders.core.declared.trial import TrialReport, TriedCase, TriedChange
+from server.base.app_services import app_service
+from server.course import Course
+from server.desk.studio.forms import REASON_FIELD
+from server.studio import service
+from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
+from server.studio.models import AuthoredExercise
+from server.studio.service import StudioService
+from server.text.markup import Names, Source, Text
+from server.web.form_version import version_of
+from server.web.views import Reader
+
+PATH = "/mes-exercices"
+EXAMPLE_ROWS, OFFERED_MISTAKES = 3, 8
+#: Characters and formulas of a statement that is drawn: one thread draws the formulas of all.
+MAX_STATEMENT, MAX_FORMULAS = 12_000, 60
+TOO_LONG = f"Cet énoncé dépasse {MAX_STATEMENT} caractères, ou {MAX_FORMULAS} formules : il n’est pas montré."
+_PLACE = re.compile(r"(verifications|erreurs)\[(\d+)\](?:\.(\w+)(?:\[(\d+)\])?)?")
+_PART_WORDS = {"fonctions": "les fonctions", "solution": "la solution", "verifications": "les vérifications"}
+_FIELD_WORDS = {
+    "cas": "le cas", "attendus": "le résultat attendu du cas", "tirages": "les tirages", "appel": "l’appel tiré",
+    "points": "les points", "tolerance": "la tolérance", "combien": "le nombre de tirages", "ordre": "l’ordre",
+    "regarder": "ce qui est regardé", "programme": "le programme", "titre": "le titre",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StudioReader:
+    """The reader of a studio page with the service that knows what is being tried."""
+
+    reader: Reader
+    studio: StudioService
+
+
+def exercise_path(exercise: AuthoredExercise) -> str:
+    return f"{PATH}/{exercise.id}"
+
+
+def public_href(exercise: AuthoredExercise) -> str:
+    """Return the address at which students do it; empty before it is published."""
+    return f"/{exercise.module}/exercices/{exercise.slug}" if exercise.name else ""
+
+
+def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> dict[str, Any]:
+    rows = [
+        {
+            "href": exercise_path(exercise),
+            "title": exercise.draft.get("title") or "Sans titre",
+            "module": _module_label(reader.course, exercise.module),
+            "saved_at": exercise.saved_at,
+            "public": public_href(exercise),
+            "state": _state(exercise),
+        }
+        for exercise in exercises
+    ]
+    modules = [(module.slug, module.label, module.title) for module in reader.course.latest]
+    return {"rows": rows, "modules": modules}
+
+
+def _module_label(course: Course, slug: str) -> str:
+    module = course.modules.get(slug)
+    return slug if module is None else module.label
+
+
+def _state(exercise: AuthoredExercise) -> str:
+    if not exercise.number:
+        return "brouillon"
+    changed = (exercise.trial or {}).get("published") is not True or exercise.trial is None
+    is_current = not changed and exercise.trial is not None and exercise.trial.get("digest") == exercise.digest
+    return f"publié, version {exercise.number}" + ("" if is_current else " ; modifié depuis")
+
+
+def build_edit_page(
+    context: StudioReader, exercise: AuthoredExercise, draft: ExerciseDraft, *, problem: str = ""
+) -> dict[str, Any]:
+    """Build the form with `draft`, the preview of its statement and the last trial."""
+    return {
+        "path": exercise_path(exercise),
+        "module": _module_label(context.reader.course, exercise.module),
+        "slug": exercise.module,
+        "draft": draft,
+        "checks": [_with_rows(check, EXAMPLE_ROWS) for check in draft.checks] or [_with_rows(CheckDraft(), 3)],
+        "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
+        "mistakes": [*draft.mistakes, MistakeDraft()],
+        "version": version_of(service.read_draft(exercise).texts),
+        "preview": render_statement(context.reader.course, exercise.module, draft.statement),
+        "report": build_report(context, exercise),
+        "problem": problem,
+        "may_delete": not exercise.number,
+        "share_code": exercise.share_code or "",
+        "in_bank": exercise.in_bank,
+    }
+
+
+def _with_rows(check: CheckDraft, rows: int) -> dict[str, Any]:
+    """Return a check with an empty row after its cases, and at least so many rows."""
+    empty = [CaseDraft()] * max(1, rows - len(check.cases))
+    return {"check": check, "rows": [*check.cases, *empty]}
+
+
+def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str, Any]:
+    """Build the panel of the last trial: what holds, what is to be mended, what is proposed."""
+    trial, draft = exercise.trial or {}, service.read_draft(exercise)
+    is_current = trial.get("digest") == exercise.digest
+    view: dict[str, Any] = {
+        "path": exercise_path(exercise),
+        "version": version_of(draft.texts),
+        "trying": context.studio.is_trying(context.reader.db, exercise),
+        "failed": trial.get("failed", ""),
+        "stale": bool(trial) and not is_current,
+        "faults": trial.get("faults", ()),
+        "number": exercise.number,
+        "public": public_href(exercise),
+        "published_now": trial.get("published", False) and is_current and not trial.get("faults") and exercise.number,
+        "report": None,
+    }
+    if "report" in trial:
+        view |= _read_report(TrialReport.from_data(trial["report"]), trial["completed"], draft)
+    return view
+
+
+def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: ExerciseDraft) -> dict[str, Any]:
+    checks = completed["declaration"]["verifications"]
+    titles = {each["id"]: each["titre"] or "sans titre" for each in completed["declaration"]["erreurs"]}
+    changes = list(enumerate(report.changes))
+    return {
+        "report": report,
+        "place": describe_place(report.place),
+        "answers": [_answer(checks[case.check], case) for case in report.cases],
+        "right": sum(case.agrees for case in report.cases),
+        "mistakes": [
+            (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
+        ],
+        "offered": _offered_mistakes(changes, draft),
+        "alive": [_survivor(number, change, draft) for number, change in changes if change.survives],
+        "unseen": sum(change.unseen for _, change in changes),
+        "refused": sum(bool(change.refusal) for _, change in changes),
+        "draws": (completed["draws"], completed["call"]),
+    }
+
+
+def _answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
+    expected = check.get("attendus", ())
+    wanted = expected[case.case] if case.case < len(expected) else ""
+    return {"call": check["cas"][case.case], "expected": wanted, "got": case}
+
+
+def _offered_mistakes(
+    changes: Sequence[tuple[int, TriedChange]], draft: ExerciseDraft
+) -> Sequence[tuple[int, TriedChange]]:
+    """Return refused changes that are no known mistakes yet; wrong values first, which teach more than exceptions."""
+    known = {mistake.program.strip() for mistake in draft.mistakes}
+    refused = [(k, change) for k, change in changes if change.refusal and change.program.strip() not in known]
+    refused.sort(key=lambda entry: not entry[1].refusal.startswith(("Pour ", "Dans ")))
+    return refused[:OFFERED_MISTAKES]
+
+
+def _survivor(number: int, change: TriedChange, draft: ExerciseDraft) -> tuple[int, TriedChange, str, str]:
+    digest = program_digest(change.program)
+    return number, change, REASON_FIELD + digest, draft.reasons.get(digest, "")
+
+
+def describe_place(place: str) -> str:
+    """Return where something is wrong in the words of the form: « vérification 1, le cas 2 »."""
+    found = _PLACE.match(place)
+    if found is None:
+        return _PART_WORDS.get(place, place)
+    what = "vérification" if found[1] == "verifications" else "erreur"
+    field = f", {_FIELD_WORDS.get(found[3], found[3])}" if found[3] else ""
+    return f"{what} {int(found[2]) + 1}{field}" + (f" {int(found[4]) + 1}" if found[4] else "")
+
+
+def render_statement(course: Course, module: str, text: str) -> Markup:
+    """Return a statement as HTML: the course's Markdown, in which nothing runs. A note for one that is too long."""
+    if len(text) > MAX_STATEMENT or text.count("$") > 2 * MAX_FORMULAS:
+        return Markup("<p>{}</p>").format(TOO_LONG)
+    served = course.modules.get(module)
+    names = served.names if served is not None else Names
+    return Markup(Text(Source(text, Path("énoncé"), names=names)).html)
+
+
+studio_service = app_service(StudioService)

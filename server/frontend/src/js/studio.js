@@ -1,0 +1,145 @@
+// The form of a teacher's exercise: saved a moment after it changes, its statement drawn as it is typed, and the panel of
+// its trial brought up to date. What does not reach the server is kept in this browser.
+
+import { headersFor } from "./send.js";
+import { keep, recall } from "./storage.js";
+
+const CALM_MS = 1200;
+const PREVIEW_MS = 350;
+const AGAIN_MS = 5000;
+const LOOK_MS = 700;
+
+const form = document.querySelector("[data-studio]");
+const clock = new Intl.DateTimeFormat("fr-FR", { timeStyle: "medium" });
+
+function setUp() {
+  const address = form.getAttribute("action"); // `form.action` is the buttons of that name
+  const key = `balise-exercice:${address}`;
+  const told = form.querySelector("[data-saved]");
+  const panel = document.querySelector("[data-report]");
+  let [timer, look, changed, sending, over] = [null, null, false, false, false];
+
+  const written = () => {
+    const fields = new FormData(form);
+    fields.delete("version");
+    return new URLSearchParams(fields).toString();
+  };
+
+  function show(html) {
+    const typing = panel.contains(document.activeElement) && document.activeElement.matches("input");
+    if (!typing) panel.innerHTML = html;
+    const place = new DOMParser().parseFromString(html, "text/html").querySelector("[data-version]");
+    clearTimeout(look);
+    if (place && "trying" in place.dataset) look = setTimeout(lookAgain, LOOK_MS);
+    return place?.dataset.version;
+  }
+
+  async function lookAgain() {
+    const response = await fetch(form.dataset.trial, { headers: headersFor(form.elements.pour.value) }).catch(() => null);
+    if (response?.ok) show(await response.text());
+    else look = setTimeout(lookAgain, AGAIN_MS);
+  }
+
+  async function save({ leaving = false } = {}) {
+    clearTimeout(timer);
+    if (over || !changed || (sending && !leaving)) return;
+    sending = true;
+    const before = written();
+    const fields = new FormData(form);
+    fields.set("action", "brouillon");
+    const options = { method: "POST", body: fields, headers: headersFor(form.elements.pour.value), keepalive: leaving };
+    const response = await fetch(address, options).catch(() => null);
+    const isPanel = response?.ok && response.headers.get("content-type")?.startsWith("text/html");
+    sending = false;
+    if (isPanel) {
+      changed = written() !== before;
+      form.elements.version.value = show(await response.text()) ?? form.elements.version.value;
+      keep(key, null);
+      told.textContent = `Enregistré à ${clock.format(new Date())}.`;
+    } else {
+      const answer = await response?.json().catch(() => null);
+      over = response?.status === 409;
+      keep(key, before);
+      told.textContent = answer?.detail ?? "Le serveur ne répond pas. Votre saisie est gardée ici ; nouvel essai dans un instant.";
+    }
+    if (changed) timer = setTimeout(save, isPanel ? CALM_MS : AGAIN_MS);
+  }
+
+  const kept = recall(key);
+  if (kept !== null && kept !== written()) {
+    for (const [name, value] of new URLSearchParams(kept)) {
+      for (const field of form.querySelectorAll(`[name="${CSS.escape(name)}"]`)) {
+        if (field.type === "checkbox") field.checked = true;
+        else if (field.type !== "hidden") field.value = value;
+      }
+    }
+    changed = true;
+    told.textContent = "Une saisie qui n’avait pas atteint le serveur est reprise ici.";
+    timer = setTimeout(save, CALM_MS);
+  }
+
+  document.addEventListener("input", ({ target }) => {
+    if (target.form !== form) return;
+    changed = true;
+    clearTimeout(timer);
+    timer = setTimeout(save, CALM_MS);
+  });
+  form.addEventListener("submit", () => {
+    over = true;
+    clearTimeout(timer);
+    keep(key, null);
+  });
+  document.addEventListener("visibilitychange", () => document.hidden && save({ leaving: true }));
+  if (panel.querySelector("[data-trying]")) look = setTimeout(lookAgain, LOOK_MS);
+}
+
+function setUpPreview() {
+  const source = form.querySelector("[data-preview]");
+  const place = form.querySelector("[data-preview-place]");
+  let timer = null;
+  let number = 0;
+
+  async function draw() {
+    number += 1;
+    const mine = number;
+    const fields = new URLSearchParams({ enonce: source.value, module: source.dataset.module, pour: form.elements.pour.value });
+    const options = { method: "POST", body: fields, headers: headersFor(form.elements.pour.value) };
+    const response = await fetch(source.dataset.preview, options).catch(() => null);
+    if (response?.ok && mine === number) place.innerHTML = await response.text();
+  }
+
+  source.addEventListener("input", () => {
+    place.closest("details").open = true;
+    clearTimeout(timer);
+    timer = setTimeout(draw, PREVIEW_MS);
+  });
+}
+
+// Cases and programs are as high as what is typed in them; Tab moves on, as everywhere in a form.
+function grow(area) {
+  area.style.height = "auto";
+  area.style.height = `${area.scrollHeight + 2}px`;
+}
+
+// A row is always free below the examples.
+function addRow(last) {
+  const row = last.cloneNode(true);
+  for (const area of row.querySelectorAll("textarea")) {
+    area.name = area.name.replace(/-c-(\d+)-/, (_, number) => `-c-${Number(number) + 1}-`);
+    area.setAttribute("aria-label", area.getAttribute("aria-label").replace(/\d+/, (number) => Number(number) + 1));
+    area.value = "";
+  }
+  last.after(row);
+}
+
+if (form) {
+  setUp();
+  setUpPreview();
+  for (const area of form.querySelectorAll("textarea.code-area")) grow(area);
+  form.addEventListener("input", ({ target }) => {
+    if (target.matches("textarea.code-area")) grow(target);
+    const row = target.closest(".case-table tbody tr:last-child");
+    if (row && target.value) addRow(row);
+  });
+  form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
+}

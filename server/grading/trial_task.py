@@ -1,0 +1,137 @@
+"""The job that tries a teacher's exercise, and publishes it where that was asked for and it holds."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.program import Programs
+from graders.core.declared.declaration import read_declaration
+from graders.core.declared.trial import SEEDS, ExerciseTrial
+from server.base import logs
+from server.queue.interfaces import GiveUpHandler, Lease, Queue
+from server.sandbox.policy import Policy
+from server.studio import repository
+from server.studio.completion import CompletedExercise, complete_draft
+from server.studio.drafts import ExerciseDraft
+from server.studio.models import AuthoredExercise, ExerciseVersion
+from server.studio.publication import publication_faults, version_content, version_digest
+from server.studio.service import TRIAL_JOB, enqueue_trial
+
+log = logging.getLogger(__name__)
+
+#: What one program of a trial may use: less than a student's, as many are run.
+TRIAL_POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0)
+#: What a changed solution may use: one that loops takes this time.
+CHANGE_POLICY = Policy(cpu_seconds=0.25, wall_seconds=0.5)
+GAVE_UP = "L’essai n’a pas abouti, de notre côté : enregistrez de nouveau pour le relancer."
+
+
+@dataclass(frozen=True)
+class TrialInput:
+    """A draft to try; `publishes`: it is to be published if it holds."""
+
+    exercise_id: UUID
+    name: str
+    digest: str
+    draft: ExerciseDraft
+    publishes: bool
+
+
+@dataclass(frozen=True)
+class TrialOutcome:
+    """What is stored of a trial; `fingerprints` where the draft may be published."""
+
+    completed: CompletedExercise
+    stored: Mapping[str, Any]
+    fingerprints: Mapping[str, list[str]] | None = None
+
+
+class TrialTask:
+    """Implements `server.queue.interfaces.Task`. `start` starts the programs of one file under a policy."""
+
+    def __init__(self, queue: Queue, start: Callable[[Policy], Programs]) -> None:
+        self._queue, self._start = queue, start
+        self.give_up = give_up
+
+    def read(self, db: Session, lease: Lease) -> TrialInput | None:
+        """Load the draft; None where it is gone."""
+        exercise = repository.find_exercise(db, UUID(lease.key))
+        if exercise is None:
+            return None
+        name = f"{exercise.module}/{exercise.slug or 'essai'}"
+        draft = ExerciseDraft.from_data(exercise.draft)
+        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication)
+
+    def run(self, work: TrialInput) -> TrialOutcome:
+        trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), partial(self._start, CHANGE_POLICY))
+        completed = complete_draft(work.draft, trial)
+        report = trial.run(completed.declaration, completed.starter, seeds=SEEDS if work.publishes else 0)
+        faults = list(publication_faults(work.draft, completed, report)) if work.publishes else []
+        stored = {
+            "digest": work.digest,
+            "report": report.to_data(),
+            "completed": asdict(completed),
+            "faults": faults,
+            "published": work.publishes,
+        }
+        if not work.publishes or faults:
+            return TrialOutcome(completed, stored)
+        fingerprints = trial.fingerprints(read_declaration(completed.declaration))
+        return TrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
+
+    def record(self, db: Session, work: TrialInput, result: TrialOutcome) -> None:
+        """Store the trial; publish the draft where it may be; try again what was saved meanwhile."""
+        exercise = repository.lock_exercise(db, work.exercise_id)
+        if exercise is None:
+            return
+        exercise.trial = dict(result.stored)
+        if exercise.digest != work.digest or exercise.wants_publication != work.publishes:
+            db.flush()
+            enqueue_trial(db, self._queue, exercise)
+            return
+        exercise.wants_publication = False
+        if result.fingerprints is not None:
+            _publish(db, exercise, result.completed, result.fingerprints)
+        db.flush()
+
+
+def _publish(
+    db: Session, exercise: AuthoredExercise, completed: CompletedExercise, fingerprints: Mapping[str, list[str]]
+) -> None:
+    """Make the completed draft the exercise's current version, unless it is that already."""
+    content, version = version_content(completed), version_digest(completed.declaration)
+    current = repository.find_version(db, exercise.id, exercise.number)
+    if current is not None and (current.version, current.content) == (version, content):
+        return
+    exercise.number += 1
+    db.add(
+        ExerciseVersion(
+            exercise_id=exercise.id,
+            number=exercise.number,
+            version=version,
+            content=content,
+            fingerprints=dict(fingerprints),
+        )
+    )
+    logs.log_event("published", exercise=exercise.name, version=version)
+
+
+def give_up(db: Session, lease: Lease) -> None:
+    """Tell the author that the trial failed too often."""
+    exercise = repository.lock_exercise(db, UUID(lease.key))
+    log.error("trial of exercise %s: given up", lease.key)
+    if exercise is not None:
+        exercise.wants_publication = False
+        exercise.trial = {"digest": exercise.digest, "failed": GAVE_UP}
+
+
+def give_up_handlers() -> Mapping[str, GiveUpHandler]:
+    """Return the handlers for processes that recover jobs without trying anything."""
+    return {TRIAL_JOB: give_up}

@@ -1,0 +1,1 @@
+"""Declared exercises that teachers write in the browser: drafts, trials behind the walls, published versions."""

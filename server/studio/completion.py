@@ -1,0 +1,197 @@
+"""From a draft to a declaration: what the author leaves out is proposed.
+
+Nothing of the author's runs here; `ExerciseTrial` asks the sandbox what the solution answers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from graders.core.contract.verdict import MAX_POINTS
+from graders.core.declared import proposals
+from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.trial import ExerciseTrial
+from graders.typography import unaccented
+from server.studio.drafts import EXAMPLES_TITLE, CheckDraft, ExerciseDraft, MistakeDraft
+
+DRAWN_TITLE = "D’autres entrées, tirées au hasard"
+#: The share of the points that proposed draws take from the examples.
+DRAWN_POINTS = 8.0
+FILE_LINE = re.compile(r"^===[ \t]*(\S.*?)[ \t]*$", re.M)
+NOT_A_WORD = re.compile(r"[^a-z0-9]+")
+
+
+@dataclass(frozen=True)
+class CompletedExercise:
+    """A draft with its proposals: `declaration` is what the engine reads.
+
+    `draws` and `call` are proposed draws, empty where there are none.
+    """
+
+    title: str
+    summary: str
+    statement: str
+    starter: str
+    signatures: dict[str, str]
+    hints: tuple[str, ...]
+    declaration: dict[str, Any]
+    draws: str = ""
+    call: str = ""
+
+
+def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExercise:
+    """Return the exercise that a draft makes, whether the engine can read it or not."""
+    draft = draft.without_empty_parts()
+    solution = _lines(draft.solution)
+    calls = [case.call for check in draft.checks for case in check.written]
+    functions = draft.functions.replace(",", " ").split() or proposals.propose_functions(solution, calls)
+    checks = [_check(number, check) for number, check in enumerate(draft.checks, 1)]
+    declaration: dict[str, Any] = {
+        "fonctions": functions,
+        "solution": solution,
+        "interdits": draft.forbidden.replace(",", " ").split(),
+        "demandes": draft.required.replace(",", " ").split(),
+        "erreurs": _mistakes(draft.mistakes),
+        "verifications": checks,
+    }
+    draws, call = _add_draws(declaration, draft, trial)
+    _share_points(checks)
+    answers = _answers(declaration, trial)
+    _drop_empty_lists(checks)
+    return CompletedExercise(
+        title=draft.title.strip() or ", ".join(functions) or "Sans titre",
+        summary=draft.summary.strip() or draft.title.strip() or ", ".join(functions),
+        statement=_statement(draft, functions, answers),
+        starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
+        signatures=proposals.propose_signatures(solution, functions),
+        hints=tuple(_lines(hint).strip() for hint in draft.hints),
+        declaration=declaration,
+        draws=draws,
+        call=call,
+    )
+
+
+def _lines(text: str) -> str:
+    return text.replace("\r\n", "\n")
+
+
+def _check(number: int, draft: CheckDraft) -> dict[str, Any]:
+    """Return the table of a check, without the keys that the author leaves as they are."""
+    check: dict[str, Any] = {
+        "id": f"v{number}",
+        "titre": draft.title.strip() or (EXAMPLES_TITLE if number == 1 else f"Vérification {number}"),
+        "cas": [case.call.strip() for case in draft.written],
+        "attendus": [case.expected.strip() for case in draft.written],
+    }
+    texts = {"indice": draft.hint, "tirages": draft.draws, "appel": draft.call}
+    check |= {key: _lines(text).strip() for key, text in texts.items() if text.strip()}
+    numbers = {"points": draft.points, "combien": draft.count, "tolerance": draft.tolerance}
+    check |= {key: _number(text) for key, text in numbers.items() if text.strip()}
+    flags = {"absolue": draft.absolute, "types_stricts": draft.strict}
+    check |= {key: True for key, flag in flags.items() if flag}
+    check |= {"espaces": False} if draft.ignores_spaces else {}
+    choices = {"ordre": (draft.order, "oui"), "regarder": (draft.watched, "valeur")}
+    check |= {key: value for key, (value, usual) in choices.items() if value != usual}
+    conditions = [line.strip() for line in _lines(draft.conditions).split("\n") if line.strip()]
+    check |= {"conditions": conditions} if conditions else {}
+    check |= {"entrees": _lines(draft.lines).rstrip("\n").split("\n")} if draft.lines.strip() else {}
+    check |= {"fichiers": _files(draft.files)} if draft.files.strip() else {}
+    return check
+
+
+def _number(text: str) -> float | str:
+    """Return the number that a text writes, in French or in Python; the text itself where it writes none."""
+    try:
+        return float(text.strip().replace(",", "."))
+    except ValueError:
+        return text.strip()
+
+
+def _files(text: str) -> dict[str, str]:
+    """Return the texts that stand below lines « === name »."""
+    parts = FILE_LINE.split(_lines(text))
+    return {name: body.removeprefix("\n") for name, body in zip(parts[1::2], parts[2::2], strict=True)}
+
+
+def _mistakes(drafts: Sequence[MistakeDraft]) -> list[dict[str, str]]:
+    named: dict[str, MistakeDraft] = {}
+    for number, draft in enumerate(drafts, 1):
+        identity = NOT_A_WORD.sub("_", unaccented(draft.title).lower()).strip("_")[:40] or f"erreur_{number}"
+        named[identity if identity not in named else f"{identity}_{number}"] = draft
+    return [
+        {
+            "id": identity,
+            "titre": draft.title.strip(),
+            "explication": _lines(draft.explanation).strip(),
+            "question": _lines(draft.question).strip(),
+            "programme": _lines(draft.program),
+        }
+        for identity, draft in named.items()
+    ]
+
+
+def _add_draws(declaration: dict[str, Any], draft: ExerciseDraft, trial: ExerciseTrial) -> tuple[str, str]:
+    """Add a check of drawn inputs like the examples, where the author has written examples alone."""
+    checks, first = declaration["verifications"], draft.checks[0]
+    is_plain = not (first.draws.strip() or first.lines.strip() or first.files.strip()) and first.watched == "valeur"
+    if len(checks) != 1 or not is_plain:
+        return "", ""
+    draws, call = proposals.propose_draws(checks[0]["cas"], declaration["fonctions"])
+    if not draws:
+        return "", ""
+    shared = {key: checks[0][key] for key in ("tolerance", "absolue", "ordre", "types_stricts") if key in checks[0]}
+    drawn = {"id": "v2", "titre": DRAWN_TITLE, "tirages": draws, "appel": call, **shared}
+    if "points" in checks[0]:
+        return "", ""
+    probed = {**checks[0], "points": MAX_POINTS - DRAWN_POINTS}, {**drawn, "points": DRAWN_POINTS}
+    if not trial.draws_are_answered({**declaration, "verifications": list(probed)}):
+        return "", ""
+    checks.append(drawn)
+    return draws, call
+
+
+def _share_points(checks: list[dict[str, Any]]) -> None:
+    """Give points to the checks for which the author says none: what the others leave of 20."""
+    free = [check for check in checks if "points" not in check]
+    taken = sum(check["points"] for check in checks if isinstance(check.get("points"), float))
+    left = MAX_POINTS - taken
+    for rank, check in enumerate(free):
+        is_last = rank == len(free) - 1
+        share = left if is_last else round(left / (len(free) - rank), 1)
+        if len(checks) == 2 and len(free) == 2 and not is_last:
+            share = MAX_POINTS - DRAWN_POINTS
+        check["points"] = share
+        left = round(left - share, 9)
+
+
+def _answers(declaration: dict[str, Any], trial: ExerciseTrial) -> list[list[str]] | None:
+    try:
+        return trial.answers(declaration)
+    except MalformedDeclaration:
+        return None
+
+
+def _drop_empty_lists(checks: list[dict[str, Any]]) -> None:
+    """Drop the keys of a check for which the author has written nothing."""
+    for check in checks:
+        if not any(check.get("attendus", ())):
+            check.pop("attendus", None)
+        if not check.get("cas"):
+            check.pop("cas", None)
+
+
+def _statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[list[str]] | None) -> str:
+    """Return the statement, with the first check's examples below where it shows no code."""
+    text = _lines(draft.statement).strip() or f"Écrivez {', '.join(f'`{name}`' for name in functions)}."
+    examples = draft.checks[0].written
+    if "```" in text or answers is None or draft.checks[0].watched != "valeur" or not examples:
+        return text + "\n"
+    shown = [
+        "\n".join([f">>> {line}" for line in _lines(case.call).strip().split("\n")] + [answer])
+        for case, answer in zip(examples[:5], answers[0], strict=False)
+        if answer and len(answer) <= 200
+    ]
+    return f"{text}\n\n```python\n" + "\n".join(shown) + "\n```\n" if shown else text + "\n"

@@ -1,0 +1,93 @@
+"""When a draft may be published, and what its version holds."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import secrets
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from graders.core.declared.trial import MAX_ALIVE, SEEDS, TrialReport
+from graders.typography import unaccented
+from server.studio.completion import CompletedExercise
+from server.studio.drafts import ExerciseDraft, program_digest
+
+#: Letters and digits that are not taken for one another, of the end of a published exercise's name.
+ALPHABET, SUFFIX_LENGTH = "23456789abcdefghjkmnpqrstvwxyz", 6
+#: The name of a published exercise in addresses: no exercise of a course is looked up in the database.
+AUTHORED_SLUG = re.compile(rf"[a-z][a-z0-9_]{{0,40}}_[{ALPHABET}]{{{SUFFIX_LENGTH}}}")
+
+
+def new_slug(title: str) -> str:
+    """Return a name for addresses that nobody guesses, from a title."""
+    words = re.sub(r"[^a-z0-9]+", "_", unaccented(title)).strip("_")[:40].strip("_")
+    words = words if words[:1].isalpha() else f"ex_{words}".strip("_")
+    return f"{words}_{new_code(SUFFIX_LENGTH)}"
+
+
+def new_code(length: int) -> str:
+    return "".join(secrets.choice(ALPHABET) for _ in range(length))
+
+
+def version_digest(declaration: Mapping[str, Any]) -> str:
+    """Return the version of a declaration: a digest of all that can change a verdict."""
+    text = json.dumps(declaration, ensure_ascii=False, sort_keys=True)
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16]
+
+
+def publication_faults(draft: ExerciseDraft, completed: CompletedExercise, report: TrialReport) -> Iterator[str]:
+    """Yield why a draft may not be published: what is wrong, where, and what to do."""
+    if not draft.title.strip():
+        yield "Donnez un titre à l’exercice."
+    if not draft.statement.strip():
+        yield "Écrivez l’énoncé."
+    if report.problem or report.solution or not all(case.agrees for case in report.cases):
+        yield "La solution ne répond pas encore comme les exemples le disent : voyez plus haut."
+        return
+    if report.starter:
+        yield f"{report.starter} Videz le corps des fonctions du fichier de départ."
+    if report.seeds < SEEDS:
+        yield f"La solution n’a été notée que sur {report.seeds} tirages ; il en faut {SEEDS}."
+    titles = {each["id"]: each for each in completed.declaration["erreurs"]}
+    for tried in report.mistakes:
+        title = titles[tried.id]["titre"] or "sans titre"
+        if not tried.refused:
+            yield f"L’erreur « {title} » n’est pas refusée : ajoutez un cas où elle répond mal."
+        elif not tried.named:
+            yield f"L’erreur « {title} » n’est pas reconnue : ajoutez un cas où elle diffère des autres."
+        if not (titles[tried.id]["titre"] and titles[tried.id]["explication"]):
+            yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
+    alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
+    if len(alive) > MAX_ALIVE * len(report.changes):
+        yield (
+            f"{len(alive)} changements de la solution, sur {len(report.changes)}, ont encore tous les points : ajoutez "
+            "les cas proposés, ou dites pourquoi ils sont justes aussi."
+        )
+    if report.changes and 2 * sum(bool(change.refusal) for change in report.changes) < len(report.changes):
+        yield (
+            "Les exemples ne montrent pas ce que fait la solution : plus de la moitié de ses changements passent. "
+            "Ajoutez des exemples plus variés."
+        )
+    if not report.is_whole:
+        yield "L’essai a pris trop de temps et n’a pas tout vu : donnez des entrées plus petites."
+
+
+def version_content(completed: CompletedExercise) -> dict[str, Any]:
+    """Return what a version stores."""
+    return {
+        "title": completed.title,
+        "summary": completed.summary,
+        "statement": completed.statement,
+        "starter": completed.starter,
+        "signatures": completed.signatures,
+        "hints": list(completed.hints),
+        "declaration": completed.declaration,
+    }
+
+
+def with_reason(draft: ExerciseDraft, program: str, reason: str) -> ExerciseDraft:
+    """Return the draft with the reason why a change of the solution need not be refused."""
+    return replace(draft, reasons={**draft.reasons, program_digest(program): reason})

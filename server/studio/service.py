@@ -1,0 +1,179 @@
+"""A teacher's own exercises: saved as they are typed, tried behind the walls, published once they hold.
+
+Every function works inside the caller's transaction. What an author has written runs in the sandbox alone, in a job of
+the queue: here it is text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.declared.trial import TriedChange
+from server.base.errors import Conflict, Invalid, NotFound, RateLimited
+from server.base.settings import Settings
+from server.base.validation import parse_uuid
+from server.classes.models import SchoolClass
+from server.database import utc_now
+from server.identity.models import Account
+from server.limits import service as limits
+from server.queue.interfaces import BacklogLimits, Queue, QueueFullError, Sender
+from server.studio import repository
+from server.studio.drafts import (
+    MAX_CASES,
+    MAX_CHARACTERS,
+    MAX_CHECKS,
+    MAX_MISTAKES,
+    CaseDraft,
+    ExerciseDraft,
+    MistakeDraft,
+)
+from server.studio.models import AuthoredExercise
+from server.studio.publication import new_code, new_slug
+
+#: The kind of the job that tries a draft; its key is the exercise's id.
+TRIAL_JOB = "trial"
+#: Below every submission, above regrades (see `server.submissions.queue_senders`).
+TRIAL_RANK = 5
+MAX_EXERCISES, MAX_WAITING = 300, 6
+SHARE_CODE_LENGTH = 10
+UNKNOWN = "Cet exercice n’est pas à vous, ou n’existe plus."
+UNKNOWN_CODE = "Aucun exercice n’a ce code : vérifiez-le avec votre collègue."
+TOO_MANY = f"Vous avez {MAX_EXERCISES} exercices : supprimez-en un avant d’en commencer un autre."
+TOO_LONG = "Cet exercice a {length} caractères en tout ; {most} au plus. Rien n’est perdu : raccourcissez-le."
+TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seconds} s. Rien n’est perdu."
+PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
+
+
+@dataclass(frozen=True)
+class StudioService:
+    """Saves and tries the exercises of teachers, within the settings' limits."""
+
+    settings: Settings
+    queue: Queue
+
+    def create(
+        self, db: Session, account: Account, module: str, draft: ExerciseDraft | None = None
+    ) -> AuthoredExercise:
+        """Create an exercise. Raises Conflict where the author has too many."""
+        if repository.count_exercises(db, account.id) >= MAX_EXERCISES:
+            raise Conflict(TOO_MANY)
+        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        draft = draft or ExerciseDraft()
+        made = AuthoredExercise(author_id=account.id, module=module, draft=draft.to_data(), digest=draft.digest)
+        db.add(made)
+        db.flush()
+        return made
+
+    def save(
+        self, db: Session, account: Account, exercise: AuthoredExercise, draft: ExerciseDraft, *, publish: bool = False
+    ) -> None:
+        """Store a draft, and have it tried. Raises Invalid for one that is too long, or RateLimited."""
+        require_short(draft)
+        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        exercise.draft, exercise.digest, exercise.saved_at = draft.to_data(), draft.digest, utc_now()
+        exercise.wants_publication = publish
+        if publish and exercise.slug is None:
+            exercise.slug = new_slug(draft.title or draft.functions)
+        db.flush()
+        self.request_trial(db, exercise)
+
+    def request_trial(self, db: Session, exercise: AuthoredExercise) -> None:
+        """Enqueue the trial of an exercise, in its author's flow. Raises RateLimited where too many wait.
+
+        A trial that runs already is followed by another one, which its end enqueues.
+        """
+        if self.queue.position(db, TRIAL_JOB, str(exercise.id)) is None:
+            enqueue_trial(db, self.queue, exercise)
+
+    def is_trying(self, db: Session, exercise: AuthoredExercise) -> bool:
+        return self.queue.position(db, TRIAL_JOB, str(exercise.id)) is not None
+
+
+def enqueue_trial(db: Session, queue: Queue, exercise: AuthoredExercise) -> None:
+    """Enqueue the trial of an exercise. Raises RateLimited where too many of its author's wait."""
+    flow = f"studio {exercise.author_id}"
+    sender = Sender(flow, flow=flow, rank=TRIAL_RANK)
+    try:
+        queue.enqueue(db, TRIAL_JOB, str(exercise.id), sender=sender, limits=BacklogLimits(MAX_WAITING, 10**6))
+    except QueueFullError as error:
+        raise RateLimited(TOO_FAST.format(seconds=10), retry_after=10) from error
+
+
+def require_short(draft: ExerciseDraft) -> None:
+    """Raise Invalid for a draft that is longer than one may be."""
+    if draft.characters > MAX_CHARACTERS:
+        raise Invalid(TOO_LONG.format(length=draft.characters, most=MAX_CHARACTERS))
+    for count, most, what in (
+        (len(draft.checks), MAX_CHECKS, "vérifications"),
+        (max((len(check.cases) for check in draft.checks), default=0), MAX_CASES, "cas par vérification"),
+        (len(draft.mistakes), MAX_MISTAKES, "erreurs connues"),
+    ):
+        if count > most:
+            raise Invalid(f"{count} {what} ; {most} au plus. Rien n’est perdu : retirez-en.")
+
+
+def find_own(db: Session, account: Account, exercise_id: UUID | str, *, to_change: bool = False) -> AuthoredExercise:
+    """Return an exercise of this author; `to_change` locks it until the commit. Raises NotFound."""
+    wanted = parse_uuid(exercise_id, UNKNOWN)
+    find = repository.lock_exercise if to_change else repository.find_exercise
+    exercise = find(db, wanted)
+    if exercise is None or exercise.author_id != account.id:
+        raise NotFound(UNKNOWN)
+    return exercise
+
+
+def read_draft(exercise: AuthoredExercise) -> ExerciseDraft:
+    return ExerciseDraft.from_data(exercise.draft)
+
+
+def delete_exercise(db: Session, exercise: AuthoredExercise) -> None:
+    """Delete an exercise that was never published. Raises Conflict for another one."""
+    if exercise.number:
+        raise Conflict(PUBLISHED)
+    db.delete(exercise)
+    db.flush()
+
+
+def share(exercise: AuthoredExercise) -> str:
+    """Return the code by which colleagues copy an exercise, made the first time."""
+    exercise.share_code = exercise.share_code or new_code(SHARE_CODE_LENGTH)
+    return exercise.share_code
+
+
+def find_shared(db: Session, code: str) -> AuthoredExercise:
+    """Return the exercise that bears a code. Raises NotFound."""
+    found = repository.find_by_share_code(db, code.strip().lower()[:SHARE_CODE_LENGTH]) if code.strip() else None
+    if found is None:
+        raise NotFound(UNKNOWN_CODE)
+    return found
+
+
+def add_mistake(draft: ExerciseDraft, change: TriedChange) -> ExerciseDraft:
+    """Return the draft with one more mistake: the solution so changed, with a title to reword."""
+    title = f"`{change.after or 'rien'}` au lieu de `{change.before or 'rien'}`".replace("\n", " ")[:120]
+    return replace(draft, mistakes=(*draft.mistakes, MistakeDraft(title=title, program=change.program)))
+
+
+def add_cases(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> ExerciseDraft:
+    """Return the draft with the inputs that show changes which no case refuses, in their checks."""
+    checks = list(draft.checks)
+    for change in changes:
+        at = change.check if change.check < len(checks) else 0
+        known = {case.call.strip() for case in checks[at].cases}
+        if change.case and change.case not in known and len(checks[at].cases) < MAX_CASES:
+            checks[at] = replace(checks[at], cases=(*checks[at].written, CaseDraft(change.case)))
+    return replace(draft, checks=tuple(checks))
+
+
+def list_class_exercises(db: Session, school_class: SchoolClass) -> Mapping[str, str]:
+    """Return the titles of the exercises that the teachers of a class have published for its module, by id."""
+    rows = repository.list_published_of_staff(db, school_class.id, school_class.module)
+    return {f"{school_class.module}/{slug}": draft.get("title") or slug for slug, draft in rows}
+
+
+def _bucket(account: Account) -> str:
+    return f"studio:{account.id}"
