@@ -45,12 +45,12 @@ from server.desk.assignments.forms import parse_assignment, parse_exemption
 from server.desk.rubrics.forms import parse_copy, read_copy
 from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
+from server.desk.studio.forms import read_form as read_exercise_form
+from server.desk.studio.views import render_statement
 from server.federation.lti import registration
 from server.federation.lti.launch import target_path
 from server.federation.lti.sign_in import Initiation
 from server.federation.tokens import read_header
-from server.desk.studio.forms import read_form as read_exercise_form
-from server.desk.studio.views import render_statement
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv

@@ -10,6 +10,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from graders.core.declared.trial import TrialReport, TriedChange
 from server.base.errors import Invalid, NotFound
+from server.database import commit_then_read, roll_back_then_read
 from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.desk.studio import views
 from server.desk.studio.forms import read_form
@@ -95,10 +96,13 @@ def save_exercise(
         draft = _with_proposals(action, typed, exercise)
         studio.save(reader.db, account, exercise, draft, publish=action == "publier")
     except Invalid as refused:
+        roll_back_then_read(reader.db)
+        exercise = service.find_own(reader.db, account, exercise_id)
         view = views.build_edit_page(context, exercise, typed, problem=refused.detail)
         return render_page(request, "studio/edit.html", account, status=422, page=view)
     if action == "brouillon":
-        return _render_report(context, exercise)
+        commit_then_read(reader.db)
+        return _render_report(context, service.find_own(reader.db, account, exercise_id))
     if action == "partager":
         service.share(exercise)
     return redirect(f"{views.exercise_path(exercise)}#essai")
