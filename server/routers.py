@@ -35,10 +35,13 @@ from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.pages.school.courses import router as courses_router
+from server.pages.school.entries import router as entries_router
 from server.pages.school.keys import router as keys_router
 from server.pages.school.launches import router as launches_router
 from server.pages.school.lti_forms import router as lti_forms_router
 from server.pages.school.platforms import router as platforms_router
+from server.pages.school.rules import router as rules_router
+from server.pages.school.server_forms import router as server_forms_router
 from server.reading.routes import router as reading_router
 from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
@@ -59,6 +62,9 @@ ROUTERS = (
     calendar_router,
     platforms_router,
     lti_forms_router,
+    server_forms_router,
+    rules_router,
+    entries_router,
     keys_router,
     launches_router,
     courses_router,

@@ -5,7 +5,9 @@ Functions work inside the caller's transaction.
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 from sqlalchemy.orm import Session
 
@@ -13,6 +15,7 @@ from server.database import utc_now
 from server.federation import contexts, repository
 from server.federation.models import ActivityKind, IdentityProvider, ProviderContext
 from server.federation.schemas import CourseRole, SignedPerson
+from server.federation.tokens import LEEWAY
 from server.identity import joining
 from server.identity import repository as identity
 from server.identity.identities import ExternalPerson, clean_name
@@ -60,5 +63,14 @@ def session_digest(provider: IdentityProvider, name: str) -> str:
 def end_sessions(db: Session, provider: IdentityProvider, name: str) -> int:
     """End the sessions that a provider has opened under this name; return how many."""
     ended = identity.delete_external_sessions(db, session_digest(provider, name))
+    repository.record_activity(db, provider.id, ActivityKind.logout, utc_now(), f"{ended} session")
+    return ended
+
+
+def end_person_sessions(db: Session, provider: IdentityProvider, subject: str, until: float) -> int:
+    """End the sessions of a person that this provider's issuer had opened by then, in seconds since the epoch; return
+    how many. A later sign-in stays: an order to log out that comes twice ends nothing more."""
+    moment = datetime.fromtimestamp(min(until + LEEWAY, time.time()), UTC)
+    ended = identity.delete_identity_sessions(db, provider.issuer, subject, moment)
     repository.record_activity(db, provider.id, ActivityKind.logout, utc_now(), f"{ended} session")
     return ended

@@ -18,6 +18,7 @@ from server.federation.models import PendingSignIn
 from server.identity.secrets import digest, new_token
 
 LIFETIME = timedelta(minutes=10)
+NONCE = "nonce"
 COOKIE_PREFIX, NAME_DIGITS = "balise_etat_", 16
 USED = "Cette connexion a déjà servi, ou a trop attendu : recommencez depuis votre établissement."
 OTHER_BROWSER = "Cette connexion a été commencée dans un autre navigateur : recommencez depuis votre établissement."
@@ -87,6 +88,25 @@ def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Ma
     if row is None:
         raise Refused("replayed", USED)
     return row
+
+
+def begin_here(db: Session, provider_id: UUID, target: str, details: Mapping[str, Any]) -> tuple[Begun, str]:
+    """Record a sign-in that begins on our own page, and return it with its nonce."""
+    begun = begin(db, provider_id, target, {})
+    nonce = new_token()
+    pending = find(db, begun.state)
+    pending.nonce_digest, pending.details = digest(nonce), {**details, NONCE: nonce}
+    db.flush()
+    return begun, nonce
+
+
+def take(db: Session, provider_id: UUID, state: str, browser: str) -> tuple[str, Mapping[str, Any]]:
+    """Use up a sign-in that this browser has begun on our page, and return its target and details. Raises Refused."""
+    pending = find(db, state)
+    if pending.provider_id != provider_id:
+        raise Refused("state", USED)
+    require_browser(pending, browser)
+    return consume(db, pending, pending.details.get(NONCE))
 
 
 def delete_expired(database: Database) -> None:

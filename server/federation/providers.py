@@ -53,9 +53,7 @@ def read_texts(form: Mapping[str, str], names: Mapping[str, int] = LENGTHS) -> t
     """Return the tidied lines of a form, of these names and longest lengths, and the problems of each."""
     texts = {name: tidy_line(form.get(name, "")) for name in names}
     problems = {
-        name: NO_TEXT
-        for name, text in texts.items()
-        if not 0 < len(text) <= names[name] or character_problem(text) is not None
+        name: NO_TEXT for name, text in texts.items() if not 0 < len(text) <= names[name] or character_problem(text)
     }
     return texts, problems
 

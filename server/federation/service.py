@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from server.base.settings import Settings
+from server.federation.discovery import Discovery
 from server.federation.outgoing import Outgoing, OutgoingThreads, parse_networks
 from server.federation.remote_keys import RemoteKeys
 
@@ -15,6 +16,7 @@ class Federation:
         self.outgoing = outgoing or Outgoing(private, insecure=settings.platform_http)
         self.threads = OutgoingThreads()
         self.keys = RemoteKeys(self.outgoing)
+        self.discovery = Discovery(self.outgoing)
 
     @property
     def insecure(self) -> bool:

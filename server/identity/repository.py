@@ -183,6 +183,18 @@ def delete_external_sessions(db: Session, external_digest: str) -> int:
     return len(db.execute(statement.returning(BrowserSession.token_digest)).all())
 
 
+def delete_identity_sessions(db: Session, issuer: str, subject: str, opened_until: datetime) -> int:
+    """Delete the sessions that an identity had opened by then; return how many."""
+    identities = select(FederatedIdentity.id).where(
+        FederatedIdentity.issuer == issuer, FederatedIdentity.subject == subject
+    )
+    statement = delete(BrowserSession).where(
+        BrowserSession.identity_id.in_(identities), BrowserSession.created_at <= opened_until
+    )
+    ended = statement.returning(BrowserSession.token_digest).execution_options(synchronize_session=False)
+    return len(db.execute(ended).all())
+
+
 def load_sessions(db: Session, account_id: UUID) -> Sequence[BrowserSession]:
     query = select(BrowserSession).where(BrowserSession.account_id == account_id)
     return db.execute(query.order_by(BrowserSession.created_at)).scalars().all()

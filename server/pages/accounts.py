@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.http import MAX_ADDRESS, client_address, device_token, local_path, session_token
 from server.base.validation import CutAt
 from server.database.dependencies import Db
+from server.federation.repository import load_buttons
 from server.identity import links, secrets, service
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, clear_session_cookie, set_session_cookie
 from server.identity.models import Account
@@ -95,8 +96,18 @@ async def welcome(
 
 
 @router.get("/connexion")
-def log_in_form(request: Request, account: OptionalAccount, suite: NextAddress = "/") -> HTMLResponse:
-    return account_form(request, "connexion.html", account, after=local_path(suite), action="/", resend="")
+def log_in_form(request: Request, account: OptionalAccount, db: Db, suite: NextAddress = "/") -> HTMLResponse:
+    return account_form(
+        request, "connexion.html", account, after=local_path(suite), action="/", resend="", schools=load_buttons(db)
+    )
+
+
+def _refused_log_in(
+    request: Request, accounts: AccountService, account: Account | None, refused: RefusedForm, **context: str
+) -> HTMLResponse:
+    with accounts.database.read() as db:
+        schools = load_buttons(db)
+        return account_form(request, "connexion.html", account, refused, schools=schools, **context)
 
 
 @router.post("/connexion")
@@ -117,7 +128,7 @@ async def log_in(
             login, password, visitor=account, address=client_address(request), device=device_token(request)
         )
     except RefusedForm as refused:
-        return await run_in_threadpool(account_form, request, "connexion.html", account, refused, login=login, **form)
+        return await run_in_threadpool(_refused_log_in, request, accounts, account, refused, login=login, **form)
     set_session_cookie(request, opened)
     fields = decode_fields(reprise)
     if fields is None:

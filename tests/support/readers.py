@@ -47,9 +47,13 @@ from server.desk.rubrics.forms import parse_form as parse_rubric_form
 from server.desk.rubrics.forms import read_form as read_rubric_form
 from server.desk.studio.forms import read_form as read_exercise_form
 from server.desk.studio.views import render_statement
+from server.federation import registration as servers
+from server.federation import rule_forms
+from server.federation.cas.messages import is_service_ticket, parse_logout
 from server.federation.lti import registration
 from server.federation.lti.launch import target_path
 from server.federation.lti.sign_in import Initiation
+from server.federation.rules import Rule
 from server.federation.tokens import read_header
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
@@ -132,7 +136,7 @@ def _index() -> search.Index:
 
 #: Names and choices of addresses and forms: compared with what there is, and read as a UUID where it is one.
 IDENTITIES = """
-    path:aid path:assignment_id path:chapter path:check
+    path:aid path:assignment_id path:chapter path:check path:protocol
     path:class_id path:code path:column_id path:copy path:eid path:exercise_id path:file
     path:group path:lesson_id
     path:mistake path:module path:name path:regrade_id path:slug path:student path:submission_id path:thread_id
@@ -156,6 +160,17 @@ def _caught(read: Callable[[], object]) -> object:
         return read()
     except ServiceError as refused:
         return refused
+
+
+def _server_form(text: str) -> object:
+    form = dict.fromkeys(("name", "issuer", "service", "client_id", "client_secret", "scopes"), text)
+    return _caught(lambda: servers.parse_oidc(form)), _caught(lambda: servers.parse_cas(form))
+
+
+def _rule(text: str) -> object:
+    form = dict.fromkeys(rule_forms.FIELDS, text)
+    rule, claims = _caught(lambda: rule_forms.parse_rule(form)), _caught(lambda: rule_forms.parse_claims(text))
+    return rule_forms.try_rule(rule, claims) if isinstance(rule, Rule) and isinstance(claims, dict) else rule
 
 
 def _platform_form(form: FormData) -> object:
@@ -286,6 +301,23 @@ READERS: tuple[Reader, ...] = (
         BODY,
         TEXTS,
         "form:deploiement raw:server.pages.school.lti_forms._typed",
+    ),
+    Reader("a server's form", _server_form, BODY, TEXTS, "raw:server.pages.school.server_forms._typed"),
+    Reader("a rule's form", _rule, BODY, ANYTHING, "raw:server.pages.school.rules.change_rule"),
+    Reader(
+        "the end of a session",
+        lambda text: (_caught(lambda: parse_logout(text)), _caught(lambda: read_header(text))),
+        BODY,
+        ANYTHING,
+        "form:logoutRequest form:logout_token",
+    ),
+    Reader(
+        "an answer of a system",
+        lambda text: (digest(text), is_service_ticket(text)),
+        HEAD,
+        TEXTS,
+        "query:etat query:ticket query:iss query:error raw:server.pages.school.entries.come_back "
+        "raw:server.pages.school.entries.leave",
     ),
     Reader("a search", lambda text: (_index().find(text), normalise_name(text)), HEAD, TEXTS, "query:q"),
     Reader("a list", _encoded(read_roster), BODY, TEXTS, "raw:server.api.classes.import_list"),

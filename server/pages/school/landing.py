@@ -8,7 +8,6 @@ from sqlalchemy.orm import Session
 
 from server.federation import contexts
 from server.federation.arrivals import Arrival
-from server.federation.lti.launch import Launch
 from server.federation.models import ProviderContext
 from server.federation.schemas import CourseRole
 from server.identity.models import Account
@@ -16,7 +15,7 @@ from server.identity.models import Account
 COURSE_PATH = "/etablissement/cours/{context_id}"
 
 
-def choose_page(db: Session, arrival: Arrival, launch: Launch, wanted: str, visitor: Account | None) -> str:
+def choose_page(db: Session, arrival: Arrival, role: CourseRole, wanted: str, visitor: Account | None) -> str:
     """Return the page of an arrival: the wanted one, the class of the course, or first the questions to be asked.
 
     A teacher of a course that no class is tied to is asked for one; a new account is asked whether it is another one's
@@ -24,7 +23,7 @@ def choose_page(db: Session, arrival: Arrival, launch: Launch, wanted: str, visi
     """
     context = arrival.contexts[0] if arrival.contexts else None
     page = wanted
-    if context is not None and launch.person.role is CourseRole.teacher and context.class_id is None:
+    if context is not None and role is CourseRole.teacher and context.class_id is None:
         page = f"{COURSE_PATH.format(context_id=context.id)}?{urlencode({'suite': wanted})}"
     elif context is not None and wanted == "/" and context.class_id is not None:
         page = f"/classes/{context.class_id}"

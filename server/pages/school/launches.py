@@ -189,7 +189,7 @@ def _open(
         target, _ = pending.consume(db, begun, launch.nonce)
         frames = sign_in.frames_of(lti_settings(provider)) if is_framed else ""
         arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
-        page = landing.choose_page(db, arrival, launch, launch.target or target, visitor)
+        page = landing.choose_page(db, arrival, launch.person.role, launch.target or target, visitor)
     set_session_cookie(request, arrival.opened)
     return redirect(page)
 

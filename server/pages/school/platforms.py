@@ -21,12 +21,15 @@ from server.base.root_path import service_url
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
 from server.federation import providers, repository
+from server.federation import registration as servers
+from server.federation.cas.schemas import cas_settings
 from server.federation.errors import OutgoingError
 from server.federation.extra import MISSING, is_installed
 from server.federation.lti import registration
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.testing import check_platform
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
+from server.federation.oidc.schemas import oidc_settings
 from server.federation.service import Federation
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
@@ -64,10 +67,22 @@ class ProtocolPage:
     template: str
     settings: Callable[[IdentityProvider], BaseModel]
     check: Check
+    addresses: Callable[[Request, IdentityProvider], Mapping[str, str]]
+
+
+SERVER_PART = "platforms/server_part.html"
+
+
+def _list_addresses(_request: Request, provider: IdentityProvider) -> Mapping[str, str]:
+    return servers.list_addresses(provider, KEYS_PATH)
 
 
 PROTOCOLS: Mapping[str, ProtocolPage] = {
-    Protocol.lti: ProtocolPage("LTI 1.3", "platforms/lti_part.html", lti_settings, check_platform),
+    Protocol.lti: ProtocolPage(
+        "LTI 1.3", "platforms/lti_part.html", lti_settings, check_platform, lambda request, _: our_addresses(request)
+    ),
+    Protocol.cas: ProtocolPage("CAS", SERVER_PART, cas_settings, servers.check_cas, _list_addresses),
+    Protocol.oidc: ProtocolPage("OpenID Connect", SERVER_PART, oidc_settings, servers.check_oidc, _list_addresses),
 }
 
 
@@ -131,7 +146,7 @@ def platform_page(
             labels=ACTIVITY_LABELS,
             result=result,
             problem=problem,
-            addresses=our_addresses(request),
+            addresses=page.addresses(request, provider),
         )
 
 

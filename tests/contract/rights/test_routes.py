@@ -106,7 +106,15 @@ FORMS: dict[str, dict[str, str]] = {
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
+SIGN_IN = "/connexion/etablissement/{provider_id}"
+SERVER_ROUTES = (
+    *(f"GET /administration/plateforme/{{provider_id}}/{page}" for page in ("essai", "regle", "serveur")),
+    *(f"POST /administration/plateforme/{{provider_id}}/{page}" for page in ("regle", "serveur")),
+    *(f"GET {SIGN_IN}{page}" for page in ("", "/retour")),
+    *(f"POST {SIGN_IN}{page}" for page in ("/deconnexion", "/retour")),
+)
 OTHER_VALUES = {
+    **{name: {"provider_id": "{cas}"} for name in SERVER_ROUTES},
     f"GET {TEST}/composer": {"assignment_id": "{test}"},
     **{f"POST {TEST}/{what}": {"assignment_id": "{test}"} for what in ("commencer", "rendre", "publier", "rouvrir")},
     "GET /{module}/kit/{file}": {"file": "l20.py"},
@@ -243,6 +251,10 @@ class Stage:
             protocol=Protocol.lti, name="Moodle", issuer=platform, client_id="balise", settings=addresses
         )
         db.add(self.provider)
+        self.cas = IdentityProvider(
+            protocol=Protocol.cas, name="ENT", issuer=f"{platform}/cas", client_id="cas", settings={"service": platform}
+        )
+        db.add(self.cas)
         db.flush()
         self.course = ProviderContext(provider_id=self.provider.id, context="c")
         db.add(self.course)
@@ -288,6 +300,8 @@ class Stage:
             "aid": self.assignments[who],
             "context_id": str(self.course.id),
             "provider_id": str(self.provider.id),
+            "cas": str(self.cas.id),
+            "protocol": Protocol.cas,
             "column_id": str(self.column.id),
             "chapter": "noter",
             "copy": self.copies[self.assignments[who]],
