@@ -100,16 +100,18 @@ def change_rule(
         name: value for name in (*FIELDS, "claims", "action", "tried") if isinstance(value := form.get(name), str)
     }
     values["claims"] = values.get("claims", "")[: MAX_CLAIMS + 1]
-    with database.write() as db:
+    with database.read() as db:
         provider = providers.find_provider(db, provider_id)
         entries.find_entry(provider)
-        try:
-            trial = try_rule(rule := parse_rule(values), parse_claims(values["claims"]))
-        except InvalidFields as error:
-            return _rule_page(request, account, provider, values, problems=error.problems)
-        saves = values.get("action") in {"enregistrer", "ouvrir"}
-        if not saves or values.get("tried") != _trial_digest(values):
-            return _rule_page(request, account, provider, values, trial=trial, changed=saves)
+    try:
+        trial = try_rule(rule := parse_rule(values), parse_claims(values["claims"]))
+    except InvalidFields as error:
+        return _rule_page(request, account, provider, values, problems=error.problems)
+    saves = values.get("action") in {"enregistrer", "ouvrir"}
+    if not saves or values.get("tried") != _trial_digest(values):
+        return _rule_page(request, account, provider, values, trial=trial, changed=saves)
+    with database.write() as db:
+        provider = providers.find_provider(db, provider_id)
         settings = {**provider.settings, "rule": rule.model_dump(mode="json")}
         providers.change_settings(db, provider, account.id, settings, anchor="service")
         if values["action"] == "ouvrir":

@@ -134,15 +134,17 @@ def change_server(
 ) -> Response:
     """Issuer and client id stay: another one is another registration."""
     providers.require_administrator(account)
-    with database.write() as db:
+    with database.read() as db:
         provider = providers.find_provider(db, provider_id)
         server_form = _find_form(provider.protocol)
-        values = {**_typed(form), "issuer": provider.issuer, "client_id": provider.client_id}
-        secret = oidc_settings(provider).client_secret if provider.protocol == Protocol.oidc else ""
-        try:
-            texts, settings = server_form.parse(values, federation.insecure, secret)
-        except InvalidFields as error:
-            return _form_page(request, account, provider.protocol, values, error.problems, provider=provider)
+    values = {**_typed(form), "issuer": provider.issuer, "client_id": provider.client_id}
+    secret = oidc_settings(provider).client_secret if provider.protocol == Protocol.oidc else ""
+    try:
+        texts, settings = server_form.parse(values, federation.insecure, secret)
+    except InvalidFields as error:
+        return _form_page(request, account, provider.protocol, values, error.problems, provider=provider)
+    with database.write() as db:
+        provider = providers.find_provider(db, provider_id)
         provider.trusts_teachers = values.get("enseignants") == "oui"
         registration.change_server(db, provider, texts, settings, account.id)
     return redirect(PLATFORM_PATH.format(provider_id=provider_id))
