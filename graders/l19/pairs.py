@@ -25,12 +25,14 @@ class NotAPairError(Exception):
 class SamePair:
     """A pair of numbers or of arrays within the tolerance, each said by its name in what is wrong.
 
-    A tuple, a list, or an array of two. Where it is `loose`, a row (1, n) is read as (n,) and (1,) as a number.
+    A tuple, a list, or an array of two. Where it is `loose`, a row (1, n) is read as (n,) and (1,) as a number. Of the
+    value that is not `judged` (0 or 1; both by default), only its being there counts.
     """
 
     names: tuple[str, str]
     tolerance: float = TOLERANCE
     loose: bool = False
+    judged: int | None = None
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         try:
@@ -44,21 +46,23 @@ class SamePair:
         for k, (wish, item) in enumerate(zip(wanted, items, strict=True)):
             if not wish.ndim and is_single(item):  # such as a product of matrices gives
                 found[k] = found[k].reshape(())
-        if [one.shape for one in found] != [one.shape for one in wanted]:
-            return self._wrong_shapes(wanted, found)
-        right = [close(one, other, self.tolerance) for one, other in zip(wanted, found, strict=True)]
-        if all(right):
+        judged = range(2) if self.judged is None else (self.judged,)
+        if any(found[k].shape != wanted[k].shape for k in judged):
+            return self._wrong_shapes(wanted, found, judged)
+        right = {k: close(wanted[k], found[k], self.tolerance) for k in judged}
+        if all(right.values()):
             return None
-        told = " ".join(map(_told, self.names, wanted, found, right))
-        return Mismatch(told, "nan" if any(np.any(np.isnan(one)) for one in found) else None)
+        told = " ".join(_told(self.names[k], wanted[k], found[k], right[k]) for k in judged)
+        return Mismatch(told, "nan" if any(np.any(np.isnan(found[k])) for k in judged) else None)
 
-    def _wrong_shapes(self, wanted: Sequence[Floats], found: Sequence[Floats]) -> Mismatch:
+    def _wrong_shapes(self, wanted: Sequence[Floats], found: Sequence[Floats], judged: Sequence[int]) -> Mismatch:
         if [one.shape for one in found[::-1]] == [one.shape for one in wanted]:
             return Mismatch(f"Dans quel ordre ? On attend ({self.names[0]}, {self.names[1]}).", "forme")
         told = [
-            f"{name} : la forme est {render.shape_text(got.shape)} au lieu de {render.shape_text(right.shape)}."
-            for name, right, got in zip(self.names, wanted, found, strict=True)
-            if right.shape != got.shape
+            f"{self.names[k]} : la forme est {render.shape_text(found[k].shape)} au lieu de "
+            f"{render.shape_text(wanted[k].shape)}."
+            for k in judged
+            if wanted[k].shape != found[k].shape
         ]
         return Mismatch(" ".join(one[0].upper() + one[1:] for one in told), "forme")
 

@@ -33,11 +33,13 @@ FEW_TURNS = 20.0
 class SamePose(RowComparator):
     """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
 
-    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
+    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range. With
+    `heading_only`, only theta counts: a wrong position then costs the points of one check, not of both.
     """
 
     tolerance: float = TOLERANCE
     any_turn: bool = False
+    heading_only: bool = False
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         wanted = read_array(expected)
@@ -49,6 +51,8 @@ class SamePose(RowComparator):
             return wrong_shape(wanted, pose)
         *where, theta = pose.tolist()  # of three numbers, Python makes shorter work than arrays
         *there, angle = wanted.tolist()
+        if self.heading_only:
+            where = there
         if not all(map(math.isfinite, (*where, theta))):
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
         if not all(abs(a - b) <= self.tolerance * max(1.0, abs(b)) for a, b in zip(where, there, strict=True)):
@@ -58,7 +62,8 @@ class SamePose(RowComparator):
     def row_errors(self, expected: Floats, got: Floats) -> Floats | None:
         if got.ndim != 2 or got.shape[1] != 3:
             return None
-        apart, theta = row_errors(expected[:, :2], got[:, :2], self.tolerance), np.abs(got[:, 2])
+        judged = slice(0 if self.heading_only else 2)
+        apart, theta = row_errors(expected[:, judged], got[:, judged], self.tolerance), np.abs(got[:, 2])
         with np.errstate(invalid="ignore", over="ignore"):
             turns = (got[:, 2] - expected[:, 2]) / math.tau
             off = np.abs(turns - np.round(turns)) * math.tau / self.tolerance

@@ -184,6 +184,7 @@ def near(a: Floats, b: Floats, tolerance: float) -> NDArray[np.bool_]:
 
 def _same_items(left: Value, right: Value) -> bool:
     """Tuples of differently shaped arrays, such as (R, t), are the same when their items are."""
+    left, right = (value.tolist() if isinstance(value, np.ndarray) else value for value in (left, right))
     if not isinstance(left, tuple | list) or not isinstance(right, tuple | list):
-        return False
+        return type(left) is type(right) and bool(left == right)
     return len(left) == len(right) and all(same_value(a, b) for a, b in zip(left, right, strict=True))

@@ -31,6 +31,16 @@ def any_places(rng: np.random.Generator) -> Iterator[Arguments]:
         yield x, _beacon(rng, x)
 
 
+def places(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield from places_by_hand(rng)
+    yield from any_places(rng)
+
+
+def readings(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield from readings_by_hand(rng)
+    yield from any_readings(rng)
+
+
 def readings_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
     """Farther than believed, then nearer; a good sensor and a poor one; a doubt that leans."""
     yield vector(4, 6), matrix((4, 0), (0, 4)), 6.0, vector(1, 2), 1.0

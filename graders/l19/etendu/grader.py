@@ -33,7 +33,6 @@ Places = partial(
     functions=MEASURE,
     names=("x", "balise"),
     expected=right_range,
-    compare=SamePair(RANGE, TOLERANCE, loose=True),
     shrinkers=(shrink_array, shrink_array),
     valid=cases.is_place,
     figure=range_figure,
@@ -42,41 +41,54 @@ Readings = partial(
     Cases,
     functions=CORRECT,
     names=NAMES,
+    cases=cases.readings,
     expected=right_correction,
-    compare=SamePair(STATE, TOLERANCE),
     shrinkers=(shrink_array, shrink_covariance, shrink_number, shrink_array, shrink_number),
     valid=cases.is_reading,
     figure=reading_figure,
 )
+#: Of each pair, one check judges the first value, another one the second: half an answer earns half of the points.
+DISTANCE, DERIVATIVE = (SamePair(RANGE, TOLERANCE, loose=True, judged=which) for which in range(2))
+MEAN, DOUBT = (SamePair(STATE, TOLERANCE, judged=which) for which in range(2))
 
 CHECKS = (
     Places(
-        id="distance_exemples",
-        title="La distance et sa dérivée : des triangles rectangles",
-        points=3,
+        id="distance",
+        title="La distance",
+        points=2,
+        cases=cases.places,
+        compare=DISTANCE,
+        hint="Dans le triangle rectangle qui va de la balise au robot, quels sont les deux petits côtés ?",
+    ),
+    Places(
+        id="derivee_exemples",
+        title="La dérivée de la distance : des triangles rectangles",
+        points=2,
         cases=cases.places_by_hand,
+        compare=DERIVATIVE,
         hint="Si le robot s'écarte de la balise d'un mètre, de combien la distance augmente-t-elle ? Et s'il tourne "
         "autour d'elle ?",
     ),
     Places(
-        id="distance_quelconques",
-        title="La distance et sa dérivée : des positions quelconques",
-        points=3,
+        id="derivee_quelconques",
+        title="La dérivée de la distance : des positions quelconques",
+        points=2,
         cases=cases.any_places,
+        compare=DERIVATIVE,
         hint="Déplacez x de 0,001 selon chaque axe : de combien change la distance ? Est-ce 0,001 fois votre H ?",
     ),
     Readings(
-        id="correction_exemples",
-        title="Corriger : plus loin ou plus près que prévu",
+        id="correction_etat",
+        title="Corriger : l’état, plus loin ou plus près que prévu",
         points=5,
-        cases=cases.readings_by_hand,
+        compare=MEAN,
         hint="Dans quelle direction l'état peut-il bouger, si le doute est le même dans toutes ? Et de quel côté ?",
     ),
     Readings(
-        id="correction_quelconques",
-        title="Corriger : des positions et des doutes quelconques",
+        id="correction_doute",
+        title="Corriger : la covariance",
         points=4,
-        cases=cases.any_readings,
+        compare=DOUBT,
         hint="Affichez d, H, S et K, et refaites le calcul à la main. Lequel des quatre diffère ?",
     ),
     Trial(

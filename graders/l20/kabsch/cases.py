@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import islice
 
 import numpy as np
 
@@ -95,7 +96,7 @@ def exact_2d(rng: np.random.Generator) -> Iterator[Pairing]:
     """Rotations of any angle: first the right triangle 3-4-5, which keeps whole numbers, then more than a quarter."""
     yield moved(points((0, 0), (5, 0), (0, 10)), points((0.6, -0.8), (0.8, 0.6)), (1, 2))
     yield moved(points((0, 0), (5, 0), (0, 10)), points((-0.8, -0.6), (0.6, -0.8)), (2, 1))
-    for _ in range(4):
+    for _ in range(3):
         yield random_pairing(rng, 2)
 
 
@@ -103,7 +104,7 @@ def exact_3d(rng: np.random.Generator) -> Iterator[Pairing]:
     corner = points((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 0, 3))
     yield moved(corner, ABOUT_Z, (0, 0, 1))
     yield moved(corner + 1.0, AXES_IN_TURN, (1, 0, -2))
-    for _ in range(4):
+    for _ in range(3):
         yield random_pairing(rng, 3)
 
 
@@ -114,6 +115,15 @@ def noisy(rng: np.random.Generator) -> Iterator[Pairing]:
     yield moved(rectangle * (10.0, 5.0), points((-0.8, 0.6), (-0.6, -0.8)), (1, 0))._replace(P=rectangle * 5.0)
     for d in (2, 3, 2, 3):
         yield random_pairing(rng, d, noise=0.3)
+
+
+def translated(rng: np.random.Generator) -> Iterator[Pairing]:
+    """Pairings of all kinds: exact, noisy, mirrored, in the plane and in space."""
+    yield from islice(examples(rng), 4)
+    yield from islice(exact_3d(rng), 1, 3)
+    yield from islice(noisy(rng), 4)
+    for d in (2, 3):
+        yield _always_mirrored(d)[0]
 
 
 def mirrored_2d(rng: np.random.Generator) -> Iterator[Pairing]:

@@ -18,7 +18,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, PlannedCalls, Reply, StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.kabsch.best import best_of
-from graders.l20.kabsch.judge import Assessment, judge
+from graders.l20.kabsch.judge import Assessment, Part, judge
 from reference.registration import RigidAlignment
 
 ANY_BEST = "plusieurs rotations conviennent : toute paire (R, t) avec det R = +1 dont la somme des carrés est minimale"
@@ -78,9 +78,10 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Alignments(Check):
-    """Judge `kabsch` on every pairing, the simplest first."""
+    """Judge `kabsch`, or a part of what it returns, on every pairing, the simplest first."""
 
     pairings: Drawing
+    part: Part = Part.PAIR
 
     @property
     def has_unplanned_calls(self) -> bool:
@@ -96,20 +97,19 @@ class Alignments(Check):
         for question in asked.context:
             if bench.runner.reenacting and not question.pairing.observed:
                 continue
-            failure = failure_on(bench, question)
+            failure = failure_on(bench, question, self.part)
             first = first or failure
             if failure is not None and failure.stops:
                 break
         if first is not None:
             self._reject(bench, first)
 
-    @staticmethod
-    def _reject(bench: Bench, failure: Failure) -> NoReturn:
+    def _reject(self, bench: Bench, failure: Failure) -> NoReturn:
         if failure.pairing.is_whole or not failure.best.unique:
             raise rejection(failure)
 
         def judged(question: Question, answer: Answer) -> Failure | None:
-            simpler = failure_of(question, answer)[0]
+            simpler = failure_of(question, answer, self.part)[0]
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
         shrink_and_reject(
@@ -124,24 +124,24 @@ def drawn(pairings: Drawing, seed: int) -> tuple[Question, ...]:
     return tuple(Question.about(pairing) for pairing in pairings(np.random.default_rng(seed)))
 
 
-def failure_on(bench: Bench, question: Question) -> Failure | None:
+def failure_on(bench: Bench, question: Question, part: Part) -> Failure | None:
     """How `kabsch` fails on one pairing; None when its answer is right."""
     try:
         answer: Answer = Reply(bench.call("kabsch", *question.pairing[:2]))
     except StudentFault as fault:
         answer = fault
-    failure, observed = failure_of(question, answer)
+    failure, observed = failure_of(question, answer, part)
     if question.pairing.observed:
         bench.observe("kabsch", observed, ok=failure is None, fault=failure.fault if failure else None)
     return failure
 
 
-def failure_of(question: Question, answer: Answer) -> tuple[Failure | None, Value]:
+def failure_of(question: Question, answer: Answer, part: Part) -> tuple[Failure | None, Value]:
     """How an answer fails, None when it is right; and what is to be written down of it."""
     pairing, best = question
     if isinstance(answer, StudentFault):
         return Failure(pairing, best, None, None, answer), None
-    assessment = judge(pairing.P, pairing.Q, best, answer.value)
+    assessment = judge(pairing.P, pairing.Q, best, answer.value, part)
     failure = Failure(pairing, best, answer.value, assessment, None) if assessment.mismatch else None
     return failure, assessment.observed
 

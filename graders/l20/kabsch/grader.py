@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from graders.core.code.checks import Untouched
@@ -11,6 +13,7 @@ from graders.l20 import world
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Alignments
 from graders.l20.kabsch.contract import CONTRACTS
+from graders.l20.kabsch.judge import Part
 from graders.l20.kabsch.probes import PROBES
 
 FUNCTIONS = ("kabsch",)
@@ -21,54 +24,60 @@ def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
     return {"kabsch": (P, Q)}
 
 
+Rotations = partial(Alignments, functions=FUNCTIONS, part=Part.ROTATION)
+
 CHECKS = (
-    Alignments(
+    Rotations(
         id="exemples",
-        title="L'exemple du cours, des nombres entiers et des quarts de tour",
-        points=4,
-        functions=FUNCTIONS,
-        pairings=cases.examples,
-        hint="Une fois P tourné par votre R, où tombe son centre ? Quelle translation l'amène sur le centre de Q ?",
-    ),
-    Alignments(
-        id="exact_2d",
-        title="Dans le plan : un nuage tourné d'un angle quelconque",
+        title="R : l'exemple du cours, des nombres entiers et des quarts de tour",
         points=3,
-        functions=FUNCTIONS,
+        pairings=cases.examples,
+        hint="Où votre R envoie-t-elle la direction (1, 0) ? Est-ce celle que prend, dans Q, le premier côté du "
+        "triangle ?",
+    ),
+    Rotations(
+        id="exact_2d",
+        title="R, dans le plan : un nuage tourné d'un angle quelconque",
+        points=2,
         pairings=cases.exact_2d,
         hint="De quel angle votre R tourne-t-elle ? Est-ce l'angle qui mène de P à Q, ou celui qui mène de Q à P ?",
     ),
-    Alignments(
+    Rotations(
         id="exact_3d",
-        title="Dans l'espace : R est une matrice 3 × 3",
-        points=3,
-        functions=FUNCTIONS,
+        title="R, dans l'espace : une matrice 3 × 3",
+        points=2,
         pairings=cases.exact_3d,
         hint="Que renvoie exactement np.linalg.svd ? Et votre code suppose-t-il quelque part que d vaut 2 ?",
     ),
-    Alignments(
+    Rotations(
         id="bruit",
-        title="Des nuages qui ne se superposent pas exactement",
-        points=4,
-        functions=FUNCTIONS,
+        title="R : des nuages qui ne se superposent pas exactement",
+        points=3,
         pairings=cases.noisy,
         hint="Tous les points comptent-ils dans votre H ? Votre R garde-t-elle les longueurs ?",
     ),
-    Alignments(
+    Rotations(
         id="miroir",
         title="Dans le plan, un nuage retourné comme dans un miroir : R reste une rotation",
         points=1.5,
-        functions=FUNCTIONS,
         pairings=cases.mirrored_2d,
         hint="Que vaut det(V Uᵀ) ici ? Quelle direction est-il le moins coûteux de retourner ?",
     ),
-    Alignments(
+    Rotations(
         id="miroir_3d",
-        title="Dans l'espace, un nuage retourné comme dans un miroir",
+        title="Dans l'espace, un nuage retourné comme dans un miroir : R reste une rotation",
         points=1.5,
-        functions=FUNCTIONS,
         pairings=cases.mirrored_3d,
         hint="Parmi les colonnes de V, laquelle va avec la plus petite valeur singulière ?",
+    ),
+    Alignments(
+        id="translation",
+        title="t : celle qui convient à votre R",
+        points=4,
+        functions=FUNCTIONS,
+        pairings=cases.translated,
+        part=Part.TRANSLATION,
+        hint="Une fois P tourné par votre R, où tombe son centre ? Quelle translation l'amène sur le centre de Q ?",
     ),
     Alignments(
         id="degeneres",

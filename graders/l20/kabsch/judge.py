@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
@@ -39,8 +40,20 @@ class Assessment:
     t: Floats | None = None
 
 
-def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Assessment:
-    """Judge what `kabsch(P, Q)` returned against the best alignment. Never raises for a student's value."""
+class Part(StrEnum):
+    """What a check judges: the rotation, with the translation that fits it; the translation, for the rotation that is
+    returned; or the pair as it is."""
+
+    ROTATION = "R"
+    TRANSLATION = "t"
+    PAIR = "(R, t)"
+
+
+def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value, part: Part = Part.PAIR) -> Assessment:
+    """Judge what `kabsch(P, Q)` returned, or a part of it, against the best alignment.
+
+    Never raises for a student's value.
+    """
     d = P.shape[1]
     try:
         R, t = read_pair(value)
@@ -48,15 +61,24 @@ def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Assessmen
         return Assessment("form", unreadable(error), "illisible")
     except NotAPairError as error:
         return Assessment("form", Mismatch(str(error), "forme"), str(error))
-    if R.shape != (d, d) or t.shape != (d,):
-        return Assessment("form", _wrong_shapes(R, t, d), f"R {R.shape}, t {t.shape}")
-    if not (np.all(np.isfinite(R)) and np.all(np.isfinite(t))):
-        return Assessment("finite", _not_finite(R, t), (R, t))
+    wrong_shapes = _wrong_shapes(R, t, d, part)
+    if wrong_shapes is not None:
+        return Assessment("form", wrong_shapes, f"R {R.shape}, t {t.shape}")
+    not_finite = _not_finite(R, t, part)
+    if not_finite is not None:
+        return Assessment("finite", not_finite, (R, t))
     with np.errstate(over="ignore", invalid="ignore"):
-        improper = _not_a_rotation(R)
-        if improper is not None:
-            return Assessment("rotation", improper, (R, t), R, t)
-        return Assessment("cost", _not_minimal(P, Q, best, R, t), (R, t), R, t)
+        return _judge_numbers(P, Q, best, R, t, part)
+
+
+def _judge_numbers(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats, part: Part) -> Assessment:
+    if part is Part.TRANSLATION:
+        return Assessment("cost", _not_fitting(P, Q, best, R, t), (R, t), R, t)
+    improper = _not_a_rotation(R)
+    if improper is not None:
+        return Assessment("rotation", improper, (R, t), R, t)
+    judged_t = _own_t(P, Q, R) if part is Part.ROTATION else t
+    return Assessment("cost", _not_minimal(P, Q, best, R, judged_t, part), (R, t), R, t)
 
 
 class NotAPairError(Exception):
@@ -89,21 +111,23 @@ def _read_item(name: str, item: Value) -> Floats:
     return read_array(item)
 
 
-def _wrong_shapes(R: Floats, t: Floats, d: int) -> Mismatch:
+def _wrong_shapes(R: Floats, t: Floats, d: int, part: Part) -> Mismatch | None:
     if R.shape == (d,) and t.shape == (d, d):
         return Mismatch("La paire est dans l'ordre (t, R) : on attend (R, t).", "forme")
     shapes = {"R": (R.shape, (d, d)), "t": (t.shape, (d,))}
     wrong = [
         f"{name} est de forme {render.shape_text(got)} au lieu de {render.shape_text(right)}"
         for name, (got, right) in shapes.items()
-        if got != right
+        if got != right and not (name == "t" and part is Part.ROTATION)
     ]
-    return Mismatch(f"En dimension {d}, " + " et ".join(wrong) + ".", "forme")
+    return Mismatch(f"En dimension {d}, " + " et ".join(wrong) + ".", "forme") if wrong else None
 
 
-def _not_finite(R: Floats, t: Floats) -> Mismatch:
-    which = " et ".join(name for name, array in (("R", R), ("t", t)) if not np.all(np.isfinite(array)))
-    slip = "nan" if np.any(np.isnan(R)) or np.any(np.isnan(t)) else None
+def _not_finite(R: Floats, t: Floats, part: Part) -> Mismatch | None:
+    judged = {"R": R} if part is Part.ROTATION else {"R": R, "t": t}
+    if not (which := " et ".join(name for name, array in judged.items() if not np.all(np.isfinite(array)))):
+        return None
+    slip = "nan" if any(np.any(np.isnan(array)) for array in judged.values()) else None
     verb = "contiennent" if " et " in which else "contient"
     return Mismatch(f"{which} {verb} une valeur qui n'est pas un nombre fini.", slip)
 
@@ -129,13 +153,33 @@ def _not_orthogonal(gram: Floats, gap: float) -> str:
     return f"R n'est pas une rotation : RᵀR devrait être l'identité, et s'en écarte de {render.number(gap, 3)}."
 
 
-def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -> Mismatch | None:
+def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats, part: Part) -> Mismatch | None:
     cost = squared_residual(R, t, P, Q)
     if cost <= best.residual + _tolerance(P, Q, best.residual):
         return None
-    total = "Avec votre (R, t), la somme des carrés vaut {} ; le minimum est {}."
+    using = "votre (R, t)" if part is Part.PAIR else "votre R et le t qui lui convient"
+    total = f"Avec {using}, la somme des carrés vaut {{}} ; le minimum est {{}}."
     minimum = 0.0 if best.residual < _tolerance(P, Q, 0.0) else best.residual
-    return Mismatch(f"{total.format(*number_pair(cost, minimum, 5))} {_culprit(P, Q, best, R, t)}".strip())
+    return Mismatch(f"{total.format(*number_pair(cost, minimum, 5))} {_culprit(P, Q, best, R, t, part)}".strip())
+
+
+def _not_fitting(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -> Mismatch | None:
+    """Return the mismatch of a t that is the best one neither for the R beside it nor for the best rotation."""
+    own_t = _own_t(P, Q, R)
+    fits = squared_residual(R, own_t, P, Q)
+    if squared_residual(R, t, P, Q) <= fits + _tolerance(P, Q, fits):
+        return None
+    if best.unique and squared_residual(best.R_q_p, t, P, Q) <= best.residual + _tolerance(P, Q, best.residual):
+        return None
+    best_t, your_t = text_pair(own_t, t, digits=5)
+    is_right = best.unique and np.allclose(R, best.R_q_p, atol=LOOKS_THE_SAME)
+    which = "R est juste ;" if is_right else "Avec votre R,"
+    return Mismatch(f"{which} le meilleur t est {best_t}, le vôtre est {your_t}.")
+
+
+def _own_t(P: Floats, Q: Floats, R: Floats) -> Floats:
+    """Return the best translation (d,) for this matrix."""
+    return np.asarray(Q.mean(axis=0) - R @ P.mean(axis=0))
 
 
 def _tolerance(P: Floats, Q: Floats, minimum: float) -> float:
@@ -145,9 +189,11 @@ def _tolerance(P: Floats, Q: Floats, minimum: float) -> float:
     return COST_RELATIVE * minimum + COST_OF_SPREAD * spread + P.size * (1e-9 * size) ** 2
 
 
-def _culprit(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -> str:
+def _culprit(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats, part: Part) -> str:
     """Which of R and t is to blame, in one French sentence."""
-    own_t = Q.mean(axis=0) - R @ P.mean(axis=0)
+    if part is Part.ROTATION:
+        return f"R n'est pas la bonne rotation{_angles(R, best.R_q_p)}." if best.unique else ""
+    own_t = _own_t(P, Q, R)
     t_fits = bool(np.all(np.abs(t - own_t) <= LOOKS_THE_SAME * np.maximum(1.0, np.abs(own_t))))
     best_t, your_t = text_pair(own_t, t, digits=5)
     right_t = f"le meilleur t est {best_t}, le vôtre est {your_t}."

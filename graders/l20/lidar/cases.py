@@ -117,6 +117,14 @@ def telling_then(rng: Rng) -> tuple[Rng, Rng]:
     return np.random.default_rng(TELLING), rng
 
 
+def along_x(rng: Rng) -> Iterator[Arguments]:
+    return (args for args in along_axes(rng) if abs(math.cos(args[3])) > GRAZING)
+
+
+def along_y(rng: Rng) -> Iterator[Arguments]:
+    return (args for args in along_axes(rng) if abs(math.sin(args[3])) > GRAZING)
+
+
 def along_axes(rng: Rng) -> Iterator[Arguments]:
     """Exactly along the axes, in the walled room; half a turn is asked as pi and as -pi."""
     for x, y in ((2.3, 3.7), (5.8, 1.4), (7.6, 4.8)):

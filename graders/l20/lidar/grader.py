@@ -46,8 +46,10 @@ def _rays(check: str, title: str, points: float, draw: cases.Drawing, hint: str)
 
 
 CHECKS = (
-    _rays("axes", "Le long des axes, dans une salle fermée", 4, cases.along_axes,
-          "Quand l’angle vaut π, laquelle des deux coordonnées change, et dans quel sens ? Et pour π/2 ?"),
+    _rays("axe_x", "Vers la droite et vers la gauche, dans une salle fermée", 2, cases.along_x,
+          "Quand l’angle vaut π, laquelle des deux coordonnées change, et dans quel sens ?"),
+    _rays("axe_y", "Vers le haut et vers le bas, dans une salle fermée", 2, cases.along_y,
+          "Quand l’angle vaut π/2, laquelle des deux coordonnées change, et dans quel sens ?"),
     _rays("obliques", "En biais, dans les quatre quarts du plan", 5, cases.oblique,
           "Prenez un rayon qui part vers la gauche et vers le haut : quelles cases traverse-t-il, dans quel ordre ?"),
     _rays("portee", "La portée : ni plus, ni moins", 3, cases.within_range,

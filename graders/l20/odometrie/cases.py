@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import islice
 
 import numpy as np
 
@@ -72,6 +73,12 @@ def any_steps(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(0.25, 3.5, -2.1), 0.44, -0.16, 0.8
     for _ in range(10):
         yield _step(rng, digits=2)
+
+
+def steps_all_round(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Those, then some beyond half a turn, where the position too must be right."""
+    yield from any_steps(rng)
+    yield from islice(turning_steps(rng), 6)
 
 
 def turning_steps(rng: np.random.Generator) -> Iterator[Arguments]:

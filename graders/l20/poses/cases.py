@@ -87,10 +87,13 @@ def simple_pairs(rng: np.random.Generator) -> Rows:
 
 
 def random_pairs(rng: np.random.Generator) -> Rows:
-    """Any two poses whose angles add up, and subtract, to less than half a turn: first to more than a quarter."""
+    """Any two poses whose angles add up, and subtract, to less than half a turn: first to more than a quarter.
+
+    Those that never change and whose angles add up to more come last: what is judged there is the position.
+    """
     drawn = random_poses(rng, 24)
     drawn[:, 2] /= 2.1
-    return _pairs(TURNED, drawn.reshape(12, 2, 3))
+    return _pairs(TURNED, drawn.reshape(12, 2, 3), WRAPPING)
 
 
 def wrapping_pairs(rng: np.random.Generator) -> Rows:

@@ -14,7 +14,7 @@ from graders.l20.slam_graphe import asked, residual
 from graders.l20.slam_graphe.contract import CONTRACTS
 from graders.l20.slam_graphe.optimum import Optimum
 from graders.l20.slam_graphe.probes import PROBES
-from graders.l20.slam_graphe.residual import errors
+from graders.l20.slam_graphe.residual import SameError, errors
 
 GAUSS_NEWTON = ("gauss_newton",)
 
@@ -30,6 +30,7 @@ CHECKS = (
         title="L'erreur d'une arête : des nombres entiers et des quarts de tour",
         points=3,
         cases=residual.simple_edges,
+        compare=SameError(any_turn=True),
         valid=residual.stays,
         hint="Où le robot placé en xi voit-il la pose xj, dans son propre repère ? Qu'annonçait la mesure z ?",
     ),
@@ -38,6 +39,7 @@ CHECKS = (
         title="L'erreur d'une arête : des poses au hasard",
         points=2,
         cases=residual.random_edges,
+        compare=SameError(any_turn=True),
         valid=residual.stays,
         hint="Votre erreur est-elle nulle quand xj est là où la mesure la place, quel que soit le cap de xi ?",
     ),
@@ -46,6 +48,7 @@ CHECKS = (
         title="L'erreur d'une arête : l'angle revient dans ]−π, π]",
         points=2,
         cases=residual.wrapping_edges,
+        compare=SameError(angle_only=True),
         valid=residual.wraps,
         hint="Deux caps de 170° et de −170° : de combien diffèrent-ils vraiment ? Et que donne leur soustraction ?",
     ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -42,7 +43,13 @@ PROBE = (pose(1, 2, 0), pose(4, 3, 1.5), pose(2, 0, 1))
 
 @dataclass(frozen=True)
 class SameError:
-    """Errors (3,) of an edge: the translation within the tolerance, the angle modulo 2 pi but within [-pi, pi]."""
+    """Errors (3,) of an edge: the translation within the tolerance, the angle modulo 2 pi but within [-pi, pi].
+
+    `any_turn` and `angle_only` are as those of `SamePose`.
+    """
+
+    any_turn: bool = False
+    angle_only: bool = False
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         wanted = read_array(expected)
@@ -54,16 +61,15 @@ class SameError:
             return wrong_shape(wanted, error)
         if not np.all(np.isfinite(error)):
             return Mismatch("Une des composantes n'est pas un nombre fini.", "nan")
-        if not close(wanted[:2], error[:2]):
+        if not self.angle_only and not close(wanted[:2], error[:2]):
             opposite = close(-wanted[:2], error[:2]) and abs(math.remainder(error[2] + wanted[2], math.tau)) < TOLERANCE
             return Mismatch("La partie « translation » de l'erreur est fausse.", "oppose" if opposite else None)
         return self._angle(float(wanted[2]), float(error[2]))
 
-    @staticmethod
-    def _angle(wanted: float, theta: float) -> Mismatch | None:
+    def _angle(self, wanted: float, theta: float) -> Mismatch | None:
         if abs(math.remainder(theta - wanted, math.tau)) > TOLERANCE:
             return Mismatch(f"L'angle de l'erreur est faux : {angle_instead(wanted, theta)}.")
-        if abs(theta) <= math.pi + TOLERANCE:
+        if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
             return None
         return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
 
@@ -120,6 +126,7 @@ def random_edges(rng: np.random.Generator) -> Iterator[Arguments]:
             if stays(args):
                 break
         yield args
+    yield from islice(wrapping_edges(rng), 4)  # where the translation too must be right
 
 
 def wrapping_edges(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -156,6 +163,7 @@ def errors(
     cases: Callable[[np.random.Generator], Iterable[Arguments]],
     valid: Callable[[Arguments], bool],
     hint: str,
+    compare: SameError,
 ) -> Trial:
     """A check of `erreur` on some cases, all judged in the one convention that the program shows."""
 
@@ -163,7 +171,7 @@ def errors(
         convention = convention_of(bench)
         Cases(
             id=id, title=title, points=points, functions=(FUNCTION,), hint=hint, names=NAMES, cases=cases,
-            expected=convention, compare=SameError(), shrinkers=(shrink_pose,) * 3, valid=valid,
+            expected=convention, compare=compare, shrinkers=(shrink_pose,) * 3, valid=valid,
             figure=edge_figure,
         ).run(bench)  # fmt: skip
 

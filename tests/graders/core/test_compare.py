@@ -1,6 +1,7 @@
 """Comparators: generous about containers, strict about content, never raising on what a student returned."""
 
 import math
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -111,6 +112,15 @@ def test_indices_say_what_is_missing_and_what_is_extra() -> None:
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_any_two_values_are_the_same_or_not(left: object, right: object) -> None:
     assert same_value(left, right) is same_value(right, left)
+
+
+def test_values_of_any_kind_are_the_same_as_their_copies() -> None:
+    pair = np.empty(2, dtype=object)
+    pair[:] = [np.eye(2), np.zeros(2)]
+    for value in (pair, np.array([1j, 2.0]), 3 + 1j, "x", {"a": pair}, [pair, None]):
+        assert same_value(value, deepcopy(value))
+    assert not same_value(pair, pair[::-1])
+    assert not same_value(np.array([1j]), np.array([2j]))
 
 
 def test_a_text_is_never_the_same_as_an_array() -> None:

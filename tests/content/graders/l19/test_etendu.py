@@ -66,10 +66,10 @@ def test_no_step_of_a_walk_comes_near_a_beacon(seed: int) -> None:
     ("source", "name", "checks"),
     [
         (edited("H = ecart / d", "H = -ecart / d"), "jacobienne_de_signe_oppose",
-         {"distance_exemples", "correction_exemples", "promenade"}),
-        (edited("(z - d)", "(z - H @ x)"), "innovation_par_h_x", {"correction_exemples", "promenade"}),
+         {"derivee_exemples", "correction_etat", "promenade"}),
+        (edited("(z - d)", "(z - H @ x)"), "innovation_par_h_x", {"correction_etat", "promenade"}),
         (edited("P - np.outer(K, H @ P)", "(np.eye(2) - K @ H) @ P"), "produit_scalaire_pour_exterieur",
-         {"correction_exemples"}),
+         {"correction_doute"}),
         (edited("    return d, H", "    balise[0] += 1.0\n    return d, H"), "argument_modifie", {"arguments"}),
     ],
 )  # fmt: skip
@@ -77,6 +77,11 @@ def test_a_mistake_is_refused_and_named(source: str, name: str, checks: set[str]
     found = verdict(source, 3)
     assert checks <= failed(found)
     assert named(found) == name
+
+
+def test_half_an_answer_earns_its_half() -> None:
+    assert verdict(edited("H = ecart / d", "H = -ecart / d"), 3).points == 8.0  # d, P, and intact arguments
+    assert failed(verdict(edited("P - np.outer(K, H @ P)", "P"), 3)) == {"correction_doute", "promenade"}
 
 
 def test_a_mistake_of_the_derivative_is_not_told_twice() -> None:
@@ -87,7 +92,7 @@ def test_a_mistake_of_the_derivative_is_not_told_twice() -> None:
 
 
 def test_the_counterexample_is_small() -> None:
-    found = checked(EXERCISE, edited("(z - d)", "(d - z)"), 3, simplified=True).verdict.checks[2].counterexample
+    found = checked(EXERCISE, edited("(z - d)", "(d - z)"), 3, simplified=True).verdict.checks[3].counterexample
     assert found is not None
     assert found.inputs == {"x": [0, 0], "P": [[1, 0], [0, 1]], "z": 1.0, "balise": [0, 2], "r": 1.0}
 
@@ -95,5 +100,5 @@ def test_the_counterexample_is_small() -> None:
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     figures = json.loads(json.dumps(checked(EXERCISE, edited("H = ecart / d", "H = ecart[::-1] / d"), 1).figures))
-    for check in ("distance_exemples", "correction_exemples"):
+    for check in ("derivee_exemples", "correction_etat"):
         assert counterexample(EXERCISE, figures[check], theme=theme).startswith(b"<?xml")

@@ -142,12 +142,12 @@ def kabsch(P, Q):
     [
         (SVD.replace(RETURN, "return R.astype(np.float32), t\n"), "exact_2d"),
         (SVD.replace(RETURN, "return np.round(R, 4), t\n"), "exact_2d"),
-        (SVD.replace(RETURN, "return R, np.round(t, 3)\n"), "exact_2d"),
-        (SVD.replace(RETURN, "return R, t[None]\n"), "exemples"),
+        (SVD.replace(RETURN, "return R, np.round(t, 3)\n"), "translation"),
+        (SVD.replace(RETURN, "return R, t[None]\n"), "translation"),
         (SVD.replace(RETURN, "return R, t, S\n"), "exemples"),
         (SVD.replace(RETURN, "return t, R\n"), "exemples"),
         (SVD.replace(RETURN, "return R\n"), "exemples"),
-        (SVD.replace(RETURN, "return R, t * np.nan\n"), "exemples"),
+        (SVD.replace(RETURN, "return R, t * np.nan\n"), "translation"),
         (SVD.replace(RETURN, "return R[::-1] if len(P) == 1 else R, t\n"), "degeneres"),
         (SVD.replace(PRODUCT, "(P[:-1] - p).T @ (Q[:-1] - q)"), "bruit"),
         (SVD.replace(PRODUCT, "(P - p).T @ ((Q - q) * (1 + np.arange(len(P)))[:, None])"), "bruit"),
@@ -200,8 +200,18 @@ def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> Non
     assert named(verdict(source, 0)) == name
 
 
+def test_a_rotation_and_a_translation_are_judged_apart() -> None:
+    for wrong, fails in (
+        ("t_sans_rotation", {"translation", "degeneres"}),
+        ("t_oppose", {"translation", "degeneres"}),
+        ("rotation_transposee", {"exemples", "exact_2d", "exact_3d", "bruit", "miroir", "miroir_3d", "degeneres"}),
+    ):
+        assert failed(verdict(mistake(wrong).source, 3)) == fails
+
+
 def test_the_first_counterexample_is_that_of_the_course() -> None:
-    found = verdict(mistake("t_sans_rotation").source, 3).checks[0]
+    found = next(check for check in verdict(mistake("t_sans_rotation").source, 3).checks if not check.passed)
+    assert found.id == "translation"
     assert found.counterexample is not None
     assert found.counterexample.inputs["P"] == [[0, 0], [1, 0], [0, 1]]
     np.testing.assert_allclose(found.counterexample.expected[0], [[0, -1], [1, 0]], atol=1e-12)
@@ -211,7 +221,7 @@ def test_the_first_counterexample_is_that_of_the_course() -> None:
 
 def test_a_random_counterexample_is_shrunk() -> None:
     source = SVD.replace("return R, t\n", "return (R, t) if np.all(P == P.round()) or len(P) < 5 else (R, t + 1)\n")
-    found = next(check for check in verdict(source, 2).checks if check.id == "bruit")
+    found = next(check for check in verdict(source, 2).checks if check.id == "translation")
     assert found.counterexample is not None
     assert len(found.counterexample.inputs["P"]) == 5
 
@@ -230,7 +240,7 @@ def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
 def test_figures_draw(theme: str) -> None:
     right_shape = graded(mistake("t_sans_rotation").source, 1).figures
     wrong_shape = graded(mistake("points_en_colonnes").source, 1).figures
-    drawn = (right_shape["exemples"], right_shape["exact_3d"], wrong_shape["degeneres"])
+    drawn = (right_shape["translation"], wrong_shape["exact_3d"], wrong_shape["degeneres"])
     for data in json.loads(json.dumps(drawn)):
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
@@ -238,7 +248,7 @@ def test_figures_draw(theme: str) -> None:
 def test_absurd_answers_are_judged_and_left_out_of_the_figure() -> None:
     source = SVD.replace("return R, t\n", "return R, t + 1e150\n")
     grading = graded(source, 1)
-    assert grading.verdict.score == 0.0
+    assert failed(grading.verdict) == {"translation", "degeneres"}
     assert all(data["got"] is None for data in grading.figures.values())
 
 
