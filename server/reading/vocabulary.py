@@ -13,6 +13,7 @@ import unicodedata
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from threading import Lock
 
 import numpy as np
 
@@ -33,13 +34,13 @@ def spelt(text: str) -> str:
 
 
 class Vocabulary:
-    """Built once over some texts, then only read."""
+    """Built once over some texts, then only read; by several threads."""
 
     def __init__(self, texts: Iterable[str]) -> None:
         words = sorted({word for text in texts for word in WORD.findall(spelt(text))})
         import snowballstemmer
 
-        self._stem = snowballstemmer.stemmer("french").stemWord
+        self._stemmer, self._lock = snowballstemmer.stemmer("french"), Lock()
         self._spellings: dict[str, list[str]] = defaultdict(list)
         self._of_stem: dict[str, list[str]] = defaultdict(list)
         for word in words:
@@ -48,6 +49,11 @@ class Vocabulary:
         self._plain = sorted(self._spellings)
         self._letters = np.ascontiguousarray(_count_letters(self._plain))
         self._lengths = np.array([len(word) for word in self._plain], dtype=np.int32)
+
+    def _stem(self, word: str) -> str:
+        """Return the stem. The stemmer holds the word that it works on: of two threads, one waits."""
+        with self._lock:
+            return str(self._stemmer.stemWord(word))
 
     def knows(self, word: str) -> bool:
         """Whether it stands in the texts: it, its beginning, or another of its stem."""

@@ -37,6 +37,7 @@ KNOWN = {
     "server.offline.paper": "by a command: a browser prints",
     "server.reading.ahead": "in a thread of its own, as the service starts",
     "server.reading.search": "a search, bounded to some milliseconds whatever its query",
+    "server.reading.vocabulary": "the stem of one word",
     "server.similarity.service": "refused beyond one at once, and the comparison has a deadline",
     "server.text.katex": "a batch of sixteen formulas; first readings wait in a single flight",
     "server.text.markup": "a rendering; first readings wait in a single flight",

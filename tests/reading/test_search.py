@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import difflib
 import re
+import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import given, settings
@@ -199,6 +201,21 @@ def test_the_nearest_word_is_that_of_difflib() -> None:
     for word in ("reechantillonage", "grapes", "fremeture", "neoud", "xyz", "particulles", "boucel", "odometri"):
         close = difflib.get_close_matches(word, vocabulary._plain, n=1, cutoff=ALIKE)
         assert [unaccented(vocabulary.mended(word) or "")] == (close or [""])
+
+
+def test_stems_are_the_same_in_threads() -> None:
+    """Snowball's stemmer holds the word that it works on, and stems it in Python, so that threads take turns inside."""
+    vocabulary = Vocabulary(["équations localisation odométrie planification"])
+    asked = [f"{word}{k}ements" for k in range(60) for word in ("localisation", "été", "planificatrice", "roues")]
+    alone = [vocabulary.stems(word) for word in asked]
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            together = list(pool.map(lambda _: [vocabulary.stems(word) for word in asked], range(4)))
+    finally:
+        sys.setswitchinterval(interval)
+    assert together == [alone] * 4
 
 
 def test_no_query_takes_long() -> None:
