@@ -30,6 +30,7 @@ from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_unavailable, utc_now
+from server.federation import outbox_task
 from server.federation import repository as federation
 from server.federation.service import Federation
 from server.figures.pictures import Pictures
@@ -173,6 +174,7 @@ class Services:
             **regrade_task.give_up_handlers(self.course, self.queue),
             **fingerprints.give_up_handlers(),
             **trial_task.give_up_handlers(),
+            **outbox_task.give_up_handlers(),
         }
 
     def take_back(self, owner: LeaseOwner) -> None:

@@ -22,6 +22,7 @@ from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router
 from server.desk.rubrics.routes import router as rubrics_router
+from server.desk.school.routes import router as school_router
 from server.desk.sitting.routes import router as sitting_router
 from server.desk.studio.routes import router as studio_router
 from server.desk.talk.routes import router as talking_router
@@ -82,6 +83,7 @@ ROUTERS = (
     marks_router,
     journal_router,
     polls_router,
+    school_router,
     regrades_router,
     groups_router,
     sitting_router,

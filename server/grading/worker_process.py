@@ -2,6 +2,7 @@
 
 import gc
 import logging
+import os
 import signal
 import sys
 import threading
@@ -17,6 +18,8 @@ from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, Finge
 from server.course import Course, load
 from server.course.start_cache import CACHE_FILE, StartCache
 from server.database import Database
+from server.federation.outbox_task import OutboxThread, SchoolMarksTask
+from server.federation.service import Federation
 from server.grading.early_verdicts import EarlyVerdicts
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.idle_monitor import IdleMonitor
@@ -27,6 +30,7 @@ from server.grading.trial_task import TrialTask
 from server.queue.engine import create_nats_engine
 from server.queue.graceful_stop import GracefulStop
 from server.queue.interfaces import QueueNotifier, Tasks, WorkerCapabilities, WorkSource
+from server.queue.lease_owner import process_owner
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.regrades.service import REGRADE_JOB
@@ -139,6 +143,13 @@ def _run_worker(
         threading.Thread(
             target=sweeper.run_until, args=(_graceful_stop.requested,), name="sweeper", daemon=True
         ).start()
+        outbox = OutboxThread(
+            database,
+            settings,
+            SchoolMarksTask(database, course, Federation(settings).outgoing),
+            process_owner(os.getpid()),
+        )
+        threading.Thread(target=outbox.run_until, args=(_graceful_stop.requested,), name="outbox", daemon=True).start()
         try:
             work_loop(
                 Worker(

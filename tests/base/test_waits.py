@@ -27,6 +27,7 @@ KNOWN = {
     "server.database.engine": "as the service starts, and a few times while SQLite changes its mode",
     "server.federation.discovery": "a dictionary's look-up; requests go from threads of their own",
     "server.federation.lti.access_tokens": "a dictionary's look-up; requests go from threads of their own",
+    "server.federation.outbox_task": "in a worker: threads of its own",
     "server.federation.outgoing": "threads of its own, beyond whose queue requests are refused",
     "server.federation.remote_keys": "a dictionary's look-up; requests go from threads of their own",
     "server.figures.artists": "in a helper process",

@@ -92,6 +92,7 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/questions": ("", "?etat=toutes"),
     CLASS + "/recalculs": ("",),
     CLASS + "/recalculs/{regrade_id}": ("",),
+    CLASS + "/plateforme": ("",),
     CLASS + "/reglages": ("",),
     CLASS + "/seance": ("",),
     CLASS + "/seance/projeter": ("",),

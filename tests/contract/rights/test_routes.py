@@ -102,6 +102,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     "POST /administration/plateforme/{provider_id}": {"action": "suspendre"},
+    "POST /classes/{class_id}/plateforme": {"action": "envoyer", "cours": "{tied}", "devoir": "{aid}"},
     "POST /etablissement/cours/{context_id}": {"action": "lier", "classe": "{class_id}"},
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
@@ -258,6 +259,8 @@ class Stage:
         db.flush()
         self.course = ProviderContext(provider_id=self.provider.id, context="c")
         db.add(self.course)
+        self.tied = ProviderContext(provider_id=self.provider.id, context="d", class_id=self.made.id)
+        db.add(self.tied)
         db.flush()
         db.add(ContextTeacher(context_id=self.course.id, account_id=self.accounts["teacher"].id))
         self.calendar = calendars.renew_address(db, self.accounts["student"])
@@ -298,6 +301,7 @@ class Stage:
             "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],
+            "tied": str(self.tied.id),
             "context_id": str(self.course.id),
             "provider_id": str(self.provider.id),
             "cas": str(self.cas.id),
