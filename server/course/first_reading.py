@@ -9,6 +9,7 @@ from fastapi import Depends
 
 from server.base.app_services import app_service
 from server.base.concurrency import SingleFlight
+from server.base.turns import out_of_turn
 from server.course.dependencies import CourseOf
 from server.text.markup import Text
 
@@ -19,7 +20,8 @@ async def render_texts(once: SingleFlight, texts: Iterable[Text]) -> None:
     """Render those of the texts that nobody has read yet."""
     missing = [text for text in texts if not text.is_rendered]
     if missing:
-        await once.run(missing[0], lambda: [text.rendered for text in missing])
+        async with out_of_turn():
+            await once.run(missing[0], lambda: [text.rendered for text in missing])
 
 
 async def render_lesson(course: CourseOf, once: SingleFlightOf, module: str, slug: str) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from server.base.concurrency import SingleFlight
 from server.base.errors import NotFound
 from server.base.files import reproducible_zip
+from server.base.turns import out_of_turn
 from server.course import Course
 from server.course.code import load_file
 
@@ -23,7 +24,8 @@ class Downloads:
         """Return the archive, made once for all who wait for it. Raises NotFound."""
         made = self._made.get((module, name))
         if made is None:
-            made = await once.run((Downloads, module, name), lambda: self.archive(module, name))
+            async with out_of_turn():
+                made = await once.run((Downloads, module, name), lambda: self.archive(module, name))
         return made
 
     def archive(self, module: str, name: str) -> bytes:

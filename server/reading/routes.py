@@ -13,6 +13,7 @@ from server.base import root_path
 from server.base.app_services import app_service
 from server.base.errors import NotFound
 from server.base.http import client_address
+from server.base.turns import out_of_turn
 from server.base.validation import CutAt
 from server.course.dependencies import CourseOf
 from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
@@ -83,7 +84,8 @@ async def prepare_index(course: CourseOf, once: SingleFlightOf, module: str) -> 
     """Make the index of the address's module, if there is one, at the first search."""
     course_module = course.modules.get(module)
     if course_module is not None and not search.is_prepared(course_module):
-        await once.run((search, module), lambda: search.prepare(course_module))
+        async with out_of_turn():
+            await once.run((search, module), lambda: search.prepare(course_module))
 
 
 @router.get("/{module:module}/recherche", dependencies=[Depends(prepare_index)])

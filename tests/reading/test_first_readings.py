@@ -11,6 +11,7 @@ import anyio.to_thread
 import pytest
 from starlette.types import Message
 
+from server.base import turns
 from server.reading import downloads, search
 from server.text.markup import Text
 from tests.support.service import Site
@@ -49,6 +50,7 @@ def gate(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
 
         return wait_and_work
 
+    monkeypatch.setattr(turns, "TURN_SECONDS", 600)  # nobody's turn ends by itself: all of the crowd come to wait
     monkeypatch.setattr(Text, "is_rendered", property(lambda _text: opened.is_set()))
     monkeypatch.setattr(Text, "rendered", property(waiting(lambda text: text.__dict__["rendered"])))
     monkeypatch.setattr(search, "_indexes", {})
