@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 from uuid import UUID
@@ -28,29 +28,34 @@ log = logging.getLogger(__name__)
 
 #: What one program of a trial may use: less than a student's, as many are run.
 TRIAL_POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0)
-#: What a changed solution may use: one that loops takes this time.
-CHANGE_POLICY = Policy(cpu_seconds=0.25, wall_seconds=0.5)
+#: The time that a program of a few processor seconds may wait, of which it uses none.
+WAITING_FACTOR = 2.0
 GAVE_UP = "L’essai n’a pas abouti, de notre côté : enregistrez de nouveau pour le relancer."
 
 
 @dataclass(frozen=True)
 class TrialInput:
-    """A draft to try; `publishes`: it is to be published if it holds."""
+    """A draft to try; `publishes`: it is to be published if it holds.
+
+    `is_first`: nothing is known of this draft, so that its author first learns what takes no time.
+    """
 
     exercise_id: UUID
     name: str
     digest: str
     draft: ExerciseDraft
     publishes: bool
+    is_first: bool
 
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """What is stored of a trial; `fingerprints` where the draft may be published."""
+    """What is stored of a trial; `fingerprints` where it publishes, `goes_on` where more is to be tried."""
 
     completed: CompletedExercise
     stored: Mapping[str, Any]
     fingerprints: Mapping[str, list[str]] | None = None
+    goes_on: bool = False
 
 
 class TrialTask:
@@ -67,12 +72,18 @@ class TrialTask:
             return None
         name = f"{exercise.module}/{exercise.slug or 'essai'}"
         draft = ExerciseDraft.from_data(exercise.draft)
-        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication)
+        is_first = not exercise.wants_publication and (exercise.trial or {}).get("digest") != exercise.digest
+        return TrialInput(exercise.id, name, exercise.digest, draft, exercise.wants_publication, is_first)
 
     def run(self, work: TrialInput) -> TrialOutcome:
-        trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), partial(self._start, CHANGE_POLICY))
+        trial = ExerciseTrial(work.name, partial(self._start, TRIAL_POLICY), self._start_briefly)
         completed = complete_draft(work.draft, trial)
-        report = trial.run(completed.declaration, completed.starter, seeds=SEEDS if work.publishes else 0)
+        report = trial.run(
+            completed.declaration,
+            completed.starter,
+            seeds=SEEDS if work.publishes else 0,
+            with_changes=not work.is_first,
+        )
         faults = list(publication_faults(work.draft, completed, report)) if work.publishes else []
         stored = {
             "digest": work.digest,
@@ -82,9 +93,14 @@ class TrialTask:
             "published": work.publishes,
         }
         if not work.publishes or faults:
-            return TrialOutcome(completed, stored)
+            holds = not (report.problem or report.solution) and all(case.agrees for case in report.cases)
+            return TrialOutcome(completed, stored, goes_on=work.is_first and holds)
         fingerprints = trial.fingerprints(read_declaration(completed.declaration))
         return TrialOutcome(completed, stored, {key: list(answers) for key, answers in fingerprints.items()})
+
+    def _start_briefly(self, seconds: float) -> Programs:
+        limits = replace(TRIAL_POLICY, cpu_seconds=seconds, wall_seconds=WAITING_FACTOR * seconds)
+        return self._start(limits)
 
     def record(self, db: Session, work: TrialInput, result: TrialOutcome) -> None:
         """Store the trial; publish the draft where it may be; try again what was saved meanwhile."""
@@ -92,7 +108,8 @@ class TrialTask:
         if exercise is None:
             return
         exercise.trial = dict(result.stored)
-        if exercise.digest != work.digest or exercise.wants_publication != work.publishes:
+        is_other = exercise.digest != work.digest or exercise.wants_publication != work.publishes
+        if is_other or result.goes_on:
             db.flush()
             enqueue_trial(db, self._queue, exercise)
             return

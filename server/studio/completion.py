@@ -21,6 +21,8 @@ DRAWN_TITLE = "D’autres entrées, tirées au hasard"
 #: The share of the points that proposed draws take from the examples.
 DRAWN_POINTS = 8.0
 FILE_LINE = re.compile(r"^===[ \t]*(\S.*?)[ \t]*$", re.M)
+#: Examples that are added below a statement.
+SHOWN_EXAMPLES = 3
 NOT_A_WORD = re.compile(r"[^a-z0-9]+")
 
 
@@ -63,7 +65,7 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     _drop_empty_lists(checks)
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
-        summary=draft.summary.strip() or draft.title.strip() or ", ".join(functions),
+        summary=draft.summary.strip() or f"Écrire {', '.join(functions)}.",
         statement=_statement(draft, functions, answers),
         starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
         signatures=proposals.propose_signatures(solution, functions),
@@ -191,7 +193,7 @@ def _statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[lis
         return text + "\n"
     shown = [
         "\n".join([f">>> {line}" for line in _lines(case.call).strip().split("\n")] + [answer])
-        for case, answer in zip(examples[:5], answers[0], strict=False)
+        for case, answer in zip(examples[:SHOWN_EXAMPLES], answers[0], strict=False)
         if answer and len(answer) <= 200
     ]
     return f"{text}\n\n```python\n" + "\n".join(shown) + "\n```\n" if shown else text + "\n"

@@ -49,6 +49,7 @@ class Player:
         self._programs, self._source, self._kit = programs, source, kit
         self._program: Program | None = None
         self._launches = 0
+        self._functions = frozenset[str]()
         self._dead: StudentFault | None = None
         self._printed: list[str] = []
 
@@ -58,11 +59,13 @@ class Player:
         batches = _batches(scenarios)
         self._launches += 1
         self._program = self._programs.open(self._source, self._kit, batches)
+        self._functions = self._program.functions
         return self._play(batches, len(scenarios))
 
     @property
     def functions(self) -> frozenset[str]:
-        return self._program.functions if self._program else frozenset()
+        """The functions that the file defines, also once its program has died; none before it loads."""
+        return self._functions
 
     def play(self, scenarios: Sequence[Scenario]) -> list[Played]:
         """Return what the program does in each scenario, in order."""

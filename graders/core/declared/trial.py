@@ -26,11 +26,13 @@ from graders.core.declared.scenarios import Scenario
 from graders.core.declared.variations import vary_cases
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
-MAX_CHANGES, MAX_ALIVE, SEEDS = 60, 0.03, 20
+MAX_CHANGES, MAX_ALIVE, SEEDS = 48, 0.03, 20
 TRIAL_SEED = 1
 #: Seconds after which a trial ends, and says that it did not try everything.
 TRIAL_SECONDS = 40.0
 MAX_MESSAGE = 400
+#: A changed solution that takes so many times as long as the solution loops: in seconds, from least to most.
+BRIEF_FACTOR, MIN_BRIEF_SECONDS, MAX_BRIEF_SECONDS = 10.0, 0.1, 1.0
 #: Inputs near the examples that are played together: one of them may never end.
 SCENARIOS_AT_ONCE = 8
 
@@ -112,21 +114,22 @@ class TrialReport:
 class ExerciseTrial:
     """Tries one declaration. `start` gives a starter of programs, a new one for each program.
 
-    `start_briefly` does so for programs that may loop, of which many are tried.
+    `start_briefly` does so for programs that may loop, of which many are tried: each has so many seconds.
     """
 
     def __init__(
         self,
         exercise: str,
         start: Callable[[], Programs],
-        start_briefly: Callable[[], Programs],
+        start_briefly: Callable[[float], Programs],
         *,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._exercise, self._start, self._start_briefly, self._clock = exercise, start, start_briefly, clock
+        self._brief_seconds = MAX_BRIEF_SECONDS
 
-    def run(self, data: Mapping[str, Any], starter: str, *, seeds: int = 0) -> TrialReport:
-        """Return the report; the solution is graded on so many `seeds`."""
+    def run(self, data: Mapping[str, Any], starter: str, *, seeds: int = 0, with_changes: bool = True) -> TrialReport:
+        """Return the report; the solution is graded on so many `seeds`, and changed where `with_changes`."""
         until = self._clock() + TRIAL_SECONDS
         try:
             declaration = read_declaration(data)
@@ -145,7 +148,7 @@ class ExerciseTrial:
                 return TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded, is_whole=not fault)
             graded += 1
         mistakes = tuple(self._try_mistakes(grader))
-        changes = tuple(self._try_changes(grader, until))
+        changes = tuple(self._try_changes(grader, until)) if with_changes else ()
         return TrialReport(
             cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded,
             is_whole=self._clock() <= until,
@@ -193,7 +196,7 @@ class ExerciseTrial:
             player.close()
 
     def _player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
-        programs = self._start_briefly() if briefly else self._start()
+        programs = self._start_briefly(self._brief_seconds) if briefly else self._start()
         return Player(programs, source.encode(), grader.kit(TRIAL_SEED))
 
     def _try_cases(self, grader: DeclaredGrader) -> tuple[tuple[TriedCase, ...], str]:
@@ -237,7 +240,10 @@ class ExerciseTrial:
         """Yield the changes of the solution that were tried in time."""
         checks = grader.declaration.checks
         cases = [(at, case) for at, check in enumerate(checks) for case in grader.cases(check, TRIAL_SEED)]
+        started = self._clock()
         right = self._play(grader, [case.scenario for _, case in cases])
+        patience = BRIEF_FACTOR * (self._clock() - started)
+        self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
         nearby = [(at, scenario) for at, check in enumerate(checks) for scenario in vary_cases(check)]
         answered = zip(nearby, self._play(grader, [scenario for _, scenario in nearby], briefly=True), strict=True)
         near = [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]

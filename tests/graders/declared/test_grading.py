@@ -53,6 +53,14 @@ def test_a_known_mistake_is_named_by_its_answers_whatever_its_text(sandbox: Sand
     assert graded(sandbox, DECLARATION, "def moyenne(t):\n    return t[0] if t else 0.0\n").diagnosis is None
 
 
+def test_a_known_mistake_that_never_ends_in_a_case_is_named(sandbox: Sandbox) -> None:
+    loops = "def moyenne(t):\n    while not t:\n        pass\n    return sum(t) / len(t)\n"
+    declaration = declare("moyenne", MEAN, "moyenne([1, 2])", "moyenne([])", erreurs=[{**EMPTY, "programme": loops}])
+    named = graded(sandbox, declaration, loops).diagnosis
+    assert named is not None
+    assert named.id == "liste_vide"
+
+
 def test_drawn_counterexamples_are_simplified_within_what_may_be_drawn(sandbox: Sandbox) -> None:
     declaration = declare("moyenne", MEAN, tirages="t = liste(entier(-9, 9), 2, 8)", appel="moyenne(t)")
     (check,) = graded(sandbox, declaration, "def moyenne(t):\n    return sum(t)\n").checks
