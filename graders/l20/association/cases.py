@@ -1,0 +1,225 @@
+"""Measurements and maps that submissions are graded on: by hand, then drawn so that nothing hangs on a tie.
+
+No distance comes within MARGIN of its threshold. A scan judged as a whole has one best hypothesis, which is the same
+whether all are tried or the tree is cut, and which plain nearest neighbours miss in most.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+from scipy.special import gammaincinv
+
+from graders.core.contract.values import Arguments, Floats
+from graders.l19.matrices import drawn_covariance, is_covariance, matrix
+from reference.data_association import (
+    AssociationError,
+    Expectations,
+    joint_compatibility,
+    joint_distance,
+)
+
+#: Of a threshold, and of a distance between two choices.
+MARGIN = 0.01
+LEVEL = 0.99
+#: Seed of the cases that never change.
+TELLING = 66
+NO_ANGLE = (False, False)
+#: (measurement, landmark) of each pair of a hypothesis.
+Pairs = tuple[tuple[int, int], ...]
+
+
+def threshold(level: float, pairs: int = 1) -> float:
+    return float(2.0 * gammaincinv(float(pairs), level))
+
+
+def right_distances(z: Floats, landmarks: Floats, S: Floats) -> Floats:
+    away = z[:, None, :] - landmarks[None]
+    return np.asarray(np.einsum("mki,kij,mkj->mk", away, np.linalg.inv(S), away))
+
+
+def right_nearest(z: Floats, landmarks: Floats, S: Floats, level: float = LEVEL) -> list[int]:
+    """By hand and not by the reference, whose landmarks share one noise."""
+    distances = right_distances(z, landmarks, S)
+    chosen = [-1] * len(z)
+    for i, k in sorted(np.ndindex(distances.shape), key=lambda pair: float(distances[pair])):
+        if distances[i, k] <= threshold(level) and chosen[i] < 0 and k not in chosen:
+            chosen[i] = k
+    return chosen
+
+
+def right_new(z: Floats, landmarks: Floats, S: Floats, level: float = LEVEL) -> list[int]:
+    return [int(i) for i in np.flatnonzero(right_distances(z, landmarks, S).min(axis=1) > threshold(level))]
+
+
+def right_joint(z: Floats, landmarks: Floats, C: Floats, R: Floats, level: float = LEVEL) -> list[int]:
+    chosen = joint_compatibility(Expectations(landmarks, C, R, NO_ANGLE), z, level).landmarks
+    return [int(k) for k in chosen]
+
+
+def alone(C: Floats, R: Floats) -> Floats:
+    """The covariances (l, 2, 2) of one landmark at a time."""
+    return np.array([C[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] + R for k in range(len(C) // 2)])
+
+
+def one_by_one(rng: np.random.Generator) -> Iterator[Arguments]:
+    """A map of one landmark; one measurement; doubts along an axis, slanted, of different sizes."""
+    yield matrix((1, 0), (0, 2)), matrix((0, 0)), np.array([np.diag([1.0, 4.0])])
+    yield matrix((3, 0)), matrix((0, 0), (4, 0), (3, 2)), np.array([np.diag([9.0, 1.0]), np.eye(2), 2.0 * np.eye(2)])
+    yield (
+        matrix((1, 1), (2, 0)),
+        matrix((0, 0), (2, 2)),
+        np.array([matrix((2, 1), (1, 2)), matrix((1, -0.5), (-0.5, 1))]),
+    )
+    for _ in range(2):
+        yield drawn_scan(rng, 3, 4)[:3]
+
+
+def scans_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Each its own; one alone; second choices; a landmark that is taken; doubts that differ; all out of every gate."""
+    two, same = matrix((0, 0), (2, 0)), np.array([np.eye(2)] * 2)
+    yield matrix((0.5, 0), (5, 1)), matrix((0, 0), (5, 0)), same
+    yield matrix((5, 1), (0.5, 0)), matrix((0, 0), (5, 0)), same
+    yield matrix((20, 0), (1, 0)), two, same
+    yield matrix((0.5, 0), (0.25, 0)), two, same
+    yield matrix((0.25, 0), (0.5, 0)), two, same
+    yield matrix((1.125, 0), (3.5, 0)), two, same
+    yield matrix((0.5, 0), (1, 0), (-0.75, 0)), matrix((0, 0)), np.array([np.eye(2)])
+    yield matrix((3, 0)), matrix((0, 0), (4, 0)), np.array([np.diag([9.0, 0.25]), 0.04 * np.eye(2)])
+    yield matrix((2.5, 0)), matrix((0, 0), (9, 0)), same
+    yield matrix((0, 3.25), (5, 0)), matrix((0, 0), (9, 0)), same
+    yield matrix((0, 2.9), (9, 0)), matrix((0, 0), (9, 0)), same
+
+
+def any_scans(rng: np.random.Generator) -> Iterator[Arguments]:
+    """With a level, the usual one and others."""
+    for source in (np.random.default_rng(TELLING), rng):
+        for level, shape in ((0.99, (3, 4)), (0.9, (4, 3)), (0.5, (4, 4)), (0.999, (3, 5))):
+            yield (*drawn_scan(source, *shape, level=level), level)
+
+
+def drawn_scan(rng: np.random.Generator, m: int, n: int, level: float = LEVEL) -> tuple[Floats, Floats, Floats]:
+    """Landmarks some metres apart, measurements about some of them, one of which may be nobody's."""
+    while True:
+        landmarks = np.round(rng.uniform(-3, 3, (n, 2)), 1)
+        S = np.array([drawn_covariance(rng, 2, float(rng.uniform(0.1, 0.5))) for _ in range(n)])
+        z = np.round(landmarks[rng.integers(n, size=m)] + rng.normal(0, 0.7, (m, 2)), 1)
+        if is_clear((z, landmarks, S, level)):
+            return z, landmarks, S
+
+
+def is_clear(args: Arguments) -> bool:
+    """Is no distance near the gate, and no pair as near as another that it competes with?"""
+    z, landmarks, S, *level = args
+    if not (len(z) and len(landmarks) == len(S) and all(map(is_covariance, S))):
+        return False
+    gate = threshold(level[0] if level else LEVEL)
+    distances = right_distances(z, landmarks, S)
+    inside = np.sort(distances[distances <= gate])
+    return bool(
+        np.all(np.abs(distances - gate) > MARGIN * gate) and np.all(np.diff(inside) > MARGIN * (0.01 + inside[1:]))
+    )
+
+
+def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
+    """The statement's; then without an error in common, one measurement, none that fits, a spurious one."""
+    common, R = np.kron(np.ones((2, 2)), np.eye(2)), 0.04 * np.eye(2)
+    two = matrix((0, 0), (3, 0))
+    yield matrix((1.8, 0), (4.6, 0)), two, common, R
+    yield matrix((4.6, 0), (1.8, 0)), two, common, R
+    yield matrix((1.75, 0), (3.5, 0)), two, np.eye(4), R
+    yield matrix((1, 0)), two, common, R
+    yield matrix((9, 9), (-9, 5)), two, common, R
+    yield matrix((1, 0), (4, 0), (2.5, 2)), two, common, R
+    three = np.kron(np.ones((3, 3)), np.diag([1.0, 1.0]))
+    yield matrix((1.5, 0), (3, 0.1), (6.5, 0)), matrix((0, 0), (1.5, 0), (5, 0)), three, R
+    yield matrix((1, 0), (4, 0)), two, np.zeros((4, 4)), np.eye(2)
+
+
+#: Measurements, landmarks, level and seed of scans that were found by trying: each one `decides`, which a test holds.
+FOUND: tuple[tuple[int, int, float, int], ...] = (
+    (2, 3, 0.99, 7),
+    (3, 3, 0.99, 8),
+    (3, 4, 0.95, 3),
+    (3, 4, 0.5, 12),
+    (4, 4, 0.99, 4),
+    (3, 3, 0.9, 9),
+)
+
+
+def any_joints(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Always the same, then one of them in another order and at another place."""
+    for shape in FOUND:
+        yield joint_scan(*shape)
+    yield shuffled(rng, joint_scan(*FOUND[1]))
+
+
+@lru_cache(maxsize=64)
+def joint_scan(m: int, n: int, level: float, seed: int) -> Arguments:
+    """A robot off by a metre or so: in those that are asked, what is nearest is wrong, and what agrees is right."""
+    rng = np.random.default_rng(seed)
+    landmarks = np.round(rng.uniform(-3, 3, (n, 2)), 1)
+    own = np.kron(np.diag(rng.uniform(0.005, 0.02, n)), np.eye(2))
+    C = np.round(np.kron(np.ones((n, n)), drawn_covariance(rng, 2, 0.8)) + own, 3)
+    R = np.diag(np.round(rng.uniform(0.02, 0.06, 2), 2))
+    order = rng.permutation(n)[:m]
+    z = np.round(landmarks[order] + rng.normal(0, 1.1, 2) + rng.normal(0, 0.15, (m, 2)), 2)
+    return z, landmarks, C, R, level
+
+
+def is_telling(args: Arguments) -> bool:
+    """Has it one best hypothesis, which nearest neighbours miss?"""
+    z, landmarks, C, R, level = args
+    return decides(args) and right_nearest(z, landmarks, alone(C, R), level) != right_joint(*args)
+
+
+def shuffled(rng: np.random.Generator, args: Arguments) -> Arguments:
+    """The same scan, its measurements and its landmarks in another order, the whole moved by some metres."""
+    z, landmarks, C, R, level = args
+    move, order = np.round(rng.uniform(-5, 5, 2)), rng.permutation(len(landmarks))
+    rows = (2 * order[:, None] + np.arange(2)).ravel()
+    return rng.permutation(z) + move, landmarks[order] + move, C[np.ix_(rows, rows)], R, level
+
+
+def decides(args: Arguments) -> bool:
+    """Is there one best hypothesis, by far enough, whichever way it is sought?"""
+    z, landmarks, C, R, *given = args
+    level = given[0] if given else LEVEL
+    if len(z) == 0 or not (is_covariance(C, least=-1e-12) and is_covariance(R, least=0.01)):
+        return False
+    if not is_clear((z, landmarks, alone(C, R), level)):
+        return False
+    expected = Expectations(landmarks, C, R, NO_ANGLE)
+    try:
+        found = tuple(joint_compatibility(expected, z, level).pairs)
+    except AssociationError:
+        return False
+    return _is_clearly_best(found, list(_rivals(expected, z, level)))
+
+
+def _is_clearly_best(found: Pairs, rivals: Sequence[tuple[Pairs, float, str]]) -> bool:
+    """Are these the most pairs, the nearest by far of those as many, compatible in each of their parts?"""
+    most = max((len(pairs) for pairs, _, answer in rivals if answer != "no"), default=0)
+    if any(answer == "near" for pairs, _, answer in rivals if len(pairs) >= max(most, 1)):
+        return False
+    best = sorted((distance, pairs) for pairs, distance, answer in rivals if len(pairs) == most and answer == "yes")
+    if not best:
+        return not found
+    if len(best) > 1 and best[1][0] - best[0][0] < MARGIN * (0.01 + best[1][0]):
+        return False
+    parts = all(answer == "yes" for pairs, _, answer in rivals if {*pairs} <= {*best[0][1]})
+    return parts and best[0][1] == found
+
+
+def _rivals(expected: Expectations, z: Floats, level: float) -> Iterator[tuple[Pairs, float, str]]:
+    """Every hypothesis of a pair or more: its pairs, its distance, and whether it is compatible: yes, no or near."""
+    for chosen in product(range(-1, len(expected)), repeat=len(z)):
+        pairs = tuple((i, k) for i, k in enumerate(chosen) if k >= 0)
+        if not pairs or len({k for _, k in pairs}) < len(pairs):
+            continue
+        distance, limit = joint_distance(expected, z, chosen), threshold(level, len(pairs))
+        clear = "near" if abs(distance - limit) <= MARGIN * limit else "yes" if distance < limit else "no"
+        yield pairs, distance, clear
