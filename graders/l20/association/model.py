@@ -21,7 +21,7 @@ def associer(z, amers, S, niveau=0.99):
     D = distances2(z, amers, S)
     porte = seuil(niveau, 2)
     choix = np.full(len(z), -1)
-    D[D > porte] = np.inf
+    D[porte < D] = np.inf
     while np.min(D) < np.inf:
         i, k = np.unravel_index(np.argmin(D), D.shape)
         choix[i] = k
