@@ -17,6 +17,7 @@ from server.desk.marks.routes import router as marks_router
 from server.desk.objectives.routes import router as objectives_router
 from server.desk.own.routes import router as own_router
 from server.desk.people.erasing import router as erasing_router
+from server.desk.people.group_pages import router as class_groups_router
 from server.desk.people.management import router as keeping_router
 from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
@@ -74,6 +75,7 @@ ROUTERS = (
     lesson_router,
     objectives_router,  # before those of students, whose paths take any name
     classes_router,
+    class_groups_router,
     erasing_router,
     keeping_router,
     likeness_router,

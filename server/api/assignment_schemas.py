@@ -59,6 +59,9 @@ class WeightedIn(StrictBody):
     weight: Annotated[Number, Field(description="Among the assignment's exercises; above 0.")] = 1.0
 
 
+Groups = Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=50)]
+
+
 class AssignmentIn(StrictBody):
     model_config = ConfigDict(
         json_schema_extra={
@@ -92,6 +95,7 @@ class AssignmentIn(StrictBody):
     diagnosis: Annotated[Visibility, Field(description="When the diagnosis is shown.", **Lenient)] = Visibility.usual
     solution: Annotated[Visibility, Field(description="When the solution is shown.", **Lenient)] = Visibility.usual
     duration_minutes: Annotated[int | None, Field(description="Of a test, from when one begins it.")] = None
+    groups: Annotated[Groups, Field(description="To whom it is given; empty: to the whole class.")] = ()
 
 
 class AssignmentChange(StrictBody):
@@ -112,6 +116,7 @@ class AssignmentChange(StrictBody):
     diagnosis: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
     solution: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
     duration_minutes: int | None = None
+    groups: Groups = ()
 
 
 class AssignmentOut(Strict):
@@ -131,6 +136,7 @@ class AssignmentOut(Strict):
     diagnosis: Visibility
     solution: Visibility
     duration_minutes: int | None
+    groups: Annotated[list[str] | None, Field(description="Empty: the whole class. Null to a student.")]
     released_at: datetime | None
     time_factor: Annotated[float | None, Field(description="Of the student who asks; null to the staff.")]
     excused: Annotated[bool | None, Field(description="The same.")]

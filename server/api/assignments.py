@@ -78,6 +78,7 @@ def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> As
 def _own(assigned: StudentAssignment) -> AssignmentOut:
     rules = assigned.rules
     told = {name: getattr(rules, name) for name in ("opens_at", "due_at", "closes_at", "time_factor", "excused")}
+    told["groups"] = None
     if assigned.hides_exercises:
         told["exercises"] = None
     return _out(assigned.assignment, editing.assignment_input(assigned.assignment, assigned.exercises), **told)
@@ -88,7 +89,11 @@ def create(class_id: str, body: AssignmentIn, account: ApiAccount, course: Cours
     """Gives the class something to do."""
     place = rights.require_right(db, account, Right.manage_assignments, class_id)
     told = {name: getattr(body, name) for name in AssignmentIn.model_fields} | _lateness(body.late)
-    told |= {"exercises": _weighted(body.exercises), "opens_at": body.opens_at or utc_now()}
+    told |= {
+        "exercises": _weighted(body.exercises),
+        "opens_at": body.opens_at or utc_now(),
+        "groups": tuple(body.groups),
+    }
     made = editing.create_assignment(db, course, place.school_class, account.id, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, made))
     return _out(made, editing.load_assignment_input(db, made), warnings=warnings)
@@ -144,7 +149,7 @@ def change(
         told |= _lateness(body.late)
     if "exercises" in body.model_fields_set:
         told["exercises"] = _weighted(body.exercises)
-    told["opens_at"] = told["opens_at"] or utc_now()
+    told["opens_at"], told["groups"] = told["opens_at"] or utc_now(), tuple(told["groups"])
     editing.update_assignment(db, course, place.school_class, account.id, assignment, AssignmentInput(**told))
     warnings = list(load_time_warnings(db, assignment))
     return _out(assignment, editing.load_assignment_input(db, assignment), warnings=warnings)
@@ -226,6 +231,8 @@ def read_rules(
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
     staff = place.has(Right.see_students)
+    if not staff:
+        student_assignments.load_student_assignment(db, assignment, seat.account_id, seat.groups, utc_now())
     why = {
         name: [
             SaidOut(

@@ -176,6 +176,7 @@ PARAMETERS: dict[str, str] = {
     "diagnosis": "quand le diagnostic est montré",
     "solution": "quand le corrigé est montré",
     "duration_minutes": "la durée d’un contrôle, depuis que l’élève le commence",
+    "groups": "les groupes à qui le devoir est donné ; aucun : toute la classe",
     "time_factor": "de 1 à 4 : par combien la durée est multipliée",
     "explanation": "ce qui est faux et pourquoi, 4000 caractères au plus",
     "question": "ce qui met sur la voie, 1000 caractères au plus",

@@ -71,6 +71,7 @@ def assignment_input(assignment: Assignment, exercises: Sequence[WeightedExercis
         diagnosis=Visibility(assignment.diagnosis),
         solution=Visibility(assignment.solution),
         duration_minutes=assignment.duration_minutes,
+        groups=tuple(assignment.groups),
     )
 
 
@@ -87,12 +88,18 @@ def assignable_exercises(db: Session, course: Course, school_class: SchoolClass)
     return {exercise.id: exercise.title for exercise in module.exercises} | dict(own)
 
 
+def load_labels(db: Session, school_class: SchoolClass) -> frozenset[str]:
+    """Load the groups of a class: the labels of its active students."""
+    students = classes.load_active_students(db, school_class.id)
+    return frozenset(label for student in students for label in student.groups)
+
+
 def create_assignment(
     db: Session, course: Course, school_class: SchoolClass, by: UUID, fields: AssignmentInput
 ) -> Assignment:
     """Create an assignment. Raises Conflict for an archived class, or InvalidFields."""
     require_open(school_class)
-    valid = validate_assignment(fields, assignable_exercises(db, course, school_class))
+    valid = validate_assignment(fields, assignable_exercises(db, course, school_class), load_labels(db, school_class))
     assignment = _insert(db, school_class, by, valid)
     audit.record_event(
         db, school_class.id, by, AuditAction.assignment_made, about=valid.title, after=_log_values(valid)
@@ -118,12 +125,16 @@ def _set_exercises(db: Session, assignment: Assignment, chosen: Sequence[Weighte
 def update_assignment(
     db: Session, course: Course, school_class: SchoolClass, by: UUID, assignment: Assignment, fields: AssignmentInput
 ) -> None:
-    """Update an assignment; its exercises that have left the course may stay. Raises Conflict or InvalidFields."""
+    """Update an assignment; its exercises that have left the course may stay, and its groups that have become empty.
+
+    Raises Conflict or InvalidFields.
+    """
     require_open(school_class)
     safeguards.lock_test(db, assignment)
     before = load_assignment_input(db, assignment)
     current = {exercise: exercise for exercise, _ in before.exercises}
-    valid = validate_assignment(fields, current | dict(assignable_exercises(db, course, school_class)))
+    labels = {*load_labels(db, school_class), *before.groups}
+    valid = validate_assignment(fields, current | dict(assignable_exercises(db, course, school_class)), labels)
     if valid == before:
         return
     now = utc_now()
@@ -238,6 +249,6 @@ def _log_values(fields: AssignmentInput) -> dict[str, Any]:
     columns: dict[str, Any] = {
         name: value.value if isinstance(value, LatePolicy | AttemptSelection | Mode | Visibility) else value
         for name, value in fields.columns().items()
-        if value is not None
+        if value is not None and value != ()
     }
     return columns | {"exercises": dict(fields.exercises)}

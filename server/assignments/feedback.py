@@ -187,7 +187,9 @@ def compute_holds(pairs: Sequence[tuple[AssignedExerciseRow, Rules]], now: datet
     if tests:
         hold = FeedbackHold(tests[0].title, None, test=True)
         return FeedbackHolds(tests, hold, hold, hold)
-    active = [(row.assignment, rules) for row, rules in pairs if row.active and not rules.excused]
+    active = [
+        (row.assignment, rules) for row, rules in pairs if row.active and rules.is_concerned and not rules.excused
+    ]
     return FeedbackHolds(
         hints=_longest(_hold(assignment.title, assignment.hints, rules, now) for assignment, rules in active),
         diagnosis=_longest(_hold(assignment.title, assignment.diagnosis, rules, now) for assignment, rules in active),
@@ -196,9 +198,11 @@ def compute_holds(pairs: Sequence[tuple[AssignedExerciseRow, Rules]], now: datet
 
 
 def _holding_test(row: AssignedExerciseRow, rules: Rules, now: datetime) -> HoldingTest | None:
-    """Return the test where it holds back this student's attempts; a student excused before beginning is not held."""
+    """Return the test where it holds back this student's attempts: not those of a student who has not begun it, and is
+    excused or not in its groups."""
     assignment = row.assignment
-    if assignment.mode != Mode.test or (rules.excused and row.sitting is None):
+    is_free = rules.excused or not rules.is_concerned
+    if assignment.mode != Mode.test or (is_free and row.sitting is None):
         return None
     stage = sitting_stage(assignment, rules, row.sitting, now)
     if stage in {SittingStage.before, SittingStage.shown}:

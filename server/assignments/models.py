@@ -83,13 +83,27 @@ def _read_past_rules(row: dict[str, Any]) -> PastRules:
     return PastRules(**row | {name: row[name] and datetime.fromisoformat(row[name]) for name in dates})
 
 
+class LabelsColumn(TypeDecorator[Sequence[str]]):
+    """Labels of groups, in order, as JSON text."""
+
+    impl = Text
+    cache_ok = True
+
+    def process_bind_param(self, value: Sequence[str] | None, dialect: Dialect) -> str:
+        return json.dumps(list(value or ()), ensure_ascii=False)
+
+    def process_result_value(self, value: Any | None, dialect: Dialect) -> tuple[str, ...]:
+        return () if not value or value == "[]" else tuple(json.loads(value))
+
+
 class Assignment(Base):
     """Exercises set for a class. Without `due_at` nothing is late; without `closes_at` it stays open.
 
     `late_per_day`: points out of 20 that each day begun costs, with `LatePolicy.penalty` alone. `duration_minutes`: the
     time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
     `removed_at`: when it was deleted; it can be restored for a while, and counts nowhere meanwhile. Attempts
-    that arrived under `past_rules` keep what they were told.
+    that arrived under `past_rules` keep what they were told. `groups`: the labels of the students whom it concerns;
+    empty for the whole class.
     """
 
     __tablename__ = "assignment"
@@ -113,6 +127,7 @@ class Assignment(Base):
     removed_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    groups: Mapped[Sequence[str]] = mapped_column(LabelsColumn, default=(), server_default="[]")
     past_rules: Mapped[Sequence[PastRules]] = mapped_column(PastRulesColumn, default=(), server_default="[]")
 
 

@@ -53,7 +53,8 @@ def load_release_effects(db: Session, test: Assignment, now: datetime) -> Releas
     def stage_of(student: ActiveStudent) -> SittingStage | None:
         rules = rules_in_force(test, exemptions, student.id, student.groups)
         sitting = sittings.get((test.id, student.id))
-        return None if rules.excused and sitting is None else sitting_stage(test, rules, sitting, now)
+        is_free = rules.excused or not rules.is_concerned
+        return None if is_free and sitting is None else sitting_stage(test, rules, sitting, now)
 
     return ReleaseEffects(at_stage(SittingStage.may_begin), at_stage(SittingStage.running))
 

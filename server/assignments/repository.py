@@ -79,17 +79,24 @@ def load_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID,
 
 
 @prepared_statement
-def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
+def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool, tuple[str, ...]]:
     assignments, exercises = table_of(Assignment), table_of(AssignedExercise)
-    query = select(exercises.c.exercise, assignments.c.opens_at <= now)
+    query = select(exercises.c.exercise, assignments.c.opens_at <= now, assignments.c.groups)
     rows = assignments.outerjoin(exercises, exercises.c.assignment_id == assignments.c.id)
     return query.select_from(rows).where(assignments.c.class_id == class_id, assignments.c.removed_at.is_(None))
 
 
-def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
-    """Load the exercises of the class's open or past assignments; None where it has no assignment at all."""
+def load_opened_exercises(db: Session, class_id: UUID, now: datetime) -> Mapping[str, frozenset[str]] | None:
+    """Load the exercises of the class's open or past assignments, each with the groups to which alone it is given, none
+    for the whole class; None where the class has no assignment at all."""
     rows = select_core(db, *_opened(class_id, now)).all()
-    return frozenset(name for name, is_open in rows if name and is_open) if rows else None
+    opened = [(name, frozenset(groups)) for name, is_open, groups in rows if name and is_open]
+    for_all = {name for name, groups in opened if not groups}
+    labels: dict[str, frozenset[str]] = dict.fromkeys(for_all, frozenset())
+    for name, groups in opened:
+        if name not in for_all:
+            labels[name] = labels.get(name, frozenset()) | groups
+    return labels if rows else None
 
 
 def delete_exercises(db: Session, assignment_id: UUID) -> None:
@@ -110,6 +117,16 @@ def load_active_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exempti
 
 def move_exemptions(db: Session, guest_id: UUID, account_id: UUID) -> None:
     db.execute(update(Exemption).where(Exemption.account_id == guest_id).values(account_id=account_id))
+
+
+def rename_label(db: Session, class_id: UUID, old: str, new: str) -> None:
+    """Rename a group in the assignments of a class, deleted ones included, and in their exemptions."""
+    for assignment in db.execute(select(Assignment).where(Assignment.class_id == class_id)).scalars():
+        if old in assignment.groups:
+            assignment.groups = tuple(new if label == old else label for label in assignment.groups)
+    own = select(Assignment.id).where(Assignment.class_id == class_id)
+    renamed = update(Exemption).where(Exemption.assignment_id.in_(own), Exemption.label == old).values(label=new)
+    db.execute(renamed.execution_options(synchronize_session=False))
 
 
 @prepared_statement

@@ -100,7 +100,8 @@ class Rules:
     """The rules in force for one student; `sources` lists the values of each field, the one in force first.
 
     In a test, the due date is when it is begun at the latest to be on time; a sitting begun in time counts to its own
-    end. `earlier`: the rules that were in force before.
+    end. `earlier`: the rules that were in force before. `is_concerned`: the assignment is for the whole class, or
+    for a group of the student.
     """
 
     opens_at: datetime
@@ -115,6 +116,7 @@ class Rules:
     is_test: bool = False
     zone: tzinfo = field(default_factory=school_time.time_zone)
     earlier: tuple[EarlierRules, ...] = ()
+    is_concerned: bool = True
 
     def end_of_sitting(self, began: datetime) -> datetime | None:
         """Return when a test begun at that time ends: no earlier than any end that was told since.
@@ -194,11 +196,19 @@ class Windows:
         """The end that the student is told: of their sitting, or of the last time to begin or to send."""
         return self.rules.last_counted_at if self.sitting is None else sitting_end(self.rules, self.sitting)
 
+    @property
+    def concerns_student(self) -> bool:
+        """Whether the assignment is given to the student, or they sat it before they left its groups."""
+        return self.rules.is_concerned or self.sitting is not None
+
     def judge(self, sent_at: datetime) -> SendTiming:
         """Return how an attempt stands to the dates. In a test, whatever is sent in one sitting is as late as it began.
 
-        Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in.
+        Attempts outside the sitting may lie between the test's dates: those of a guest who later signed in. Of students
+        whom the assignment does not concern, only what they sent in a sitting counts.
         """
+        if not self.concerns_student:
+            return OUTSIDE
         if not self.rules.is_test:
             return self.rules.judge(sent_at)
         if self.sitting is None or sent_at < self.sitting.began_at:
@@ -245,7 +255,14 @@ def rules_in_force(
     active = [each for each in own if each.revoked_at is None]
     rules = _combine(common, active, is_test=is_test, zone=zone)
     earlier = tuple(_earlier_rules(common, own, is_test=is_test, zone=zone))
-    return replace(rules, earlier=earlier) if earlier else rules
+    rules = replace(rules, earlier=earlier) if earlier else rules
+    return rules if concerns(common, labels) else replace(rules, is_concerned=False)
+
+
+def concerns(common: CommonRules, labels: Collection[str]) -> bool:
+    """Return whether an assignment is given to a student who has these labels."""
+    groups: Sequence[str] = getattr(common, "groups", None) or ()
+    return not groups or any(label in groups for label in labels)
 
 
 def _applies_to(exemption: ExemptionFields, student: UUID, labels: Collection[str]) -> bool:

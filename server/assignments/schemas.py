@@ -28,6 +28,7 @@ TIME_FACTORS = (1.0, 4.0)
 MIN_POINTS_PER_DAY = 0.01
 REASON_LENGTH = 2000
 ALLOWED_YEARS = range(2000, 2200)
+NO_MEMBER = "Personne n’est dans le groupe « {label} »."
 
 Problem = tuple[str, str]
 
@@ -50,6 +51,7 @@ class AssignmentInput:
     diagnosis: Visibility = Visibility.usual
     solution: Visibility = Visibility.usual
     duration_minutes: int | None = None
+    groups: tuple[str, ...] = ()
 
     def columns(self) -> dict[str, Any]:
         """Return the columns of the assignment's row: all fields but the exercises."""
@@ -84,15 +86,26 @@ class ExemptionTarget:
     label: str = ""
 
 
-def validate_assignment(fields: AssignmentInput, exercises: Mapping[str, str]) -> AssignmentInput:
-    """Return the input with its title tidied. `exercises`: the titles of the exercises that may be assigned, by id.
+def validate_assignment(
+    fields: AssignmentInput, exercises: Mapping[str, str], labels: Collection[str] = ()
+) -> AssignmentInput:
+    """Return the input with its title tidied. `exercises`: the titles of the exercises that may be assigned, by id;
+    `labels`: the groups to which it may be given.
 
     Raises InvalidFields with every problem at once.
     """
-    tidy = replace(fields, title=tidy_line(fields.title))
+    groups = tuple(dict.fromkeys(filter(None, map(tidy_line, fields.groups))))
+    tidy = replace(fields, title=tidy_line(fields.title), groups=groups)
     if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
-    _refuse([*_check_fields(tidy), *_check_exercises(tidy.exercises, exercises), *_check_dates(tidy)])
+    _refuse(
+        [
+            *_check_fields(tidy),
+            *_check_exercises(tidy.exercises, exercises),
+            *_check_dates(tidy),
+            *_check_groups(groups, labels),
+        ]
+    )
     return tidy
 
 
@@ -148,6 +161,12 @@ def _check_exercises(chosen: Collection[WeightedExercise], titles: Mapping[str, 
         seen.add(exercise)
 
 
+def _check_groups(groups: Collection[str], labels: Collection[str]) -> Iterator[Problem]:
+    for label in groups:
+        if label not in labels:
+            yield "groups", NO_MEMBER.format(label=label[:GROUP_LENGTH])
+
+
 def _check_dates(fields: AssignmentInput) -> Iterator[Problem]:
     opens, due, closes = fields.opens_at, fields.due_at, fields.closes_at
     yield from _check_years({"opens_at": opens, "due_at": due, "closes_at": closes})
@@ -167,7 +186,7 @@ def _check_target(target: ExemptionTarget, labels: Collection[str]) -> Iterator[
     if bool(target.students) == bool(target.label):
         yield "student", "Choisissez des élèves, ou un groupe."
     elif target.label and target.label not in labels:
-        yield "group", f"Personne n’est dans le groupe « {target.label[:GROUP_LENGTH]} »."
+        yield "group", NO_MEMBER.format(label=target.label[:GROUP_LENGTH])
 
 
 def _check_effects(fields: ExemptionInput) -> Iterator[Problem]:

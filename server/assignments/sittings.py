@@ -80,17 +80,21 @@ def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
 def load_student_test(
     db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
 ) -> StudentTest:
+    """Load a test for a student. Raises NotFound where it is for other groups."""
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     rules = rules_in_force(assignment, exemptions, account_id, groups)
     sitting = sitting_repository.load_sitting(db, assignment.id, account_id)
+    if not rules.is_concerned and sitting is None:
+        raise NotFound(NO_TEST)
     return StudentTest(assignment, rules, sitting, sitting_stage(assignment, rules, sitting, now))
 
 
 def begin_sitting(
     db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime
 ) -> None:
-    """Begin a sitting; one that has begun goes on. Raises WrongMoment."""
-    refusal = CANNOT_BEGIN.get(load_student_test(db, assignment, account_id, groups, now).stage)
+    """Begin a sitting; one that has begun goes on. Raises WrongMoment, or NotFound for a test of other groups."""
+    test = load_student_test(db, assignment, account_id, groups, now)
+    refusal = CANNOT_BEGIN.get(test.stage)
     if refusal:
         raise WrongMoment(refusal)
     sitting_repository.insert_sitting(db, assignment.id, account_id, now)

@@ -9,10 +9,13 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository
+from server.assignments import repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, Mode, WeightedExercise
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import Rules, concerns, rules_in_force
 from server.assignments.stages import AssignmentStage, assignment_stage
+from server.base.errors import NotFound
+
+UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
 
 @dataclass(frozen=True)
@@ -34,16 +37,19 @@ class StudentAssignment:
 def load_assignments_for_student(
     db: Session, class_id: UUID, account_id: UUID, labels: Collection[str], now: datetime
 ) -> Sequence[StudentAssignment]:
-    """Load a student's assignments of a class, in the order in which they open, in three queries."""
-    return _with_rules(
-        db, [(assignment, labels) for assignment in repository.load_class_assignments(db, class_id)], account_id, now
-    )
+    """Load the assignments of a class that concern a student, in the order in which they open, in three queries."""
+    assignments = repository.load_class_assignments(db, class_id)
+    return _with_rules(db, [(assignment, labels) for assignment in assignments], account_id, now)
 
 
 def load_student_assignment(
     db: Session, assignment: Assignment, account_id: UUID, labels: Collection[str], now: datetime
 ) -> StudentAssignment:
-    return _with_rules(db, [(assignment, labels)], account_id, now)[0]
+    """Load an assignment for a student. Raises NotFound where it does not concern them."""
+    own = _with_rules(db, [(assignment, labels)], account_id, now)
+    if not own:
+        raise NotFound(UNKNOWN)
+    return own[0]
 
 
 def load_open_assignments(
@@ -74,6 +80,12 @@ def due_soon(assignments: Collection[StudentAssignment], now: datetime, soon: ti
     ]
 
 
+def _has_sat(db: Session, assignment: Assignment, account_id: UUID) -> bool:
+    """Whether a student has begun a test: it stays theirs, whatever their groups have become."""
+    is_test = assignment.mode == Mode.test
+    return is_test and sitting_repository.load_sitting(db, assignment.id, account_id) is not None
+
+
 def _with_rules(
     db: Session,
     rows: Sequence[tuple[Assignment, Collection[str]]],
@@ -81,7 +93,11 @@ def _with_rules(
     now: datetime,
     exempted: Collection[UUID] | None = None,
 ) -> Sequence[StudentAssignment]:
-    """Add a student's rules to assignments. `exempted`: the assignments with exemptions; None: unknown."""
+    """Add a student's rules to the assignments that concern them, or that they have sat.
+
+    `exempted`: the assignments with exemptions; None: unknown.
+    """
+    rows = [row for row in rows if concerns(*row) or _has_sat(db, row[0], account_id)]
     if not rows:
         return []
     names = [assignment.id for assignment, _ in rows]

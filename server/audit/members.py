@@ -13,8 +13,9 @@ from server.audit.models import AuditAction
 from server.classes import repository
 from server.classes.models import ClassRole, Status
 
-RoleAndStatus = tuple[str, str, bool]
-NO_MEMBERSHIP: RoleAndStatus = (ClassRole.student, Status.left, False)
+#: Role, status, whether confirmed, groups.
+MembershipValues = tuple[str, str, bool, tuple[str, ...]]
+NO_MEMBERSHIP: MembershipValues = (ClassRole.student, Status.left, False, ())
 
 
 @contextmanager
@@ -28,16 +29,28 @@ def recording_membership_changes(db: Session, class_id: UUID, by: UUID) -> Itera
         _record(db, class_id, by, account_id, before.get(account_id, NO_MEMBERSHIP), current)
 
 
-def _load_roles(db: Session, class_id: UUID) -> Mapping[UUID, RoleAndStatus]:
+def _load_roles(db: Session, class_id: UUID) -> Mapping[UUID, MembershipValues]:
     members = repository.load_members(db, class_id)
     rows = ((member.id, member.membership) for member in members)
-    return {account_id: (row.role, row.status, row.is_confirmed) for account_id, row in rows}
+    return {account_id: (row.role, row.status, row.is_confirmed, tuple(row.groups)) for account_id, row in rows}
 
 
-def _record(db: Session, class_id: UUID, by: UUID, account_id: UUID, old: RoleAndStatus, new: RoleAndStatus) -> None:
-    (old_role, old_status, was_confirmed), (new_role, new_status, is_confirmed) = old, new
+def _record(
+    db: Session, class_id: UUID, by: UUID, account_id: UUID, old: MembershipValues, new: MembershipValues
+) -> None:
+    (old_role, old_status, was_confirmed, old_groups), (new_role, new_status, is_confirmed, new_groups) = old, new
     if is_confirmed and not was_confirmed and old_status == new_status != Status.left:
         audit.record_event(db, class_id, by, AuditAction.student_confirmed, student=account_id)
+    if old_groups != new_groups and old_status == new_status == Status.active:
+        audit.record_event(
+            db,
+            class_id,
+            by,
+            AuditAction.groups_changed,
+            student=account_id,
+            before={"groups": list(old_groups)},
+            after={"groups": list(new_groups)},
+        )
     if old[:2] == new[:2]:
         return
     if {old_role, new_role} != {ClassRole.student}:

@@ -30,6 +30,7 @@ class AuditAction(StrEnum):
     student_removed = "student_removed"
     student_admitted = "student_admitted"
     student_confirmed = "student_confirmed"
+    groups_changed = "groups_changed"
     erasure_requested = "erasure_requested"
     erasure_cancelled = "erasure_cancelled"
     student_erased = "student_erased"
@@ -78,6 +79,7 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.erasure_cancelled: "effacement d’un élève annulé",
     AuditAction.student_erased: "élève effacé",
     AuditAction.student_confirmed: "élève confirmé, qui a le nom d’un autre",
+    AuditAction.groups_changed: "groupes d’un élève modifiés",
     AuditAction.mark_overridden: "note modifiée",
     AuditAction.override_withdrawn: "note modifiée retirée",
     AuditAction.state_decided: "absence, dispense ou zéro",
@@ -115,6 +117,7 @@ STUDENT_ACTIONS = frozenset(
         AuditAction.student_removed,
         AuditAction.student_admitted,
         AuditAction.student_confirmed,
+        AuditAction.groups_changed,
         AuditAction.erasure_requested,
         AuditAction.erasure_cancelled,
         AuditAction.student_erased,

@@ -31,6 +31,7 @@ FIELDS: Mapping[str, str] = {
     "time_factor": "facteur de temps",
     "excused": "dispense",
     "label": "groupe",
+    "groups": "groupes",
     "points": "points",
     "state": "état",
     "not_handed_in": "non rendu",

@@ -19,9 +19,16 @@ MAX_COMPARED = 12
 
 
 def propose_exercises(progress: ClassProgress, available: Sequence[str]) -> tuple[str, ...]:
-    """Return the exercises to begin a lesson with: the first ones that most of the class has not solved yet."""
-    wanted = [name for name in available if 2 * _count_solved(progress, name) < max(1, len(progress.students))]
+    """Return the exercises to begin a lesson with: the first ones that most of those to whom
+    they are given have not solved yet."""
+    wanted = [
+        name for name in available if 2 * _count_solved(progress, name) < max(1, _count_concerned(progress, name))
+    ]
     return tuple((wanted or list(available))[:MAX_EXERCISES])
+
+
+def _count_concerned(progress: ClassProgress, exercise: str) -> int:
+    return sum(progress.concerns(student, exercise) for student in progress.students)
 
 
 def _count_solved(progress: ClassProgress, exercise: str) -> int:

@@ -69,7 +69,8 @@ class OvercomeMistake:
 
 @dataclass(frozen=True)
 class LessonReview:
-    """The review of a period. `idle` have sent nothing although they were there; `absent` were not seen."""
+    """The review of a period. `idle` have sent nothing although they were there; `absent` were not seen; neither
+    names a student to whom no exercise of the period is given."""
 
     to_see: tuple[StudentToSee, ...]
     to_explain: tuple[MistakeToExplain, ...]
@@ -83,7 +84,11 @@ def build_review(progress: ClassProgress, exercises: Collection[str], since: dat
     """Review what was sent to these exercises in a period. `progress` is as of `until` or later."""
     period = _attempts_in(progress.attempts, exercises, since, until)
     active = {account for account, _ in period}
-    others = [student for student in progress.students if student.id not in active]
+    others = [
+        student
+        for student in progress.students
+        if student.id not in active and any(progress.concerns(student, exercise) for exercise in exercises)
+    ]
     seen = {student.id for student in others if student.seen_at is not None and student.seen_at >= since}
     return LessonReview(
         to_see=_students_to_see(period)[:MAX_TO_SEE],

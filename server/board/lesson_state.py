@@ -123,12 +123,12 @@ def _first_success(attempts: Attempts) -> datetime | None:
 
 
 def _finished(progress: ClassProgress, solved: Mapping[Pair, datetime], exercises: Sequence[str]) -> tuple[UUID, ...]:
-    """Return who has solved all these exercises, the latest last."""
+    """Return who has solved all of these exercises that are theirs, the latest last."""
     times = []
     for student in progress.students:
-        own = [solved.get((student.id, exercise)) for exercise in exercises]
+        own = [solved.get((student.id, name)) for name in exercises if progress.concerns(student, name)]
         done = [time for time in own if time is not None]
-        if exercises and len(done) == len(own):
+        if own and len(done) == len(own):
             times.append((max(done), student.id))
     return tuple(account for _, account in sorted(times))
 

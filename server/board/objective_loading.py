@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import feedback
 from server.assignments.feedback import NO_HOLDS, FeedbackHolds
-from server.assignments.service import counting_exercises
+from server.assignments.service import load_counting_exercises
 from server.board.objectives import (
     ClassObjective,
     MistakeFinder,
@@ -24,6 +24,8 @@ from server.board.objectives import (
     summarise_class,
 )
 from server.board.progress import ClassProgress
+from server.board.schemas import BoardStudent
+from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.gradebook.histories import Attempts, load_attempts, load_revisions
@@ -41,6 +43,17 @@ class ClassObjectives:
         module = self.progress.course.modules.get(self.module)
         return () if module is None else counting_objectives(module, frozenset(self.progress.scope.exercises))
 
+    def _practised_by(self, student: BoardStudent) -> tuple[PractisedObjective, ...]:
+        """The same objectives; exercises that are for other groups are not expected of a student."""
+        module, scope = self.progress.course.modules.get(self.module), self.progress.scope
+        if module is None or not scope.groups:
+            return self.practised
+        own = counting_objectives(
+            module, frozenset(name for name in scope.exercises if self.progress.concerns(student, name))
+        )
+        expected = {_key(practised): practised for practised in own}
+        return tuple(expected.get(_key(practised), practised) for practised in self.practised)
+
     @cached_property
     def attempts(self) -> Mapping[UUID, Mapping[str, Attempts]]:
         return group_by_student(self.progress.attempts)
@@ -50,12 +63,16 @@ class ClassObjectives:
         """The states of each student, in the order of the list."""
         finder = MistakeFinder(self.progress.course)
         return {
-            student.id: find_states(self.practised, self.attempts.get(student.id, {}), finder)
+            student.id: find_states(self._practised_by(student), self.attempts.get(student.id, {}), finder)
             for student in self.progress.students
         }
 
     def summarise(self, week_ends: Sequence[datetime]) -> tuple[ClassObjective, ...]:
         return summarise_class(self.practised, self.states, week_ends)
+
+
+def _key(practised: PractisedObjective) -> tuple[str, str]:
+    return practised.objective.lesson, practised.objective.id
 
 
 def load_student_states(
@@ -75,7 +92,10 @@ def load_student_states(
     module = course.modules.get(school_class.module)
     if module is None:
         return ()
-    counted = tuple(counting_exercises(db, course, school_class, now))
+    membership = classes.find_membership(db, school_class.id, student)
+    counted = load_counting_exercises(db, course, school_class, now).for_student(
+        membership.groups if membership else ()
+    )
     attempts = load_attempts(db, load_revisions(db, [student]), counted, until)
     own = group_by_student(attempts).get(student, {})
     if as_student:

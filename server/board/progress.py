@@ -38,6 +38,15 @@ class ClassProgress:
         return self.course, self.scope, students, frozenset(self.revisions.items())
 
     @cached_property
+    def _groups(self) -> Mapping[str, frozenset[str]]:
+        return dict(self.scope.groups)
+
+    def concerns(self, student: BoardStudent, exercise: str) -> bool:
+        """Whether an exercise that counts is given to the class, or to a group of the student."""
+        groups = self._groups.get(exercise)
+        return groups is None or not groups.isdisjoint(student.groups)
+
+    @cached_property
     def standings(self) -> Mapping[Pair, StandingTotals]:
         return {pair: compute_totals(attempts) for pair, attempts in self.attempts.items()}
 

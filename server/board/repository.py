@@ -19,11 +19,15 @@ from server.submissions.models import Submission
 
 @dataclass(frozen=True)
 class Scope:
-    """The exercises that count on the board of a class, and until when (None: until now)."""
+    """The exercises that count on the board of a class, and until when (None: until now).
+
+    `groups`: of exercises that are given to some groups only, the labels of these.
+    """
 
     class_id: UUID
     exercises: tuple[str, ...]
     until: datetime | None
+    groups: tuple[tuple[str, frozenset[str]], ...] = ()
 
 
 def load_pulse(db: Session, class_id: UUID) -> Sequence[object]:

@@ -32,7 +32,10 @@ class BoardStudent:
 
 
 class ProgressCell(NamedTuple):
-    """A student in an exercise. `points` out of 20, in force; `misconception` is that of the latest attempt."""
+    """A student in an exercise. `points` out of 20, in force; `misconception` is that of the latest attempt.
+
+    `is_concerned`: the exercise is given to the class, or to a group of the student.
+    """
 
     student: UUID
     exercise: str
@@ -40,6 +43,7 @@ class ProgressCell(NamedTuple):
     attempts: int
     state: ProgressState
     misconception: str | None
+    is_concerned: bool = True
 
 
 @dataclass(frozen=True)

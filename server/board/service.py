@@ -11,7 +11,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import MAX_POINTS
-from server.assignments.service import counting_exercises
+from server.assignments.service import load_counting_exercises
 from server.behaviour import service as behaviour
 from server.behaviour.schemas import UnnamedGroup
 from server.board import insights
@@ -55,7 +55,7 @@ class BoardInputs:
     def board(self) -> Board:
         progress = self.progress
         cells = {
-            (student.id, exercise): self._cell(student.id, exercise)
+            (student.id, exercise): self._cell(student, exercise)
             for student in progress.students
             for exercise in progress.scope.exercises
         }
@@ -70,16 +70,17 @@ class BoardInputs:
             misconceptions=progress.misconceptions,
         )
 
-    def _cell(self, student: UUID, exercise: str) -> ProgressCell:
-        pair = student, exercise
+    def _cell(self, student: BoardStudent, exercise: str) -> ProgressCell:
+        pair = student.id, exercise
         totals, override = self.progress.standings.get(pair), self.overrides.get(pair)
         automatic = None if totals is None else round(MAX_POINTS * totals.best_score, 4)
         return ProgressCell(
-            student=student,
+            student=student.id,
             exercise=exercise,
             points=automatic if override is None else override.points,
             attempts=totals.attempts if totals else 0,
             state=progress_state(totals, stuck=pair in self.progress.stuck),
+            is_concerned=self.progress.concerns(student, exercise),
             misconception=totals.last_diagnosis if totals else None,
         )
 
@@ -87,12 +88,13 @@ class BoardInputs:
 def _count_students(
     progress: ClassProgress, cells: Mapping[Pair, ProgressCell], excused: Collection[Pair]
 ) -> ClassCounts:
-    """Count the students; exercises that one is excused from are not needed to finish."""
+    """Count the students; nobody needs exercises to finish that they are excused from, or that are for others."""
     started = finished = stuck = 0
     for student in progress.students:
         row = [cells[student.id, exercise] for exercise in progress.scope.exercises]
         states = {cell.state for cell in row}
-        required = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
+        needed = [cell for cell in row if progress.concerns(student, cell.exercise)] if progress.scope.groups else row
+        required = {cell.state for cell in needed if (cell.student, cell.exercise) not in excused}
         started += bool(states - {ProgressState.none})
         finished += required == {ProgressState.solved}
         stuck += ProgressState.stuck in states
@@ -119,9 +121,9 @@ def load_progress(
 ) -> ClassProgress:
     """Load what the students of a class have sent to the exercises that count, or to one of them."""
     now = min(now, school_class.archived_at or now)
-    exercises = counting_exercises(db, course, school_class, now)
-    counted = tuple(name for name in exercises if only is None or name == only)
-    scope = Scope(school_class.id, counted, school_class.archived_at)
+    exercises = load_counting_exercises(db, course, school_class, now)
+    counted = tuple(name for name in exercises.names if only is None or name == only)
+    scope = Scope(school_class.id, counted, school_class.archived_at, tuple(exercises.groups.items()))
     students = tuple(BoardStudent(*learner) for learner in classes.load_active_students(db, school_class.id))
     revisions = load_revisions(db, [student.id for student in students])
     attempts = load_attempts(db, revisions, scope.exercises, scope.until)

@@ -90,7 +90,8 @@ def _class_events(
         for assignment in given:
             url = f"{page}/devoirs/{assignment.id}"
             count = exemptions.get(assignment.id, 0)
-            note = f"Aménagements accordés : {count}." if count else ""
+            lines = [f"Pour {', '.join(assignment.groups)}."] if assignment.groups else []
+            note = "\n".join([*lines, f"Aménagements accordés : {count}."] if count else lines)
             rules = rules_in_force(assignment, (), account.id, ())
             yield from _assignment_events(assignment, rules, school_class.name, note, url, now)
         return

@@ -1,9 +1,9 @@
 """Queries of the desk across rooms."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from uuid import UUID
 
-from sqlalchemy import and_, func, select
+from sqlalchemy import Select, and_, func, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Sitting
@@ -14,6 +14,17 @@ from server.submissions.models import Submission
 
 def count_finished_students(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:
     """Count, by assignment, the active students who have solved all of its exercises at any time."""
+    finished = _finished_students(class_id, assignments).subquery()
+    query = select(finished.c.assignment_id, func.count()).group_by(finished.c.assignment_id)
+    return {row[0]: row[1] for row in db.execute(query)}
+
+
+def load_finished_students(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Sequence[tuple[UUID, UUID]]:
+    """Load the pairs of an assignment and an active student who has solved all of its exercises at any time."""
+    return [(row[0], row[1]) for row in db.execute(_finished_students(class_id, assignments))]
+
+
+def _finished_students(class_id: UUID, assignments: Collection[UUID]) -> Select[UUID, UUID]:
     assigned = (
         select(AssignedExercise.assignment_id, func.count().label("total"))
         .where(AssignedExercise.assignment_id.in_(assignments))
@@ -33,12 +44,9 @@ def count_finished_students(db: Session, class_id: UUID, assignments: Collection
         .group_by(AssignedExercise.assignment_id, Standing.account_id)
         .subquery()
     )
-    finished = (
-        select(assigned.c.assignment_id, func.count())
-        .join(solved, and_(solved.c.assignment_id == assigned.c.assignment_id, solved.c.solved == assigned.c.total))
-        .group_by(assigned.c.assignment_id)
+    return select(assigned.c.assignment_id, solved.c.account_id).join(
+        solved, and_(solved.c.assignment_id == assigned.c.assignment_id, solved.c.solved == assigned.c.total)
     )
-    return {row[0]: row[1] for row in db.execute(finished)}
 
 
 def load_senders(db: Session, class_id: UUID, assignment_id: UUID) -> frozenset[UUID]:

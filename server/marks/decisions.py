@@ -22,7 +22,7 @@ from server.database import utc_now
 from server.identity.models import Account
 from server.marks import repository
 from server.marks.models import MarkingPolicy, StateDecision
-from server.marks.service import NO_SUCH_ASSIGNMENT, lock_student, parse_reason
+from server.marks.service import NO_SUCH_ASSIGNMENT, lock_student, parse_reason, require_concerned
 from server.marks.states import ClassMarking, DecidedState, MarkingRules
 
 NO_SUCH_STATE = "Choisissez : absent, dispensé, ou compter 0."
@@ -81,10 +81,11 @@ def withdraw_decision(db: Session, school_class: SchoolClass, by: Account, stude
 def _lock_decision(
     db: Session, school_class: SchoolClass, student: UUID, assignment_id: UUID
 ) -> tuple[Assignment, StateDecision | None]:
-    lock_student(db, school_class, student)
+    membership = lock_student(db, school_class, student)
     assignment = assignments.find_assignment(db, school_class.id, assignment_id)
     if assignment is None:
         raise NotFound(NO_SUCH_ASSIGNMENT)
+    require_concerned(db, assignment, membership)
     return assignment, repository.find_decision(db, assignment_id, student)
 
 

@@ -21,7 +21,7 @@ from server.marks.schemas import (
     StudentMarks,
     is_withheld,
 )
-from server.marks.states import STATE_WORDS, UNMARKED_STATES, Counting, MarkingRules, MarkState
+from server.marks.states import STATE_WORDS, UNMARKED_STATES, WHOLE_STATES, Counting, MarkingRules, MarkState
 
 AVERAGE = "Moyenne"
 FormatTime = Callable[[datetime], str]
@@ -57,7 +57,7 @@ def column_cell(mark: ColumnMark) -> Cell:
 def exercise_cell(exercise: ExerciseMark, mark: AssignmentMark) -> Cell:
     """Return the points of an exercise, or its state in words where there are none."""
     state = exercise.state_in(mark.state)
-    if state in STATE_WORDS and (exercise.points is None or state in {MarkState.absent, MarkState.excused}):
+    if state in STATE_WORDS and (exercise.points is None or state in WHOLE_STATES):
         return state_words(state)
     return round_or_none(exercise.points)
 
@@ -126,7 +126,7 @@ def exercises_sheet(gradebook: Gradebook) -> Sheet:
 def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
     state, override = exercise.state_in(mark.state), exercise.override
     return (
-        None if state in {MarkState.excused, MarkState.absent} else round_or_none(exercise.points),
+        None if state in WHOLE_STATES else round_or_none(exercise.points),
         round_or_none(exercise.effective.automatic),
         state_words(state),
         float(exercise.days_late),
@@ -178,8 +178,8 @@ def mark_notes(marking: MarkingRules) -> tuple[str, ...]:
         f"« non rendu » : le devoir est fini et rien n’a été envoyé ; il {COUNTED_WORDS[marking.not_handed_in]}.",
         f"« refusé (retard) » : tout est venu trop tard ; le devoir {COUNTED_WORDS[marking.late_refused]}.",
         f"« absent » : un enseignant l’a dit ; la note {COUNTED_WORDS[marking.absent]}.",
-        "« dispensé » : le devoir ou l’exercice ne compte pas dans la moyenne. « à venir » : pas encore dû, ne compte "
-        "pas. « 0 » : une note comme une autre.",
+        "« dispensé » : le devoir ou l’exercice ne compte pas dans la moyenne. « non concerné » : donné à d’autres "
+        "groupes, ne compte pas. « à venir » : pas encore dû, ne compte pas. « 0 » : une note comme une autre.",
         "Un devoir est fini quand plus rien ne peut être envoyé ; s’il ne ferme pas, quand sa date de rendu est "
         "passée.",
         f"D’un devoir rendu, un exercice sans réponse {blank}. En cours, seuls comptent les exercices envoyés, "

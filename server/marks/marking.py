@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from uuid import UUID
 
@@ -11,7 +11,7 @@ from server.assignments.class_assignments import ClassAssignments
 from server.assignments.counting import TimeJudge, mark_attempts
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
-from server.assignments.rules import OUTSIDE, Rules, Windows, rules_in_force
+from server.assignments.rules import OUTSIDE, Rules, Windows, concerns, rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, AttemptsByPair
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
@@ -48,9 +48,12 @@ class AssignmentMarker:
         cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[StudentRecord]
     ) -> AssignmentMarker:
         exemptions = assigned.exemptions.get(assignment.id, ())
-        common = rules_in_force(assignment, (), assignment.class_id, ())
+        common = replace(rules_in_force(assignment, (), assignment.class_id, ()), is_concerned=True)
+        unconcerned = replace(common, is_concerned=False)
         rules = {
-            student.id: rules_in_force(assignment, exemptions, student.id, student.groups) if exemptions else common
+            student.id: rules_in_force(assignment, exemptions, student.id, student.groups)
+            if exemptions
+            else (common if concerns(assignment, student.groups) else unconcerned)
             for student in students
         }
         exercises = assigned.exercises.get(assignment.id, ())
@@ -85,7 +88,9 @@ class AssignmentMarker:
             marks.append(mark_exercise(exercise, weight, sent, windows, counts, override))
         # A test ends for a student who has handed in, whose time is over, or once its results are out.
         ended = is_test and sitting_stage(self.assignment, rules, sitting, now) in ENDED_STAGES
-        if decision is not None:
+        if not windows.concerns_student:
+            state, decision = MarkState.not_concerned, None
+        elif decision is not None:
             state = DECIDED[decision.state]
         else:
             state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)

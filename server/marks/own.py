@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from server.assignments.models import Assignment
 from server.assignments.rules import Rules
@@ -43,6 +43,7 @@ class OwnMarks:
         """
         if not gradebook.rows:
             return OwnMarks()
+        gradebook = _without_others(gradebook)
         (row,) = gradebook.rows
         visible = [
             not is_withheld(assignment, gradebook.at)
@@ -69,6 +70,17 @@ class OwnMarks:
             if is_visible
         ]
         return OwnMarks(tuple(marks), visible_row.average, gradebook.titles, published, list_terms(visible_row, titles))
+
+
+def _without_others(gradebook: Gradebook) -> Gradebook:
+    """Return the gradebook of one student without the assignments of other groups."""
+    (row,) = gradebook.rows
+    own = [n for n, mark in enumerate(row.marks) if mark.state is not MarkState.not_concerned]
+    if len(own) == len(row.marks):
+        return gradebook
+    weights = tuple(row.weights[n] for n in own)
+    own_row = StudentMarks(row.member, tuple(row.marks[n] for n in own), weights, row.columns)
+    return replace(gradebook, rows=(own_row,), assignments=tuple(gradebook.assignments[n] for n in own))
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,9 @@ from server.marks.means import (
 )
 from server.marks.states import (
     DEFAULT_RULES,
+    LEFT_OUT,
     UNMARKED_STATES,
+    WHOLE_STATES,
     Counting,
     DecidedState,
     MarkingRules,
@@ -124,7 +126,7 @@ class ExerciseMark:
 
     def state_in(self, assignment_state: MarkState) -> MarkState:
         """Return the state of this exercise in an assignment of that state."""
-        if assignment_state in {MarkState.excused, MarkState.absent}:
+        if assignment_state in WHOLE_STATES:
             return assignment_state
         if self.excused:
             return MarkState.excused
@@ -157,7 +159,7 @@ class AssignmentMark:
             return 0.0
         if self.state in UNMARKED_STATES:
             return self.marking.points_of(self.state)
-        if self.state is MarkState.excused:
+        if self.state in LEFT_OUT:
             return None
         over = self.state is MarkState.done and not self.endless
         blanks_count = over and self.marking.unanswered is Counting.zero

@@ -9,11 +9,14 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.class_assignments import load_class_assignments
+from server.assignments.models import Assignment
+from server.assignments.rules import concerns
+from server.assignments.sitting_repository import load_sitting
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
 from server.classes import repository as classes
-from server.classes.models import ClassRole, SchoolClass, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.database import utc_now
@@ -30,6 +33,9 @@ from server.text.lines import character_problem, tidy_lines
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
 NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
 NOT_IN_ASSIGNMENT = "Ce devoir ne demande pas cet exercice."
+NOT_CONCERNED = (
+    "Ce devoir n’est pas donné à cet élève : ajoutez d’abord l’élève au groupe {groups}, sur la page « Élèves »."
+)
 EVERYWHERE = "dans tous les devoirs"
 IN_ASSIGNMENT = "dans le devoir « {title} » seulement"
 NOTHING_SET = "Cette note n’est pas modifiée, ou ne l’est plus."
@@ -160,7 +166,7 @@ def _lock_override(
     db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str, assignment_id: UUID | None
 ) -> tuple[Override | None, str]:
     """Return the override in force of this scope, and the scope in words; lock those of the class until the commit."""
-    lock_student(db, school_class, student)
+    membership = lock_student(db, school_class, student)
     if assignment_id is None:
         if not _belongs_to_class(db, course, school_class, exercise):
             raise NotFound(NO_SUCH_EXERCISE)
@@ -172,17 +178,28 @@ def _lock_override(
             raise NotFound(NO_SUCH_ASSIGNMENT)
         if all(row.exercise != exercise for row in assigned.exercises[assignment_id]):
             raise NotFound(NOT_IN_ASSIGNMENT)
+        require_concerned(db, assignment, membership)
         scope = IN_ASSIGNMENT.format(title=assignment.title)
     return repository.find_override(db, school_class.id, student, exercise, assignment_id), scope
 
 
-def lock_student(db: Session, school_class: SchoolClass, student: UUID) -> None:
-    """Lock what teachers decide in an open class until the commit. Raise NotFound for anyone but an active student."""
+def require_concerned(db: Session, assignment: Assignment, membership: Membership) -> None:
+    """Raise Invalid for a student whom an assignment does not concern, and who has not sat it."""
+    if not concerns(assignment, membership.groups) and not load_sitting(db, assignment.id, membership.account_id):
+        raise Invalid(NOT_CONCERNED.format(groups=" ou ".join(f"« {label} »" for label in assignment.groups)))
+
+
+def lock_student(db: Session, school_class: SchoolClass, student: UUID) -> Membership:
+    """Lock what teachers decide in an open class until the commit, and return the membership.
+
+    Raise NotFound for anyone but an active student.
+    """
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     membership = classes.find_membership(db, school_class.id, student)
     if membership is None or membership.role != ClassRole.student or membership.status != Status.active:
         raise NotFound(NOT_A_MEMBER)
+    return membership
 
 
 def _belongs_to_class(db: Session, course: Course, school_class: SchoolClass, exercise: str) -> bool:

@@ -9,7 +9,8 @@ from enum import StrEnum
 
 class MarkState(StrEnum):
     """What a mark is. `upcoming`: not open yet; `open`: work may still be sent that counts; `done`: it has points, of
-    which 0 are one case; `late_refused`: all that was sent came too late; `absent`: a teacher says so."""
+    which 0 are one case; `late_refused`: all that was sent came too late; `absent`: a teacher says so; `not_concerned`:
+    the assignment is for groups of which the student is none."""
 
     upcoming = "upcoming"
     open = "open"
@@ -18,6 +19,7 @@ class MarkState(StrEnum):
     late_refused = "late_refused"
     absent = "absent"
     excused = "excused"
+    not_concerned = "not_concerned"
 
 
 class DecidedState(StrEnum):
@@ -51,9 +53,14 @@ STATE_WORDS: Mapping[MarkState, str] = {
     MarkState.late_refused: "refusé (retard)",
     MarkState.absent: "absent",
     MarkState.excused: "dispensé",
+    MarkState.not_concerned: "non concerné",
 }
 #: Those that count as the class has chosen.
 UNMARKED_STATES = frozenset({MarkState.not_handed_in, MarkState.late_refused, MarkState.absent})
+#: Those in which nothing of an assignment counts.
+LEFT_OUT = frozenset({MarkState.excused, MarkState.not_concerned})
+#: Those of an assignment that are also those of each of its exercises, whatever was sent.
+WHOLE_STATES = LEFT_OUT | {MarkState.absent}
 
 
 @dataclass(frozen=True)

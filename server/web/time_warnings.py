@@ -12,6 +12,7 @@ from server.assignments import repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, LatePolicy, Mode, Visibility
 from server.assignments.rules import Rules, Windows, is_sitting_running, rules_in_force
 from server.classes import repository as classes
+from server.classes.models import ClassRole, Status
 from server.classes.schemas import Member
 from server.database import utc_now
 from server.text.plain import visible
@@ -25,7 +26,7 @@ HIDDEN_FOREVER = "{what} attend {until}, et le devoir n’en a pas : il ne sera 
 def load_time_warnings(db: Session, assignment: Assignment) -> Sequence[str]:
     """Return the warnings on an assignment, in French sentences."""
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    members = classes.load_members(db, assignment.class_id) if exemptions else ()
+    members = classes.load_members(db, assignment.class_id) if exemptions or assignment.groups else ()
     return time_warnings(db, assignment, exemptions, members)
 
 
@@ -38,11 +39,15 @@ def time_warnings(
     """
     active = [each for each in exemptions if each.revoked_at is None]
     names = {member.id: (member.name, member.groups) for member in members}
+    students = [
+        member.groups for member in members if member.role is ClassRole.student and member.status is Status.active
+    ]
     rules = rules_in_force(assignment, (), NOBODY, ())
     warnings = [
         *_past(rules, assignment.past_rules[-1].until if assignment.past_rules else assignment.created_at),
         *_dates(rules),
         *_hidden(assignment, rules),
+        *_groups(assignment, students),
         *_sittings(db, assignment, exemptions, utc_now()),
         *_exemptions(assignment, rules, active, names),
     ]
@@ -111,6 +116,15 @@ def _hidden(assignment: Assignment, rules: Rules) -> Iterator[str]:
             yield HIDDEN_FOREVER.format(what=what, until="la date de remise")
 
 
+def _groups(assignment: Assignment, students: Collection[Collection[str]]) -> Iterator[str]:
+    """Groups without students: the assignment is given to nobody there."""
+    empty = [f"« {visible(label)} »" for label in assignment.groups if not any(label in own for own in students)]
+    if len(empty) == len(assignment.groups) and empty:
+        yield f"Personne n’est dans le groupe {' ni dans '.join(empty)} : ce devoir n’est donné à aucun élève."
+    elif empty:
+        yield f"Personne n’est dans le groupe {' ni dans '.join(empty)}."
+
+
 def _sittings(db: Session, assignment: Assignment, exemptions: Collection[Exemption], now: datetime) -> Iterator[str]:
     """Students who sit the test until an end that they were told, later than that of today's rules."""
     if assignment.mode != Mode.test:
@@ -145,7 +159,9 @@ def _exemptions(
             who, rules = visible(name), rules_in_force(assignment, active, each.account_id, groups)
         else:
             continue
-        if not rules.excused:
+        if not rules.is_concerned:
+            yield f"{who} : le devoir est donné à d’autres groupes ; cet aménagement ne change rien."
+        elif not rules.excused:
             yield from _less(who, rules, common)
             yield from _without_effect(who, each, rules, common)
 

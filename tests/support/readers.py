@@ -23,6 +23,7 @@ from graders.typography import french, unaccented
 from server.api.assignment_schemas import AssignmentIn
 from server.api.column_schemas import ColumnIn, TypedMarksIn
 from server.api.schemas import NewSubmission
+from server.assignments.groups import find_students, parse_label
 from server.base.errors import InvalidFields, ServiceError
 from server.base.forms import decode_large_form
 from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
@@ -148,7 +149,8 @@ IDENTITIES = """
     header:Idempotency-Key header:last-event-id
     form:absence form:action form:approbation form:attendu form:bonus form:choix form:confirme form:defi form:devoir
     form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
-    form:derniere form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
+    form:derniere form:combien form:presents
+    form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
     form:sans_reponse form:semaines form:classe form:cours form:verification form:version
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
     body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
@@ -189,8 +191,11 @@ READERS: tuple[Reader, ...] = (
         BODY,
         TEXTS,
         "form:title form:titre body:ColumnIn.title body:ColumnChange.title body:AssignmentIn.title "
-        "body:AssignmentChange.title body:NewName.title body:ExceptionIn.group",
+        "body:AssignmentChange.title body:AssignmentIn.groups body:AssignmentChange.groups body:NewName.title "
+        "body:ExceptionIn.group",
     ),
+    Reader("a group's name", parse_label, BODY, TEXTS, "form:nom query:nom"),
+    Reader("names of students", lambda text: find_students((), text), BODY, TEXTS, "form:noms"),
     Reader(
         "lines",
         tidy_lines,
@@ -229,7 +234,8 @@ READERS: tuple[Reader, ...] = (
         _form("title opens_at due_at closes_at late weight exercice mode", lambda form: parse_assignment(form, None)),
         BODY,
         TEXTS,
-        "raw:server.desk.assignments.forms.checked_exercises raw:server.desk.assignments.forms.field_text "
+        "raw:server.desk.assignments.forms.checked_exercises raw:server.desk.assignments.forms.checked_groups "
+        "raw:server.desk.assignments.forms.submitted_assignment_values raw:server.desk.assignments.forms.field_text "
         "raw:server.desk.assignments.routes.create_assignment raw:server.desk.assignments.routes.update_assignment",
     ),
     Reader(

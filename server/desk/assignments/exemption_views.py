@@ -19,6 +19,7 @@ from server.assignments.exemption_service import (
 )
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
 from server.assignments.rules import Rules, is_sitting_running, rules_in_force, sitting_end
+from server.assignments.student_assignments import load_student_assignment
 from server.base import school_time
 from server.base.errors import NotFound
 from server.classes import repository as classes
@@ -154,6 +155,8 @@ def build_rules_explanation_page(
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     seat = student.membership
     rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
+    if not staff:
+        load_student_assignment(db, assignment, seat.account_id, seat.groups, utc_now())
     told = explain_rules(rules, exemptions, seat.account_id)
     names = words.field_names(is_test=rules.is_test)
     asked = [name for name in names if name != "time_factor" or assignment.duration_minutes or len(told[name]) > 1]
@@ -178,6 +181,7 @@ def build_rules_explanation_page(
         line=draw_late_line(rules),
         people=tuple((str(each.id), each.name) for each in active_students(members)),
         for_staff=staff,
+        is_concerned=rules.is_concerned,
         sitting=_sitting_sentence(sitting_repository.load_sitting(db, assignment.id, seat.account_id), rules)
         if assignment.mode == Mode.test
         else "",

@@ -22,6 +22,7 @@ from server.text.lines import tidy_line
 
 NO_NUMBER = "{what} : « {text} » n’est pas un nombre."
 NO_CHOICE = "Ce choix n’est pas proposé."
+NO_GROUP = "Cochez au moins un groupe, ou donnez le devoir à toute la classe."
 WEIGHT_PREFIX = "poids:"
 MAX_FIELD_CHARACTERS = 5000
 
@@ -118,7 +119,10 @@ def parse_assignment(fields: FormData, before: AssignmentInput | None) -> Assign
         diagnosis=read.choice("diagnostic", "diagnosis", Visibility, Visibility.usual),
         solution=read.choice("corrige", "solution", Visibility, Visibility.usual),
         duration_minutes=None if minutes is None else int(minutes),
+        groups=checked_groups(fields),
     )
+    if field_text(fields, "donne_a") and not wanted.groups:
+        read.problems["groups"] = NO_GROUP
     read.raise_problems()
     return wanted
 
@@ -130,6 +134,13 @@ def _default_weight(given: float | None) -> float:
 def checked_exercises(fields: FormData) -> list[str]:
     """The exercises that are ticked."""
     return [name for name in fields.getlist("exercice") if isinstance(name, str)]
+
+
+def checked_groups(fields: FormData) -> tuple[str, ...]:
+    """The groups that are ticked, unless the assignment is for the whole class."""
+    if field_text(fields, "donne_a") != "groupes":
+        return ()
+    return tuple(tidy_line(name[:MAX_FIELD_CHARACTERS]) for name in fields.getlist("groupe") if isinstance(name, str))
 
 
 def submitted_assignment_values(fields: FormData) -> AssignmentValues:
@@ -154,6 +165,8 @@ def submitted_assignment_values(fields: FormData) -> AssignmentValues:
         mode=field_text(fields, "mode") or Mode.practice,
         duration=field_text(fields, "duree"),
         weights=ticked,
+        audience=field_text(fields, "donne_a"),
+        groups=tuple(name[:MAX_FIELD_CHARACTERS] for name in fields.getlist("groupe") if isinstance(name, str)),
     )
 
 
@@ -174,6 +187,8 @@ def stored_assignment_values(wanted: AssignmentInput) -> AssignmentValues:
         mode=wanted.mode,
         duration="" if wanted.duration_minutes is None else str(wanted.duration_minutes),
         weights={exercise.exercise: format_number(exercise.weight) for exercise in wanted.exercises},
+        audience="groupes" if wanted.groups else "",
+        groups=tuple(wanted.groups),
     )
 
 
@@ -183,6 +198,7 @@ def assignment_texts(values: AssignmentValues) -> Mapping[str, str]:
     return {
         "Titre": values.title,
         "Exercices": ", ".join(exercises),
+        "Donné à": ", ".join(values.chosen_groups) or "toute la classe",
         "Ouverture": values.opens.replace("T", " "),
         "Date limite": values.due.replace("T", " "),
         "Fermeture": values.closes.replace("T", " "),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
@@ -46,13 +48,24 @@ def list_assignments(request: Request, class_id: str, reader: CurrentReader) -> 
 
 
 @router.get(f"{ASSIGNMENTS_PATH}/nouveau")
-def show_new_form(request: Request, class_id: str, reader: CurrentReader, sujet: ShortQuery = "") -> Response:
-    """`sujet` names a paper of the course, for which the form is filled."""
+def show_new_form(
+    request: Request,
+    class_id: str,
+    reader: CurrentReader,
+    sujet: ShortQuery = "",
+    groupe: ShortQuery = "",
+    exercice: ShortQuery = "",
+) -> Response:
+    """`sujet` names a paper of the course, `groupe` a group, `exercice` an exercise: the form is filled with them."""
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.manage_assignments, class_id)
     require_open(access.school_class)
     values = exam_papers.paper_form_values(reader.course, access.school_class.module, sujet)
+    if groupe in editing.load_labels(reader.db, access.school_class):
+        values = replace(values, audience="groupes", groups=(groupe,))
+    if exercice in editing.assignable_exercises(reader.db, reader.course, access.school_class):
+        values = replace(values, weights={**values.weights, exercice: "1"})
     view = assignment_views.build_form_page(reader.db, reader.course, access, values)
     return render_page(request, "classes/assignment_form.html", reader.account, page=view)
 
@@ -70,7 +83,11 @@ def create_assignment(
         if not fields.get("apercu"):
             made = editing.create_assignment(db, course, access.school_class, account.id, wanted)
             return redirect(assignment_views.assignment_href(made))
-        drawn = validate_assignment(wanted, editing.assignable_exercises(db, course, access.school_class))
+        drawn = validate_assignment(
+            wanted,
+            editing.assignable_exercises(db, course, access.school_class),
+            editing.load_labels(db, access.school_class),
+        )
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems
@@ -132,7 +149,9 @@ def update_assignment(
             editing.update_assignment(db, course, access.school_class, account.id, found, wanted)
             return redirect(assignment_views.assignment_href(found))
         known = {each.exercise: each.exercise for each in before.exercises}
-        drawn = validate_assignment(wanted, known | dict(editing.assignable_exercises(db, course, access.school_class)))
+        labels = {*editing.load_labels(db, access.school_class), *before.groups}
+        known |= dict(editing.assignable_exercises(db, course, access.school_class))
+        drawn = validate_assignment(wanted, known, labels)
         problems = {}
     except InvalidFields as refused:
         problems = refused.problems

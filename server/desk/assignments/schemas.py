@@ -32,7 +32,8 @@ class StageView:
 
 @dataclass(frozen=True)
 class AssignmentRow:
-    """An assignment as its staff see it in the list; `finished` students have solved all of it, at any time.
+    """An assignment as its staff see it in the list, given to so many `students`; `finished` of them have solved all of
+    it, at any time.
 
     `begun` students have begun it, where it is a test: what they had solved before does not count there.
     """
@@ -49,13 +50,14 @@ class AssignmentRow:
     exemptions: int
     finished: int
     begun: int
+    students: int
+    groups: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class AssignmentsPage:
     head: ClassHead
     rows: tuple[AssignmentRow, ...]
-    students: int
     may_keep: bool
     zone: str
     papers: tuple[PaperLink, ...]
@@ -89,7 +91,6 @@ class AssignmentPage:
     exercises: tuple[WeightedExerciseRow, ...]
     facts: tuple[tuple[str, str], ...]
     line: LateLine
-    students: int
     may_keep: bool
     may_compare: bool
     release: ReleaseView | None
@@ -127,13 +128,20 @@ class AssignmentValues:
     mode: str = "practice"
     duration: str = ""
     weights: Mapping[str, str] = field(default_factory=dict)
+    audience: str = ""
+    groups: tuple[str, ...] = ()
+
+    @property
+    def chosen_groups(self) -> tuple[str, ...]:
+        """The groups to which it is given: none for the whole class, whatever is ticked."""
+        return self.groups if self.audience else ()
 
 
 @dataclass(frozen=True)
 class AssignmentFormPage:
     """`problems` are by the field's name; `line` is drawn where the form is good enough to draw it.
 
-    `counts` and `shown` are what one may choose, each with its words.
+    `counts` and `shown` are what one may choose, each with its words; `groups`, with their numbers of students.
     """
 
     head: ClassHead
@@ -148,6 +156,7 @@ class AssignmentFormPage:
     zone: str
     counts: tuple[tuple[str, str], ...]
     shown: tuple[tuple[str, str], ...]
+    groups: Mapping[str, int]
 
 
 @dataclass(frozen=True)
@@ -234,6 +243,7 @@ class RulesExplanationPage:
     line: LateLine
     people: tuple[tuple[str, str], ...]
     for_staff: bool
+    is_concerned: bool = True
     sitting: str = ""
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from server.assignments import editing, repository
-from server.assignments.exemption_service import active_students
 from server.assignments.models import Assignment, Mode
-from server.assignments.rules import Rules, rules_in_force
+from server.assignments.rules import Rules, concerns, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.assignments.stages import AssignmentStage, assignment_stage
 from server.base import school_time
@@ -40,7 +40,7 @@ from server.rights.service import ClassAccess
 from server.studio import service as studio
 from server.web.time_warnings import time_warnings
 from server.web.views import exercise_href, exercises_in_reading_order
-from server.web.words import iso_moment, long_moment
+from server.web.words import iso_moment, list_names, long_moment
 
 NOBODY = UUID(int=0)
 TAB = "/devoirs"
@@ -70,25 +70,47 @@ def build_assignments_page(db: Session, course: Course, access: ClassAccess) -> 
     rows = repository.load_class_assignments(db, access.school_class.id)
     names = [assignment.id for assignment in rows]
     exercises, exempted = repository.load_exercises(db, names), repository.count_exemptions(db, names)
-    finished = desk.count_finished_students(db, access.school_class.id, names)
-    begun = desk.count_begun_students(db, access.school_class.id, names)
+    work = _load_class_work(db, access, rows)
     now = utc_now()
     shown = tuple(
         _assignment_row(
             assignment,
             len(exercises.get(assignment.id, ())),
             exempted.get(assignment.id, 0),
-            finished.get(assignment.id, 0),
-            begun.get(assignment.id, 0),
+            work,
             now,
         )
         for assignment in rows
     )
-    students = classes.count_students(db, [access.school_class.id])[access.school_class.id][0]
     given = exam_papers.paper_links(course, access.school_class.module, views.class_href(access.school_class))
     head, zone = views.class_head(course, access, TAB), school_time.time_zone_name()
     removed = repository.load_removed_assignments(db, access.school_class.id) if may_manage(access) else ()
-    return AssignmentsPage(head, shown, students, may_manage(access), zone, given, removed)
+    return AssignmentsPage(head, shown, may_manage(access), zone, given, removed)
+
+
+@dataclass(frozen=True)
+class _ClassWork:
+    """By assignment: the students to whom it is given, and those of them who have finished and begun it."""
+
+    students: Mapping[UUID, int]
+    finished: Mapping[UUID, int]
+    begun: Mapping[UUID, int]
+
+
+def _load_class_work(db: Session, access: ClassAccess, rows: Sequence[Assignment]) -> _ClassWork:
+    """Load it in four queries."""
+    class_id, ids = access.school_class.id, [assignment.id for assignment in rows]
+    students = classes.load_active_students(db, class_id)
+    concerned = {
+        assignment.id: {student.id for student in students if concerns(assignment, student.groups)}
+        for assignment in rows
+    }
+    grouped = [assignment.id for assignment in rows if assignment.groups]
+    finished = dict(desk.count_finished_students(db, class_id, [name for name in ids if name not in grouped]))
+    for name, student in desk.load_finished_students(db, class_id, grouped) if grouped else ():
+        finished[name] = finished.get(name, 0) + (student in concerned[name])
+    counts = {name: len(own) for name, own in concerned.items()}
+    return _ClassWork(counts, finished, desk.count_begun_students(db, class_id, ids))
 
 
 def may_manage(access: ClassAccess) -> bool:
@@ -96,7 +118,7 @@ def may_manage(access: ClassAccess) -> bool:
 
 
 def _assignment_row(
-    assignment: Assignment, exercises: int, exemptions: int, finished: int, begun: int, now: datetime
+    assignment: Assignment, exercises: int, exemptions: int, work: _ClassWork, now: datetime
 ) -> AssignmentRow:
     return AssignmentRow(
         href=assignment_href(assignment),
@@ -109,8 +131,10 @@ def _assignment_row(
         closes=format_date(assignment.closes_at),
         exercises=exercises,
         exemptions=exemptions,
-        finished=finished,
-        begun=begun,
+        finished=work.finished.get(assignment.id, 0),
+        begun=work.begun.get(assignment.id, 0),
+        students=work.students.get(assignment.id, 0),
+        groups=tuple(assignment.groups),
     )
 
 
@@ -119,16 +143,14 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     members = classes.load_members(db, access.school_class.id)
     exempted = sum(each.revoked_at is None for each in exemptions)
-    finished = desk.count_finished_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
-    begun = desk.count_begun_students(db, access.school_class.id, [assignment.id]).get(assignment.id, 0)
+    work = _load_class_work(db, access, [assignment])
     rubric_titles = load_rubric_titles(db, [assignment.id])
     return AssignmentPage(
         head=views.class_head(course, access, TAB),
-        row=_assignment_row(assignment, len(wanted.exercises), exempted, finished, begun, utc_now()),
+        row=_assignment_row(assignment, len(wanted.exercises), exempted, work, utc_now()),
         exercises=tuple(_weighted_exercise_row(course, each.exercise, each.weight) for each in wanted.exercises),
         facts=tuple(_rule_facts(wanted)),
         line=draw_late_line(common_rules(assignment)),
-        students=len(active_students(members)),
         may_keep=may_manage(access),
         may_compare=access.has(Right.compare_codes),
         release=release_view(db, assignment)
@@ -149,6 +171,7 @@ def _weighted_exercise_row(course: Course, name: str, weight: float) -> Weighted
 
 def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
+        ("Donné à", f"{list_names(wanted.groups)}" if wanted.groups else "toute la classe"),
         ("Mode", words.MODE_WORDS[wanted.mode]),
         ("En retard", words.describe_late_policy(wanted.late, wanted.late_per_day)),
         ("Essai retenu", words.SELECTION_WORDS[wanted.counts]),
@@ -158,7 +181,7 @@ def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
         ("Corrigé", words.VISIBILITY_WORDS[wanted.solution]),
     ]
     if wanted.duration_minutes is not None:
-        facts.insert(1, ("Durée", words.format_duration(wanted.duration_minutes)))
+        facts.insert(2, ("Durée", words.format_duration(wanted.duration_minutes)))
     return facts
 
 
@@ -188,7 +211,14 @@ def build_form_page(
         zone=school_time.time_zone_name(),
         counts=tuple((selection.value, told) for selection, told in words.SELECTION_WORDS.items()),
         shown=tuple((visibility.value, told) for visibility, told in words.VISIBILITY_WORDS.items()),
+        groups=_group_sizes(db, access, values.groups),
     )
+
+
+def _group_sizes(db: Session, access: ClassAccess, chosen: Collection[str]) -> Mapping[str, int]:
+    """Return the number of students of each group, also of chosen ones that have become empty."""
+    students = classes.load_active_students(db, access.school_class.id)
+    return dict.fromkeys(chosen, 0) | views.count_students_by_label(student.groups for student in students)
 
 
 def _exercise_options(

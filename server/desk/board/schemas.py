@@ -128,6 +128,8 @@ class BoardBody:
     rows: tuple[BoardRow, ...]
     student_count: int
     pages: tuple[BoardLink, ...]
+    #: Whether some exercise is given to other groups than that of some student.
+    leaves_out: bool
 
 
 @dataclass(frozen=True)

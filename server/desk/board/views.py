@@ -26,6 +26,7 @@ from server.desk.board.schemas import (
 )
 from server.desk.board.side_panel import number_text, side_panel
 from server.desk.views import class_head, class_href, count_students_by_label, join_code_view
+from server.marks.states import STATE_WORDS, MarkState
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.fragments import FRAGMENTS
@@ -48,6 +49,7 @@ WORDS = {
     ProgressState.stuck: "bloqué en ce moment",
     ProgressState.solved: "réussi",
 }
+NOT_CONCERNED_SIGN = "–"
 #: The order of a column: who needs help comes first.
 TROUBLE_ORDER = {ProgressState.stuck: 0, ProgressState.trying: 1, ProgressState.none: 2, ProgressState.solved: 3}
 
@@ -145,6 +147,7 @@ def _board_body(board: Board, links: BoardLinks, query: BoardQuery) -> BoardBody
             BoardLink(str(number), _href(links, query, page=number), number == query.page)
             for number in range(1, page_count + 1)
         ),
+        leaves_out=not all(cell.is_concerned for cell in board.cells.values()),
     )
 
 
@@ -216,15 +219,16 @@ def _row(class_href: str, board: Board, student: BoardStudent) -> BoardRow:
 
 def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
     tried, misconception = cell.attempts > 0, cell.misconception
+    is_left_out = not (tried or cell.is_concerned)
     label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else "")
     if misconception is not None and cell.state is not ProgressState.solved:
         label += f" : {board.titles.get((cell.exercise, misconception), misconception)}"
     return BoardCell(
         key=cell_key(cell.student, cell.exercise),
         kind=cell.state.value,
-        sign=SIGNS[cell.state],
+        sign=NOT_CONCERNED_SIGN if is_left_out else SIGNS[cell.state],
         text="" if cell.points is None else format_mark(cell.points),
-        label=label,
+        label=STATE_WORDS[MarkState.not_concerned] if is_left_out else label,
         href=work_href(class_href, cell.student, cell.exercise) if tried else "",
     )
 

@@ -10,8 +10,8 @@ from server.marks.cells import Cell
 from server.marks.files import column_cell, exercise_cell, mark_cell
 from server.marks.means import format_number, format_points
 from server.marks.schemas import AssignmentMark, ColumnMark, ColumnRecord, ExerciseMark, is_withheld
-from server.marks.states import UNMARKED_STATES, Counting, MarkState
-from server.web.words import short_moment
+from server.marks.states import UNMARKED_STATES, WHOLE_STATES, Counting, MarkState
+from server.web.words import list_names, short_moment
 
 NO_POINTS = "—"
 COUNTS_ZERO = "compte 0"
@@ -23,6 +23,8 @@ def points_text(points: float | None) -> str:
 
 def assignment_notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
     notes = [f"coefficient {format_number(assignment.weight)}"]
+    if assignment.groups:
+        notes.append(f"pour {list_names(assignment.groups)}")
     if assignment.due_at is not None:
         notes.append(f"pour le {short_moment(assignment.due_at).partition(' ')[0]}")
     if is_withheld(assignment, now):
@@ -49,7 +51,7 @@ def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
     return MarkCell(
         text=cell_text(mark_cell(mark)),
         href=href,
-        late=0 if mark.state in {MarkState.excused, MarkState.absent} else mark.days_late,
+        late=0 if mark.state in WHOLE_STATES else mark.days_late,
         changed=mark.overridden,
         stale=mark.stale,
         pending=pending,
@@ -60,7 +62,7 @@ def assignment_cell(mark: AssignmentMark, href: str) -> MarkCell:
 
 def exercise_mark_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> MarkCell:
     state = exercise.state_in(mark.state)
-    late = 0 if state in {MarkState.excused, MarkState.absent} else exercise.days_late
+    late = 0 if state in WHOLE_STATES else exercise.days_late
     text = cell_text(exercise_cell(exercise, mark))
     counts = COUNTS_ZERO if counts_as_blank(exercise, mark) else ""
     return MarkCell(text, href, late, exercise.override is not None, exercise.stale, state=state, counts=counts)

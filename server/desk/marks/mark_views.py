@@ -27,6 +27,7 @@ STATE_DETAILS: Mapping[MarkState, str] = {
     MarkState.done: "fini",
     MarkState.not_handed_in: "fini, rien n’a été envoyé",
     MarkState.late_refused: "fini, tout est venu trop tard",
+    MarkState.not_concerned: "donné à d’autres groupes",
 }
 WHOLE = "Tout le devoir"
 DECISION_WORDS: Mapping[str, str] = {
@@ -45,7 +46,8 @@ def mark_page(course: Course, access: ClassAccess, gradebook: Gradebook, assignm
     index = ids.index(assignment_id)
     (row,) = gradebook.rows
     mark, titles = row.marks[index], unique_titles(gradebook.assignments)
-    may_change = access.has(Right.change_marks) and access.school_class.archived_at is None
+    is_open = access.school_class.archived_at is None and mark.state is not MarkState.not_concerned
+    may_change = access.has(Right.change_marks) and is_open
     is_assignment = gradebook.assignments[index].id != access.school_class.id
     asking: dict[str, list[str]] = {}
     for title, assignment in zip(titles, gradebook.assignments, strict=True):

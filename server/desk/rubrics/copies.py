@@ -9,6 +9,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
+from server.assignments.student_assignments import UNKNOWN
+from server.base.errors import NotFound
 from server.comments import service as comments
 from server.course import Course
 from server.database import utc_now
@@ -115,7 +117,7 @@ def _load_own_mark(
     for each in own.marks:
         if each.assignment.id == assignment.id:
             return each.mark, tuple(each.exercises.values())
-    return None, ()
+    raise NotFound(UNKNOWN)  # it is for other groups
 
 
 def _part(

@@ -9,6 +9,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
+from server.assignments.rules import concerns
+from server.assignments.sitting_repository import load_sittings
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import StudentRecord
@@ -124,8 +126,10 @@ def list_copies(
     markings = rubrics_repository.load_markings(db, rubric.column_id)
     senders = desk.load_senders(db, access.school_class.id, assignment.id)
     items = rubrics_repository.items_of(rubric)
+    everyone = classes.list_students(db, access.school_class.id)
+    sittings = load_sittings(db, [assignment.id])
     students = sorted(
-        classes.list_students(db, access.school_class.id),
+        (s for s in everyone if concerns(assignment, s.groups) or (assignment.id, s.id) in sittings),
         key=lambda student: (student.id not in senders, rubrics.copy_key(rubric, student.id)),
     )
     hidden = hides_names(rubric, column)

@@ -82,6 +82,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /mes-exercices": {"module": "l20"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
+    "POST /classes/{class_id}/groupes": {"action": "liste", "nom": "Lundi", "noms": "Ada"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},

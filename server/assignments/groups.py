@@ -1,0 +1,198 @@
+"""Make, rename and dissolve the groups of a class: labels of its students.
+
+Every function works inside the caller's transaction, on a class whose list the caller may change (`server.rights`).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import repository
+from server.assignments.members import changing_members
+from server.base.errors import Invalid, InvalidFields, NotFound
+from server.classes import repository as classes
+from server.classes.folding import normalise_name
+from server.classes.models import SchoolClass
+from server.classes.roster_line import MAX_GROUPS, parse_groups
+from server.classes.schemas import Member
+from server.classes.service import require_open
+
+MAX_LINES, MIN_DEALT, MAX_DEALT = 500, 2, 30
+NO_GROUP = "Cette classe n’a pas ce groupe."
+ONE_NAME = "Donnez au groupe un seul nom, sans virgule ni point-virgule."
+TAKEN = "Il y a déjà un groupe « {label} » : donnez un autre nom, ou ajoutez-lui des élèves sur la page « Élèves »."
+NOBODY = "Écrivez au moins un nom d’élève, un par ligne."
+UNKNOWN_LINES = "Ces lignes ne désignent aucun élève de la classe : {lines}."
+SEVERAL = "Plusieurs élèves s’appellent ainsi ; écrivez leur identifiant : {lines}."
+FULL = "{name} est déjà dans {count} groupes, le plus qu’un élève puisse en avoir."
+HOW_MANY = f"Indiquez de {MIN_DEALT} à {MAX_DEALT} groupes."
+TOO_FEW = "Il faut au moins un élève par groupe : la classe en a {count}."
+IN_USE = "Le groupe « {label} » sert encore : {uses}. Changez d’abord à qui c’est donné."
+
+
+@dataclass(frozen=True)
+class GroupUse:
+    """What depends on a group: titles of the assignments given to it, and of those with an exemption for it."""
+
+    assignments: tuple[str, ...] = ()
+    exemptions: tuple[str, ...] = ()
+
+
+def load_uses(db: Session, school_class: SchoolClass) -> Mapping[str, GroupUse]:
+    """Return what depends on each group of a class."""
+    given, exempted = defaultdict(list), defaultdict(list)
+    assignments = repository.load_class_assignments(db, school_class.id)
+    exemptions = repository.load_exemptions(db, [assignment.id for assignment in assignments])
+    for assignment in assignments:
+        for label in assignment.groups:
+            given[label].append(assignment.title)
+        active = (each for each in exemptions.get(assignment.id, ()) if each.revoked_at is None)
+        for label in {each.label for each in active if each.label is not None}:
+            exempted[label].append(assignment.title)
+    labels = given.keys() | exempted.keys()
+    return {label: GroupUse(tuple(given.get(label, ())), tuple(exempted.get(label, ()))) for label in labels}
+
+
+def find_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
+    """Return the active students whom the lines of a text name: by name in either order, by login or by e-mail.
+
+    Raises InvalidFields for `names`, with every line that names nobody, or several.
+    """
+    by_key: dict[str, set[UUID]] = defaultdict(set)
+    for member in members:
+        if member.is_active_student:
+            for key in _keys(member):
+                by_key[key].add(member.id)
+    lines = [line.strip() for line in text.splitlines() if line.strip()][:MAX_LINES]
+    if not lines:
+        raise InvalidFields({"names": NOBODY})
+    matches = [(line, by_key.get(_fold(line), set())) for line in lines]
+    for problem, wrong in (
+        (UNKNOWN_LINES, [line for line, students in matches if not students]),
+        (SEVERAL, [line for line, students in matches if len(students) > 1]),
+    ):
+        if wrong:
+            raise InvalidFields({"names": problem.format(lines=", ".join(f"« {line[:60]} »" for line in wrong[:10]))})
+    return list(dict.fromkeys(student for _, students in matches for student in students))
+
+
+def _keys(member: Member) -> Collection[str]:
+    names = (member.name, member.plain_name, member.account.name)
+    handles = (member.account.login or "", member.membership.email)
+    return {_fold(text) for text in (*names, *handles) if text}
+
+
+def _fold(text: str) -> str:
+    return " ".join(sorted(normalise_name(text).split()))
+
+
+def make_group(db: Session, school_class: SchoolClass, by: UUID, name: str, students: Collection[UUID]) -> str:
+    """Put students into a new group, and return its label. Raises Conflict or InvalidFields."""
+    label = _new_label(db, school_class, name)
+    _add(db, school_class, by, {label: students})
+    return label
+
+
+def deal_groups(
+    db: Session,
+    school_class: SchoolClass,
+    by: UUID,
+    name: str,
+    count: int,
+    students: Sequence[UUID],
+    random: Random,
+) -> Sequence[str]:
+    """Deal students at random into new groups of equal size, within one: « TP 1 », « TP 2 »… Return their labels.
+
+    Raises Conflict or InvalidFields.
+    """
+    if not MIN_DEALT <= count <= MAX_DEALT:
+        raise InvalidFields({"count": HOW_MANY})
+    if len(students) < count:
+        raise InvalidFields({"count": TOO_FEW.format(count=len(students))})
+    labels = [_new_label(db, school_class, f"{name} {number}") for number in range(1, count + 1)]
+    shuffled = random.sample(list(students), len(students))
+    _add(db, school_class, by, {label: shuffled[index::count] for index, label in enumerate(labels)})
+    return labels
+
+
+def parse_label(name: str) -> str:
+    """Return the label that a text writes. Raises InvalidFields for `name`."""
+    try:
+        labels = parse_groups(name)
+    except Invalid as refused:
+        raise InvalidFields({"name": refused.detail[:1].upper() + refused.detail[1:]}) from None
+    if len(labels) != 1:
+        raise InvalidFields({"name": ONE_NAME})
+    return labels[0]
+
+
+def _new_label(db: Session, school_class: SchoolClass, name: str) -> str:
+    """Return the label of a group to make. Raises InvalidFields."""
+    label = parse_label(name)
+    folded = {normalise_name(label) for label in _labels(classes.load_members(db, school_class.id))}
+    folded |= {normalise_name(label) for label in load_uses(db, school_class)}
+    if normalise_name(label) in folded:
+        raise InvalidFields({"name": TAKEN.format(label=label)})
+    return label
+
+
+def _labels(members: Sequence[Member]) -> frozenset[str]:
+    return frozenset(label for member in members if member.is_active_student for label in member.groups)
+
+
+def _add(db: Session, school_class: SchoolClass, by: UUID, groups: Mapping[str, Collection[UUID]]) -> None:
+    require_open(school_class)
+    classes.lock_class(db, school_class.id)
+    members = {member.id: member for member in classes.load_members(db, school_class.id)}
+    with changing_members(db, school_class.id, by):
+        for label, students in groups.items():
+            for student in students:
+                member = members[student]
+                if len(member.groups) >= MAX_GROUPS:
+                    raise InvalidFields({"names": FULL.format(name=member.name, count=MAX_GROUPS)})
+                member.membership.groups = [*member.groups, label]
+
+
+def rename_group(db: Session, school_class: SchoolClass, by: UUID, label: str, name: str) -> str:
+    """Rename a group, wherever it is named; return its label. Raises NotFound, Conflict or InvalidFields."""
+    require_open(school_class)
+    classes.lock_class(db, school_class.id)
+    members = classes.load_members(db, school_class.id)
+    if label not in _labels(members):
+        raise NotFound(NO_GROUP)
+    new = label if name.strip() == label else _new_label(db, school_class, name)
+    with changing_members(db, school_class.id, by):
+        for member in members:
+            if label in member.groups:
+                member.membership.groups = _replace(member.groups, label, new)
+        repository.rename_label(db, school_class.id, label, new)
+    return new
+
+
+def _replace(labels: Collection[str], old: str, new: str) -> list[str]:
+    return [new if label == old else label for label in labels]
+
+
+def dissolve_group(db: Session, school_class: SchoolClass, by: UUID, label: str) -> None:
+    """Take all students out of a group. Raises NotFound, or Conflict where an assignment or an exemption is given to
+    it."""
+    require_open(school_class)
+    classes.lock_class(db, school_class.id)
+    members = [member for member in classes.load_members(db, school_class.id) if label in member.groups]
+    if not members:
+        raise NotFound(NO_GROUP)
+    use = load_uses(db, school_class).get(label)
+    if use is not None:
+        words = [f"devoir « {title} »" for title in use.assignments]
+        words += [f"aménagement du devoir « {title} »" for title in use.exemptions]
+        raise InvalidFields({"name": IN_USE.format(label=label, uses=", ".join(words))})
+    with changing_members(db, school_class.id, by):
+        for member in members:
+            member.membership.groups = [own for own in member.groups if own != label]

@@ -1,0 +1,82 @@
+"""The page of groups, and an assignment given to some of them: what each member is shown."""
+
+from __future__ import annotations
+
+import pytest
+
+from server.assignments.models import Assignment
+from server.classes.models import ClassRole, Membership
+from server.identity.models import Role
+from tests.desk.test_assignments import GOOD, School, read
+from tests.support.classes import new_class, person, seat
+from tests.support.service import Site
+
+
+@pytest.fixture
+def school(site: Site) -> School:
+    martin, ada, bob = person(site, Role.teacher, "Mme Martin"), person(site, name="Ada"), person(site, name="Bob")
+    made = new_class(site.database, martin.account)
+    seat(site.database, made, ada.account)
+    seat(site.database, made, bob.account)
+    return School(site, made, martin.browser(site), ada, bob)
+
+
+def test_a_group_is_made_and_an_assignment_given_to_it_alone(school: School) -> None:
+    page, martin = f"{school.href}/groupes", school.martin
+    assert "Cette classe n’a pas encore de groupe." in read(martin, page)
+    refused = martin.post(page, data={"action": "liste", "nom": "Reprise", "noms": "Ada\nZoé"})
+    assert refused.status_code == 422
+    assert "Ces lignes ne désignent aucun élève de la classe : « Zoé »." in refused.text
+    assert "Ada\nZoé</textarea>" in refused.text, "nothing typed is lost"
+    assert martin.post(page, data={"action": "liste", "nom": "Reprise", "noms": "Ada"}).status_code == 303
+    assert "Reprise 1 élève" in read(martin, page)
+
+    form = martin.get(f"{school.href}/devoirs/nouveau?groupe=Reprise").text
+    assert '<input type="checkbox" name="groupe" value="Reprise" checked>' in form
+    href = school.give(donne_a="groupes", groupe="Reprise")
+    assert "pour Reprise · 0 sur 1 élève" in read(martin, href)
+    assert "pour Reprise" in read(martin, f"{school.href}/devoirs")
+    assert "Se <repérer>" in read(school.ada.browser(school.site), school.href)
+    bob = school.bob.browser(school.site)
+    assert "Se <repérer>" not in read(bob, school.href)
+    for path in (f"{href}/copie", f"{href}/pourquoi"):
+        assert bob.get(path).status_code == 404
+    api = f"/api/v1{href.replace('/devoirs/', '/assignments/')}"
+    assert school.site.client.get(api, headers=school.bob.headers).status_code == 404
+    assert school.site.client.get(api, headers=school.ada.headers).json()["groups"] is None
+    carnet = read(martin, f"{school.href}/carnet")
+    assert "pour Reprise" in carnet
+    assert "non concerné" in carnet
+    mark = f"{href.replace('/devoirs/', f'/carnet/{school.bob.id}/')}"
+    assert "donné à d’autres groupes" in read(martin, mark)
+    decided = martin.post(mark, data={"action": "decider", "etat": "zero"})
+    assert decided.status_code == 422, "what does not concern a student gets no mark"
+    assert "ajoutez d’abord l’élève au groupe « Reprise »" in decided.text
+
+
+def test_a_form_with_a_group_ticked_but_the_whole_class_chosen_is_for_the_whole_class(school: School) -> None:
+    school.martin.post(f"{school.href}/groupes", data={"action": "liste", "nom": "A", "noms": "Ada"})
+    school.give(donne_a="", groupe="A")
+    (given,) = school.stored(Assignment)
+    assert given.groups == ()
+    refused = school.martin.post(f"{school.href}/devoirs", data=GOOD | {"donne_a": "groupes", "groupe": "B"})
+    assert refused.status_code == 422
+    assert "Personne n’est dans le groupe « B »." in refused.text
+    empty = school.martin.post(f"{school.href}/devoirs", data=GOOD | {"donne_a": "groupes"})
+    assert empty.status_code == 422, "no group ticked is nobody, not everybody"
+
+
+def test_groups_are_dealt_renamed_and_dissolved(school: School) -> None:
+    page, martin = f"{school.href}/groupes", school.martin
+    dealt = {"action": "hasard", "nom": "TP", "combien": "2"}
+    assert "de 2 à 30" in martin.post(page, data=dealt | {"combien": "deux"}).text
+    assert martin.post(page, data=dealt).status_code == 303
+    groups = [row.groups for row in school.stored(Membership) if row.role == ClassRole.student]
+    assert sorted(groups) == [["TP 1"], ["TP 2"]]
+    assert martin.post(page, data={"action": "renommer", "groupe": "TP 1", "nom": "Lundi"}).status_code == 303
+    school.give(donne_a="groupes", groupe="Lundi")
+    refused = martin.post(page, data={"action": "dissoudre", "groupe": "Lundi"})
+    assert refused.status_code == 422
+    assert "Le groupe « Lundi » sert encore : devoir « Se &lt;repérer&gt; »." in refused.text
+    assert martin.post(page, data={"action": "dissoudre", "groupe": "TP 2"}).status_code == 303
+    assert martin.post(page, data={"action": "dissoudre", "groupe": "TP 2"}).status_code == 404
