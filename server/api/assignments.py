@@ -63,7 +63,7 @@ def _weighted(chosen: list[WeightedIn]) -> tuple[WeightedExercise, ...]:
 def _out(assignment: Assignment, wanted: AssignmentInput, **in_force: Any) -> AssignmentOut:
     """`in_force` is what a student sees otherwise."""
     columns = wanted.columns()
-    columns["late"] = _late(wanted.late, columns.pop("late_per_day"))
+    columns["late"], columns["groups"] = _late(wanted.late, columns.pop("late_per_day")), list(wanted.groups)
     told = {
         "exercises": [WeightedIn(exercise=exercise.exercise, weight=exercise.weight) for exercise in wanted.exercises],
         "time_factor": None,

@@ -28,8 +28,7 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.late_line import draw_late_line
-from server.desk.assignments.schemas import (
+from server.desk.assignments.exemption_schemas import (
     ExemptionRow,
     ExemptionsPage,
     ExemptionValues,
@@ -37,6 +36,7 @@ from server.desk.assignments.schemas import (
     ExplanationStep,
     RulesExplanationPage,
 )
+from server.desk.assignments.late_line import draw_late_line
 from server.desk.assignments.views import TAB, assignment_href, format_date, may_manage
 from server.marks.cells import french_csv
 from server.rights.models import Right

@@ -16,7 +16,8 @@ from server.base import school_time
 from server.base.errors import Invalid, InvalidFields
 from server.database import utc_now
 from server.desk.assignments import words
-from server.desk.assignments.schemas import AssignmentValues, ExemptionValues
+from server.desk.assignments.exemption_schemas import ExemptionValues
+from server.desk.assignments.schemas import AssignmentValues
 from server.desk.assignments.words import format_number
 from server.text.lines import tidy_line
 
