@@ -38,7 +38,7 @@ from tests.support.served import Server, serving
 from tests.support.service import fake_verdict
 from tests.support.shared import shared
 
-EXERCISE, MISTAKE, GROUP = "l20/kabsch", "rotation_transposee", "a1b2c3d4e5"
+EXERCISE, MISTAKE, GROUP = "l20/poses", "ordre_echange", "a1b2c3d4e5"
 CLASS = "/classes/{class_id}"
 ONE = CLASS + "/devoirs/{aid}"
 #: What a browser saves, or listens to: no page.
