@@ -20,7 +20,7 @@ from server.classes import repository as classes
 from server.classes.schemas import Member
 from server.course import Course
 from server.course.dependencies import CourseOf
-from server.database import utc_now
+from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import Db
 from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
 from server.desk.schemas import ClassHead
@@ -147,7 +147,8 @@ def change_groups(
         else:
             raise NotFound(UNKNOWN_ACTION)
     except InvalidFields as refused:
-        db.rollback()
+        roll_back_then_read(db)
+        roll_back_then_read(db)
         forms = GroupForms(action, groupe, nom, noms, combien, bool(presents), refused.problems)
         members = classes.load_members(db, school_class.id)
         view = _build_page(db, course, access, members, forms)
