@@ -107,7 +107,7 @@ def floats(value: Value) -> tuple[float, ...]:
 
 
 def test_the_time_of_a_batch_is_what_is_left_of_the_session(sandbox: Sandbox) -> None:
-    """The program's timer says what is left of its time: no call finds as much as the one before had."""
+    """The program's timer says what is left of its time: a call finds less than the one before did."""
     source = b"""
 import signal, time
 def f(x):
@@ -118,10 +118,13 @@ def f(x):
     with sandbox.open(source) as session:
         given = [session.call("f", 0.05), *session.call_many("f", [(0.05,), (0.0,), (0.05,)]), session.call("f", 0.0)]
         left = [moment for answer in given if isinstance(answer, Reply) for moment in floats(answer.value)]
-    assert len(left) == 10
-    assert sandbox.policy.wall_seconds > left[0]
-    assert left == sorted(left, reverse=True)
-    assert left[0] - left[-1] >= 0.15
+    starts, ends = left[::2], left[1::2]
+    assert sandbox.policy.wall_seconds > starts[0]
+    assert len(starts) == len(ends) == 5
+    assert all(start >= end for start, end in zip(starts, ends, strict=True))
+    # the message of a call may wait, its time not running yet: what the call before has used is gone all the same
+    used = [before - after for before, after in pairwise(starts)]
+    assert all(seconds >= slept for seconds, slept in zip(used, (0.05, 0.05, 0.0, 0.05), strict=True))
 
 
 WAITS = b"""
