@@ -36,6 +36,7 @@ from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
+from server.pages.school.content import router as content_router
 from server.pages.school.courses import router as courses_router
 from server.pages.school.entries import router as entries_router
 from server.pages.school.keys import router as keys_router
@@ -70,6 +71,7 @@ ROUTERS = (
     keys_router,
     launches_router,
     courses_router,
+    content_router,
     comments_router,
     board_router,
     lesson_router,

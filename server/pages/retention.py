@@ -91,7 +91,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda _: Row(
         "Clés avec lesquelles ce service signe, et connexions commencées par une plateforme : rien de personne",
-        "les clés, 105 jours ; une connexion, 10 minutes ; une adresse d’inscription, 24 heures",
+        "les clés, 105 jours ; une connexion, 10 minutes, ou 2 heures pour choisir un contenu ; une adresse "
+        "d’inscription, 24 heures",
         HOURLY,
         (),
         ("signing_key", "pending_sign_in", "registration_link"),

@@ -11,6 +11,7 @@ from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, Response
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import SettingsOf
@@ -21,7 +22,7 @@ from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, pending, repository
 from server.federation.errors import Refused
-from server.federation.lti import sign_in
+from server.federation.lti import deep_linking, sign_in
 from server.federation.lti.launch import LAUNCH_PATH, Launch
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.sign_in import Initiation
@@ -32,6 +33,7 @@ from server.identity.models import Account
 from server.identity.service import AccountService
 from server.limits import service as limits
 from server.pages.school import landing
+from server.pages.school.content import CONTENT_PATH
 from server.pages.school.cookies import clear_state_cookie, set_state_cookie, state_cookie
 from server.pages.school.platforms import FederationOf
 from server.web.forms import Field, redirect
@@ -189,9 +191,26 @@ def _open(
         target, _ = pending.consume(db, begun, launch.nonce)
         frames = sign_in.frames_of(lti_settings(provider)) if is_framed else ""
         arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
-        page = landing.choose_page(db, arrival, launch.person.role, launch.target or target, visitor)
+        choosing = _begin_choice(db, provider, arrival, launch)
+        if choosing is None:
+            page = landing.choose_page(db, arrival, launch.person.role, launch.target or target, visitor)
+        else:
+            page = f"{CONTENT_PATH}?etat={choosing.state}"
     set_session_cookie(request, arrival.opened)
-    return redirect(page)
+    response = redirect(page)
+    if choosing is not None:
+        set_state_cookie(response, choosing)
+    return response
+
+
+def _begin_choice(
+    db: Session, provider: IdentityProvider, arrival: arrivals.Arrival, launch: Launch
+) -> pending.Begun | None:
+    """Begin the choice of a content, where the launch asks for one."""
+    if launch.linking is None:
+        return None
+    context = arrival.contexts[0] if arrival.contexts else None
+    return deep_linking.begin_choice(db, provider, context, arrival.opened.account, launch.linking, launch.deployment)
 
 
 def _record_refusal(database: Database, provider: IdentityProvider, refused: Refused) -> None:
