@@ -23,6 +23,7 @@ from server.desk.people.routes import router as classes_router
 from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router
 from server.desk.rubrics.routes import router as rubrics_router
+from server.desk.school.roster import router as school_list_router
 from server.desk.school.routes import router as school_router
 from server.desk.sitting.routes import router as sitting_router
 from server.desk.studio.routes import router as studio_router
@@ -88,6 +89,7 @@ ROUTERS = (
     journal_router,
     polls_router,
     school_router,
+    school_list_router,
     regrades_router,
     groups_router,
     sitting_router,

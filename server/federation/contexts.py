@@ -67,22 +67,34 @@ def _seat(
     db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
 ) -> None:
     """Let an account into a class. No role there changes; who was removed by a teacher asks to be admitted."""
-    role = SEATS.get(person.role)
-    if role is None:
-        return
     membership = classes.find_membership(db, school_class.id, account.id)
-    if membership is not None and membership.status == Status.active:
-        return
-    if membership is not None and membership.status == Status.pending and membership.left_at is not None:
+    if person.role not in SEATS or (membership is not None and not _may_come_back(membership)):
         return
     with changing_members(db, school_class.id, account.id):
-        if membership is None:
-            db.add(_new_membership(db, provider, school_class, account, person, role))
-        elif membership.left_voluntarily or membership.status == Status.pending:
-            membership.status, membership.left_at, membership.left_voluntarily = Status.active, None, False
-        elif not membership.is_staff:
-            membership.status = Status.pending
-        db.flush()
+        give_seat(db, provider, school_class, account, person)
+
+
+def give_seat(
+    db: Session, provider: IdentityProvider, school_class: SchoolClass, account: Account, person: SignedPerson
+) -> None:
+    """Give an account its seat in a class, within `changing_members`, as `_seat` says."""
+    role = SEATS.get(person.role)
+    membership = classes.find_membership(db, school_class.id, account.id)
+    if membership is None and role is not None:
+        db.add(_new_membership(db, provider, school_class, account, person, role))
+    elif role is None or membership is None or not _may_come_back(membership):
+        return
+    elif membership.left_voluntarily or membership.status == Status.pending:
+        membership.status, membership.left_at, membership.left_voluntarily = Status.active, None, False
+    elif not membership.is_staff:
+        membership.status = Status.pending
+    db.flush()
+
+
+def _may_come_back(membership: Membership) -> bool:
+    """Whether a seat is neither taken, nor asked for anew by somebody whom a teacher has removed."""
+    removed = membership.status == Status.pending and membership.left_at is not None
+    return membership.status != Status.active and not removed
 
 
 def _new_membership(

@@ -56,7 +56,7 @@ def change_courses(
     with database.write() as db:
         access = rights.require_right(db, account, Right.configure_class, class_id)
         school_class = access.school_class
-        context = _find_context(db, school_class, cours)
+        context = find_context(db, school_class, cours)
         if action == "delier":
             contexts.untie(db, context.id, school_class, account.id)
         elif action == "envoyer":
@@ -70,7 +70,7 @@ def change_courses(
     return redirect(SCHOOL_PATH.format(class_id=class_id))
 
 
-def _find_context(db: Session, school_class: SchoolClass, name: str) -> ProviderContext:
+def find_context(db: Session, school_class: SchoolClass, name: str) -> ProviderContext:
     """Raises NotFound."""
     context = repository.find_context(db, parse_uuid(name, contexts.UNKNOWN))
     if context is None or context.class_id != school_class.id:

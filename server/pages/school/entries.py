@@ -19,6 +19,7 @@ from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, entries, pending, providers
 from server.federation.cas.messages import parse_logout
+from server.federation.dependencies import FederationOf
 from server.federation.entries import ENTRY_PATH, LOGOUT_PATH, RETURN_PATH, TRIAL
 from server.federation.errors import OutgoingError, Refused
 from server.federation.extra import MISSING, is_installed
@@ -33,7 +34,7 @@ from server.identity.opened_sessions import OpenedSession
 from server.identity.service import AccountService
 from server.limits import service as limits
 from server.pages.school.landing import choose_page
-from server.pages.school.platforms import PLATFORM_PATH, FederationOf, login_redirect
+from server.pages.school.platforms import PLATFORM_PATH, login_redirect
 from server.pages.school.rules import show_trial
 from server.web.forms import Field, redirect
 

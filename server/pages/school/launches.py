@@ -21,6 +21,7 @@ from server.base.security_headers import FRAMES_STATE
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
 from server.federation import arrivals, pending, repository
+from server.federation.dependencies import FederationOf
 from server.federation.errors import Refused
 from server.federation.lti import deep_linking, sign_in
 from server.federation.lti.launch import LAUNCH_PATH, Launch
@@ -35,7 +36,6 @@ from server.limits import service as limits
 from server.pages.school import landing
 from server.pages.school.content import CONTENT_PATH
 from server.pages.school.cookies import clear_state_cookie, set_state_cookie, state_cookie
-from server.pages.school.platforms import FederationOf
 from server.web.forms import Field, redirect
 from server.web.rendering import render_page
 

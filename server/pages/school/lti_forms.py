@@ -11,6 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 from server.base.errors import InvalidFields, ServiceError
 from server.database.dependencies import DatabaseOf
 from server.federation import providers
+from server.federation.dependencies import FederationOf
 from server.federation.extra import MISSING, is_installed
 from server.federation.lti import registration
 from server.federation.lti.schemas import lti_settings
@@ -20,7 +21,6 @@ from server.identity.models import Account
 from server.pages.school.platforms import (
     LIST_PATH,
     PLATFORM_PATH,
-    FederationOf,
     login_redirect,
     our_addresses,
 )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 from uuid import UUID
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from pydantic import BaseModel
 from sqlalchemy.orm import Session
@@ -15,7 +15,6 @@ from starlette.concurrency import run_in_threadpool
 
 from server.audit import repository as audit
 from server.audit.models import ACTION_LABELS
-from server.base.app_services import app_service
 from server.base.errors import Invalid
 from server.base.root_path import service_url
 from server.database import Database, utc_now
@@ -23,6 +22,7 @@ from server.database.dependencies import DatabaseOf
 from server.federation import providers, repository
 from server.federation import registration as servers
 from server.federation.cas.schemas import cas_settings
+from server.federation.dependencies import FederationOf
 from server.federation.errors import OutgoingError
 from server.federation.extra import MISSING, is_installed
 from server.federation.lti import registration
@@ -42,7 +42,6 @@ router = APIRouter(include_in_schema=False)
 LIST_PATH, PLATFORM_PATH = "/administration/plateformes", "/administration/plateforme/{provider_id}"
 LOG_LINES = 30
 UNKNOWN_ACTION = "Cette action n’existe pas."
-FederationOf = Annotated[Federation, Depends(app_service(Federation))]
 ACTIVITY_LABELS: Mapping[str, str] = {
     ActivityKind.registration: "inscription",
     ActivityKind.sign_in: "entrée d’une personne",

@@ -14,12 +14,13 @@ from server.base.errors import InvalidFields, NotFound, ServiceError
 from server.base.root_path import service_url
 from server.database.dependencies import DatabaseOf
 from server.federation import providers, registration
+from server.federation.dependencies import FederationOf
 from server.federation.extra import MISSING, is_installed
 from server.federation.models import IdentityProvider, Protocol
 from server.federation.oidc.schemas import oidc_settings
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.pages.school.platforms import LIST_PATH, PLATFORM_PATH, FederationOf, login_redirect
+from server.pages.school.platforms import LIST_PATH, PLATFORM_PATH, login_redirect
 from server.pages.school.rules import RULE_PATH
 from server.web.forms import FormFields, redirect
 from server.web.rendering import render_page

@@ -103,6 +103,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     "POST /administration/plateforme/{provider_id}": {"action": "suspendre"},
+    "POST /classes/{class_id}/plateforme/liste": {"cours": "{tied}"},
     "POST /classes/{class_id}/plateforme": {"action": "envoyer", "cours": "{tied}", "devoir": "{aid}"},
     "POST /etablissement/cours/{context_id}": {"action": "lier", "classe": "{class_id}"},
     f"POST {TEST}/rouvrir": {"eleve": "{student}"},
