@@ -121,9 +121,10 @@ def opened(addresses: tuple[str, ...], settings: Settings, web: int) -> Iterator
     """A class on a running service, and who attacks it."""
     database, exercise = Database(settings.url), load(render=False).exercises[EXERCISE]
     teacher, student, attacker = (new_account(database, role) for role in (Role.teacher, Role.student, Role.teacher))
+    hashed = hash_password(PASSWORD)
     with database.write() as db:
         account = db.get_one(Account, student.id)
-        account.login, account.password_hash = LOGIN, hash_password(PASSWORD)
+        account.login, account.password_hash = LOGIN, hashed
     school_class, attacked = new_class(database, teacher), new_class(database, attacker, "PSI")
     seat(database, school_class, student)
     seat(database, school_class, teacher, ClassRole.teacher)
