@@ -5,20 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from ipaddress import IPv6Address, ip_address, ip_network
-from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
+from typing import Any
+from urllib.parse import SplitResult, urlsplit
 
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
-from starlette.types import ASGIApp
 
 from server.base import root_path
 from server.base.errors import InvalidFields, ServiceError
 from server.base.validation import french_reason
-
-if TYPE_CHECKING:
-    import uvicorn
-
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 API = "/api/"
@@ -99,9 +94,17 @@ def visitor_key(host: str) -> str:
 MAX_ADDRESS = 2000
 
 
+def split_address(address: str) -> SplitResult:
+    """Return the parts of an address that somebody has written: empty ones where it is none (`http://[`)."""
+    try:
+        return urlsplit(address)
+    except ValueError:
+        return urlsplit("")
+
+
 def local_path(address: str) -> str:
     """Return a path of this site to go to afterwards: the address itself, or `/` where it is of another site."""
-    parts = urlsplit(address)
+    parts = split_address(address)
     safe = address.startswith("/") and not address.startswith(("//", "/\\")) and not parts.netloc
     return address if safe and address.isprintable() else "/"
 
@@ -159,28 +162,3 @@ def error_location(error: Mapping[str, Any]) -> dict[str, Any]:
 
 def _pointer(path: Sequence[object]) -> str:
     return "#" + "".join("/" + str(part).replace("~", "~0").replace("/", "~1") for part in path)
-
-
-def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
-    """Return the configuration of uvicorn. `grace` is the shutdown timeout in seconds, `proxies` are trusted proxies.
-
-    Parser and loop are explicit. httptools parses the body of an upgrade request as the next request, and bounds
-    nothing; uvloop starts no process in a group of its own, and leaks descriptors to child processes.
-    """
-    import uvicorn
-
-    from server.base.http_protocol import MAX_HEAD_BYTES, BoundedProtocol
-
-    return uvicorn.Config(
-        app,
-        loop="asyncio",
-        http=BoundedProtocol,
-        h11_max_incomplete_event_size=MAX_HEAD_BYTES,
-        ws="none",
-        log_config=None,
-        access_log=False,
-        timeout_graceful_shutdown=grace,
-        server_header=False,
-        proxy_headers=bool(proxies),
-        forwarded_allow_ips=list(proxies),
-    )

@@ -8,10 +8,18 @@ from __future__ import annotations
 
 import asyncio
 import re
-from typing import Any
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, cast
 
 import h11
+import uvicorn
+from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from server.base.admission import Admission
+from server.base.http import UNKNOWN_ADDRESS, visitor_key
+from server.base.turns import CROWDED
 
 #: Bytes of the line of a request with its headers.
 MAX_HEAD_BYTES = 16 * 1024
@@ -24,6 +32,13 @@ FREE_ARRIVALS, GATHERING_SECONDS = 32, 0.02
 #: Bytes of a body in chunks that are parsed at once; the least mean of bytes between its line ends.
 CHUNKED_BYTES, MIN_CHUNK_BYTES = 16 * 1024, 64
 
+#: New connections that one pass of the loop accepts, and those that the machine holds ready: asyncio has one number.
+ACCEPTED_AT_ONCE, BACKLOG = 16, 2048
+CROWDED_ANSWER = (
+    b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nConnection: close\r\n"
+    b"Content-Type: text/plain; charset=utf-8\r\nContent-Length: %d\r\n\r\n%s"
+    % (len(CROWDED.encode()), CROWDED.encode())
+)
 #: Of who has sent a whole request, with or without an offer to switch to another protocol.
 _WAITS_FOR_ANSWER = frozenset({"DONE", "MIGHT_SWITCH_PROTOCOL"})
 _END_OF_HEAD = re.compile(rb"\n\r?\n")
@@ -32,8 +47,9 @@ _END_OF_HEAD = re.compile(rb"\n\r?\n")
 class BoundedProtocol(H11Protocol):
     """One connection."""
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
+    def __init__(self, *arguments: Any, admission: Admission | None = None, **options: Any) -> None:
         super().__init__(*arguments, **options)
+        self._admission, self._is_admitted, self._is_waiting = admission or Admission(), False, False
         self._unread, self._searched = bytearray(), 0
         self._body_left: int | None = 0
         self._arrivals = self._chunked_bytes = self._chunked_lines = 0
@@ -54,6 +70,8 @@ class BoundedProtocol(H11Protocol):
         if not self._is_over:
             self._unread += data
             self._parse()
+            if self._is_waiting and len(self._unread) > MAX_HEAD_BYTES:
+                self.flow.pause_reading()
         self._arrivals += 1
         if self._arrivals > FREE_ARRIVALS:
             self.transport.pause_reading()
@@ -72,7 +90,7 @@ class BoundedProtocol(H11Protocol):
         """Hand what has come to h11: a head once it is whole, a body as it comes, the next request after its answer."""
         while self._unread and not self._is_over:
             if self.conn.their_state is h11.IDLE:
-                if not self._parse_head():
+                if self._is_waiting or not self._parse_head():
                     return
             elif self.conn.their_state is h11.SEND_BODY:
                 if not self._parse_body():
@@ -93,6 +111,10 @@ class BoundedProtocol(H11Protocol):
             return False
         self._stop_head_timer()
         head = bytes(self._unread[: found.end()] if found else self._unread)
+        if not self._is_admitted and not self._admission.may_pass(head, self):
+            self._is_waiting = True
+            return False
+        self._is_admitted = False
         del self._unread[: len(head)]
         self._searched = self._arrivals = 0
         if len(head) > MAX_HEAD_BYTES or head.count(b"\n") > MAX_HEAD_LINES:
@@ -104,6 +126,26 @@ class BoundedProtocol(H11Protocol):
             self._body_left = _content_length(self.headers)
             self._chunked_bytes = self._chunked_lines = 0
         return True
+
+    @property
+    def address(self) -> str:
+        return visitor_key(self.client[0]) if self.client else UNKNOWN_ADDRESS
+
+    @property
+    def is_gone(self) -> bool:
+        return self._is_over or self.transport.is_closing()
+
+    def take_up(self) -> None:
+        self._is_waiting, self._is_admitted = False, True
+        self.flow.resume_reading()
+        self._parse()
+
+    def refuse(self) -> None:
+        """Refuse a request that has waited with too many others, by an answer that costs nothing."""
+        if not self.transport.is_closing():
+            self.transport.write(CROWDED_ANSWER)
+            self._end()
+            self.transport.close()
 
     def _parse_body(self) -> bool:
         """Hand what has come of a body to h11; return False where the rest is handed over later, or never.
@@ -158,3 +200,25 @@ def _content_length(headers: list[tuple[bytes, bytes]]) -> int | None:
     if any(name == b"transfer-encoding" for name, _ in headers):
         return None
     return next(int(value) for name, value in headers if name == b"content-length")
+
+
+def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> uvicorn.Config:
+    """Return the configuration of uvicorn. `grace` is the shutdown timeout in seconds, `proxies` are trusted proxies.
+
+    Parser and loop are explicit. httptools parses the body of an upgrade request as the next request, and bounds
+    nothing; uvloop starts no process in a group of its own, and leaks descriptors to child processes.
+    """
+    return uvicorn.Config(
+        app,
+        loop="asyncio",
+        http=cast(type[asyncio.Protocol], partial(BoundedProtocol, admission=Admission())),
+        backlog=ACCEPTED_AT_ONCE,
+        h11_max_incomplete_event_size=MAX_HEAD_BYTES,
+        ws="none",
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=grace,
+        server_header=False,
+        proxy_headers=bool(proxies),
+        forwarded_allow_ips=list(proxies),
+    )

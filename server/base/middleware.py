@@ -7,7 +7,6 @@ Plain ASGI, so that streams (server-sent events) pass through untouched.
 import asyncio
 import time
 from collections.abc import Awaitable, Callable
-from urllib.parse import urlsplit
 
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
@@ -30,6 +29,7 @@ from server.base.http import (
     accepted_encodings,
     error_document,
     problem_response,
+    split_address,
 )
 from server.base.validation import format_size
 
@@ -215,7 +215,7 @@ def _is_forged(scope: Scope) -> bool:
     if site is not None:
         return site not in {"same-origin", "none"}
     origin = headers.get("origin")
-    return origin is not None and urlsplit(origin).netloc != headers.get("host")
+    return origin is not None and split_address(origin).netloc != headers.get("host")
 
 
 class BoundedBody:

@@ -216,6 +216,12 @@ def record_sender(token: str, account: UUID, *, is_guest: bool) -> None:
     _senders.put(_key(token), (account.hex, is_guest))
 
 
+def known_account(token: str) -> str:
+    """Return the name of the account of a session or a token that was seen lately; empty for a guest's."""
+    account, is_guest = _senders.get(_key(token)) or ("", True)
+    return "" if is_guest else account
+
+
 @asynccontextmanager
 async def out_of_turn() -> AsyncIterator[None]:
     """Wait for something else than the processor of this process: the turn of this request ends.

@@ -20,7 +20,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from server.app import create_app
 from server.backup.archive import BackupError
 from server.backup.service import save_before_upgrade
-from server.base import http, logs, traces
+from server.base import http_protocol, logs, traces
 from server.base.app_services import get_service
 from server.base.concurrency import Gate
 from server.base.settings import Settings
@@ -150,6 +150,8 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
+        for listener in sockets or ():
+            listener.listen(http_protocol.BACKLOG)
         if self.started:
             self._ready()
 
@@ -160,7 +162,7 @@ class Server(uvicorn.Server):
 
 def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """What a visitor's headers say of the address that they come from is believed from trusted proxies alone."""
-    return http.uvicorn_config(app, grace=GRACE, proxies=list(settings.trusted_proxies))
+    return http_protocol.uvicorn_config(app, grace=GRACE, proxies=list(settings.trusted_proxies))
 
 
 def _serve(

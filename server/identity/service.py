@@ -286,8 +286,7 @@ class AccountService:
         self, db: Session, account: Account, device: str | None = None, origin: SessionOrigin | None = None
     ) -> OpenedSession:
         """Open a session; with `device`, the token that the browser shows or an empty text, it is known from now on."""
-        token, now = secrets.new_token(), utc_now()
-        source = origin or SessionOrigin()
+        token, now, source = secrets.new_token(), utc_now(), origin or SessionOrigin()
         db.add(
             BrowserSession(
                 token_digest=secrets.digest(token),
@@ -298,6 +297,7 @@ class AccountService:
                 frames=source.frames,
             )
         )
+        record_sender(token, account.id, is_guest=account.is_guest)
         known_as = "" if device is None else devices.remember_device(db, account.id, device, now)
         return OpenedSession(account, token, known_as, bool(source.frames))
 

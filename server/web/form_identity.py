@@ -13,7 +13,7 @@ import re
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any, TypedDict
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote
 
 from fastapi import Request
 from markupsafe import escape
@@ -24,7 +24,7 @@ from server.base import root_path
 from server.base.app_services import get_service
 from server.base.errors import Conflict
 from server.base.forms import MAX_FIELDS, MAX_FILES
-from server.base.http import SAFE_METHODS, local_path, session_token
+from server.base.http import SAFE_METHODS, local_path, session_token, split_address
 from server.database import Database
 from server.identity.dependencies import load_session_account
 from server.identity.models import Account
@@ -192,7 +192,7 @@ def resend_context(
 
 def referring_page(request: Request) -> str:
     """Return the path, within this site, of the page that sent the request."""
-    path = urlsplit(request.headers.get("referer", "/")).path
+    path = split_address(request.headers.get("referer", "/")).path
     return local_path(path.removeprefix(root_path.root_path()))
 
 

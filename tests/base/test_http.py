@@ -13,7 +13,7 @@ import h11
 import pytest
 import uvicorn
 
-from server.base import http, http_protocol
+from server.base import http_protocol
 
 HOST = b"Host: x\r\n"
 REFUSED = b"HTTP/1.1 400 "
@@ -106,7 +106,7 @@ def until(line: socket.socket, end: bytes) -> bytes:
 def running() -> Iterator[Site]:
     told, ready = Told(), threading.Event()
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(http.uvicorn_config(told, grace=1))
+    server = uvicorn.Server(http_protocol.uvicorn_config(told, grace=1))
     found: list[asyncio.AbstractEventLoop] = []
     startup = server.startup
 

@@ -231,6 +231,7 @@ def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(site: Site, schem
         ({"Sec-Fetch-Site": "same-origin"}, 303),
         ({"Origin": "https://evil.example"}, 403),
         ({"Origin": "null"}, 403),
+        ({"Origin": "http://[::1"}, 403),
         ({"Origin": "http://testserver"}, 303),
         ({}, 303),
     ],
@@ -239,9 +240,15 @@ def test_requests_forged_by_another_site_are_refused(site: Site, headers: dict[s
     assert site.client.post("/deconnexion", headers=headers).status_code == status
 
 
-@pytest.mark.parametrize("after", ["https://evil.example/", "//evil.example", "/\\evil.example", "javascript:alert(1)"])
+@pytest.mark.parametrize(
+    "after", ["https://evil.example/", "//evil.example", "/\\evil.example", "javascript:alert(1)", "//[::1", "http://["]
+)
 def test_nobody_is_sent_to_another_site(site: Site, after: str) -> None:
     assert site.client.post("/inscription", data={**FORM, "suite": after}).headers["location"] == "/"
+
+
+def test_a_referrer_that_is_no_address_leads_home(site: Site) -> None:
+    assert site.client.post("/nulle-part", headers={"Referer": "http://[::1"}).status_code == 404
 
 
 def test_security_headers_are_everywhere(site: Site) -> None:

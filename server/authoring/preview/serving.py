@@ -17,7 +17,7 @@ from server.app import create_app
 from server.authoring.preview.pages import PreviewMiddleware, ServedVersion, router
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import PreviewSession
-from server.base import http
+from server.base import http_protocol
 from server.base.app_services import get_service
 from server.base.settings import Settings
 from server.course import Course
@@ -82,7 +82,7 @@ def serve(session: PreviewSession, listener: socket.socket, ready: Callable[[], 
         events.close()
 
     with version.sandbox:
-        config = http.uvicorn_config(PreviewMiddleware(app, version, course), grace=SHUTDOWN_GRACE)
+        config = http_protocol.uvicorn_config(PreviewMiddleware(app, version, course), grace=SHUTDOWN_GRACE)
         _Server(config, ready, stopping).run([listener])
 
 

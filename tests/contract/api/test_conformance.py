@@ -11,7 +11,7 @@ import pytest
 import uvicorn
 
 from server.app import create_app
-from server.base import http
+from server.base import http_protocol
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
@@ -24,7 +24,7 @@ def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[st
     """The application behind a real socket, in a thread."""
     app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
     draws(app, Drawer())
-    server = uvicorn.Server(http.uvicorn_config(app, grace=1))
+    server = uvicorn.Server(http_protocol.uvicorn_config(app, grace=1))
     listener = socket.create_server(("127.0.0.1", 0))
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()

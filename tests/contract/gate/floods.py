@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 
 from server.sandbox import Policy
@@ -238,6 +239,16 @@ def hang_ups(attacker: Attacker) -> None:
     attacker.stopped.wait(0.01)
 
 
+def connections_left(attacker: Attacker) -> None:
+    """Forty connections at once, each with a request whose answer nobody reads."""
+    path = attacker.random.choice(["/l20", "/classes/x/evenements", "/soumissions/x"])
+    with ExitStack() as stack:
+        for _ in range(40):
+            bare = stack.enter_context(attacker.connection())
+            bare.sendall(f"GET {path} HTTP/1.1\r\nHost: a\r\n\r\n".encode())
+        attacker.stopped.wait(0.5)
+
+
 def bodies_that_wait(attacker: Attacker) -> None:
     """Bodies as large as may be, many at once: who waits for a turn has been read."""
     attacker.request("POST", "/l20/exercices/poses/soumissions", "code=" + "y" * 500_000)
@@ -403,6 +414,7 @@ _ROWS = [
     Flood("codes of classes", codes_of_classes),
     Flood("streams opened again", streams_again, at_once=8),
     Flood("senders who hang up", hang_ups, at_once=8),
+    Flood("connections opened and left", connections_left, at_once=20, fast=True),
     Flood("bodies that wait", bodies_that_wait, at_once=200),
     Flood("questions", questions),
     Flood("answers to questions", quiz_answers),

@@ -21,7 +21,13 @@ from tests.contract.gate.floods import ALL, FLOODS
 from tests.contract.gate.service import Service, one_machine, several_machines
 from tests.support.cluster import Machine
 
-CONNECTIONS = ("one-byte chunks", "many headers", "slow loris", "half a body, byte by byte")
+CONNECTIONS = (
+    "connections opened and left",
+    "one-byte chunks",
+    "many headers",
+    "slow loris",
+    "half a body, byte by byte",
+)
 READ = ("search with 4,000 characters", "deep JSON", "huge forms", "forms of percent signs")
 TEACHERS = ("list bombs of a teacher", "colouring bombs")
 PROGRAMS = ("endless loops of a guest", "endless cells")

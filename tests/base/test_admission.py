@@ -1,0 +1,105 @@
+"""Requests are taken up a few a pass of the loop: members first, strangers by address in turn, bounded in number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from uuid import uuid4
+
+import pytest
+
+from server.base import admission
+from server.base.admission import MAX_WAITING, PER_PASS, Admission
+from server.base.turns import record_sender
+
+HEAD = b"GET /l20 HTTP/1.1\r\nHost: a\r\n%s\r\n\r\n"
+
+
+@dataclass
+class Connection:
+    """A connection that notes what becomes of it."""
+
+    name: str
+    log: list[str]
+    address: str = "192.0.2.1"
+    is_gone: bool = False
+
+    def take_up(self) -> None:
+        self.log.append(self.name)
+
+    def refuse(self) -> None:
+        self.log.append(f"{self.name} refused")
+
+
+@dataclass
+class Loop:
+    """Passes of an event loop, by hand."""
+
+    actions: list[Callable[[], object]] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.admission = Admission(self.actions.append)
+
+    def come(self, name: str, header: bytes = b"X: y", address: str = "192.0.2.1", *, is_gone: bool = False) -> None:
+        connection = Connection(name, self.log, address, is_gone)
+        if self.admission.may_pass(HEAD % header, connection):
+            connection.take_up()
+
+    def turn(self) -> list[str]:
+        """Run one pass; return what it has done."""
+        actions, before = list(self.actions), len(self.log)
+        self.actions.clear()
+        for action in actions:
+            action()
+        return self.log[before:]
+
+
+def test_a_pass_takes_up_a_few_and_an_idle_loop_all_at_once() -> None:
+    loop = Loop()
+    for number in range(2 * PER_PASS + 1):
+        loop.come(str(number))
+    assert len(loop.log) == PER_PASS
+    assert loop.turn() == [str(number) for number in range(PER_PASS, 2 * PER_PASS)]
+    assert loop.turn() == [str(2 * PER_PASS)]
+    assert loop.turn() == []
+    assert not loop.actions, "an idle loop has nothing to do"
+    loop.come("later")
+    assert loop.log[-1] == "later"
+
+
+@pytest.mark.parametrize("header", [b"Cookie: a=b; balise_session=%s; c=d", b"Authorization: Bearer %s"])
+def test_members_go_first(header: bytes) -> None:
+    record_sender("of-a-member_1", uuid4(), is_guest=False)
+    record_sender("of-a-guest", uuid4(), is_guest=True)
+    loop = Loop()
+    for number in range(3 * PER_PASS):
+        loop.come(f"stranger {number}")
+    loop.come("guest", header % b"of-a-guest")
+    loop.come("unknown", header % b"of-nobody")
+    loop.come("member", header % b"of-a-member_1")
+    assert loop.turn()[0] == "member"
+    assert "guest" not in loop.log
+
+
+def test_addresses_take_turns_and_who_has_left_takes_none() -> None:
+    loop = Loop()
+    for number in range(4 * PER_PASS):
+        loop.come(f"many {number}", is_gone=number == PER_PASS + 1)
+    loop.come("other", address="192.0.2.2")
+    assert loop.turn()[:2] == [f"many {PER_PASS}", "other"]
+    assert f"many {PER_PASS + 1}" not in loop.log
+
+
+def test_the_address_with_the_most_has_its_last_request_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(admission, "MAX_WAITING", 3)
+    assert MAX_WAITING > 100
+    loop = Loop()
+    for number in range(PER_PASS + 3):
+        loop.come(str(number))
+    loop.log.clear()
+    loop.come("other", address="192.0.2.2")
+    assert loop.log == [f"{PER_PASS + 2} refused"]
+    loop.come("last")
+    assert loop.log[1:] == ["last refused"]
+    assert set(loop.turn()) == {str(PER_PASS), str(PER_PASS + 1), "other"}
