@@ -140,7 +140,7 @@ def list_addresses(provider: IdentityProvider, keys_path: str) -> Mapping[str, s
     back = entries.return_url(provider)
     door = back.removesuffix("/retour")
     if provider.protocol == Protocol.cas:
-        return {"Service à inscrire, quel que soit ce qui suit « ? »": back, "Lien du portail vers Balise": door}
+        return {"Service à inscrire (suivi de ?etat=…)": back, "Lien du portail vers Balise": door}
     return {
         "Adresse de retour (redirect URI)": back,
         "Fin de session (back-channel logout URI)": f"{door}/deconnexion",
