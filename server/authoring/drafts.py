@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import ast
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from server.authoring.imports import NO_SOLUTION, Draft
 from server.authoring.new import write_skeleton
+from server.course.toml_writing import write_table, write_value
+from server.studio.imports import NO_SOLUTION, Draft
 
 DECLARED = "declared"
 
@@ -39,7 +38,7 @@ def _write(draft: Draft, name: str, course: Path) -> list[Path]:
             f"{_header(draft, name)}\n    # À vous de jouer.\n    pass\n\n\n" for name in draft.functions
         ),
         "solution.py": draft.solution or NO_SOLUTION,
-        "declaration.toml": "".join(_table(draft.declaration())),
+        "declaration.toml": "".join(write_table(draft.declaration())),
     }
     for file, text in texts.items():
         by_name[file].write_text(text.rstrip("\n") + "\n", encoding="utf-8")
@@ -48,10 +47,10 @@ def _write(draft: Draft, name: str, course: Path) -> list[Path]:
 
 
 def _card(draft: Draft, order: str) -> str:
-    lines = [f"title = {_value(draft.title)}", f"summary = {_value(draft.title)}", order]
+    lines = [f"title = {write_value(draft.title)}", f"summary = {write_value(draft.title)}", order]
     for name in draft.functions:
         signature = _header(draft, name).removeprefix("def ").rstrip(":")
-        lines += ["", "[[functions]]", f"name = {_value(name)}", f"signature = {_value(signature)}"]
+        lines += ["", "[[functions]]", f"name = {write_value(name)}", f"signature = {write_value(signature)}"]
     return "\n".join(lines)
 
 
@@ -67,21 +66,3 @@ def _header(draft: Draft, name: str) -> str:
     own = (node.value for node in calls if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call))
     counts = [len(call.args) for call in own if isinstance(call.func, ast.Name) and call.func.id == name]
     return f"def {name}({', '.join(f'x{k}' for k in range(1, max(counts, default=0) + 1))}):"
-
-
-def _table(data: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the lines of a table whose lists hold texts, or tables."""
-    for key, value in data.items():
-        if isinstance(value, list) and value and isinstance(value[0], dict):
-            for each in value:
-                yield f"\n[[{key}]]\n"
-                yield from _table(each)
-        else:
-            yield f"{key} = {_value(value)}\n"
-
-
-def _value(value: Any) -> str:
-    """Return a text, number, truth value or list of texts as TOML writes it."""
-    if isinstance(value, list):
-        return "[\n" + "".join(f"    {_value(item)},\n" for item in value) + "]"
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -7,9 +7,9 @@ from pathlib import Path
 from graders.courses import COURSES, REPOSITORY
 from server.authoring import editions, new
 from server.authoring.drafts import DECLARED, write_drafts
-from server.authoring.imports import ImportRefused, read_drafts
 from server.cli import CannotRun
 from server.cli.authors import EDITION
+from server.studio.imports import ImportRefused, read_drafts
 
 
 def run(arguments: Namespace) -> int:
@@ -33,7 +33,7 @@ def _import(kind: str, name: str, source: Path, course: Path) -> int:
     if kind != DECLARED:
         raise CannotRun("« --from » va avec « declared ».")
     try:
-        for draft, files in write_drafts(read_drafts(source), name, course):
+        for draft, files in write_drafts(read_drafts(source.name, source.read_bytes()), name, course):
             print(f"{draft.title} : {len(draft.understood)} cas lus" + ("" if files else ", rien n’est écrit"))
             for words, places in (("à regarder", draft.to_look_at), ("laissé", draft.left)):
                 print("".join(f"  {words} : {place}\n" for place in places), end="")

@@ -24,7 +24,8 @@ from server.studio.publication import AUTHORED_SLUG
 from server.text.markup import Source, Text
 
 #: What a program of an authored exercise may use.
-POLICY = Policy(cpu_seconds=2.0, wall_seconds=5.0)
+LIMITS = {"cpu_seconds": 2.0, "wall_seconds": 5.0}
+POLICY = Policy(**LIMITS)  # type: ignore[arg-type]
 #: Seconds for which the number of a version is taken for the current one; versions kept in memory.
 FRESH_SECONDS, MAX_VERSIONS = 1.0, 256
 #: After all exercises of a module.

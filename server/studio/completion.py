@@ -47,7 +47,7 @@ class CompletedExercise:
 def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExercise:
     """Return the exercise that a draft makes, whether the engine can read it or not."""
     draft = draft.without_empty_parts()
-    solution = _lines(draft.solution)
+    solution = _lines(draft.solution).rstrip() + "\n"
     calls = [case.call for check in draft.checks for case in check.written]
     functions = draft.functions.replace(",", " ").split() or proposals.propose_functions(solution, calls)
     checks = [_check(number, check) for number, check in enumerate(draft.checks, 1)]

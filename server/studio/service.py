@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from graders.core.declared.trial import TriedChange
+from graders.typography import unaccented
 from server.base.errors import Conflict, Invalid, NotFound, RateLimited
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
@@ -40,11 +42,14 @@ TRIAL_JOB = "trial"
 TRIAL_RANK = 5
 MAX_EXERCISES, MAX_WAITING = 300, 6
 SHARE_CODE_LENGTH = 10
+#: The actions by which an author lends an exercise, or no longer does.
+SHARE, WITHDRAW, TO_BANK, FROM_BANK = LENDING = ("partager", "ne-plus-partager", "banque", "hors-banque")
 UNKNOWN = "Cet exercice n’est pas à vous, ou n’existe plus."
 UNKNOWN_CODE = "Aucun exercice n’a ce code : vérifiez-le avec votre collègue."
 TOO_MANY = f"Vous avez {MAX_EXERCISES} exercices : supprimez-en un avant d’en commencer un autre."
 TOO_LONG = "Cet exercice a {length} caractères en tout ; {most} au plus. Rien n’est perdu : raccourcissez-le."
 TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seconds} s. Rien n’est perdu."
+NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis reprenez l’archive."
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
 
 
@@ -138,10 +143,12 @@ def delete_exercise(db: Session, exercise: AuthoredExercise) -> None:
     db.flush()
 
 
-def share(exercise: AuthoredExercise) -> str:
-    """Return the code by which colleagues copy an exercise, made the first time."""
-    exercise.share_code = exercise.share_code or new_code(SHARE_CODE_LENGTH)
-    return exercise.share_code
+def lend(exercise: AuthoredExercise, action: str) -> None:
+    """Change who may copy an exercise: who has its code, or every teacher of this server once it is published."""
+    if action in {SHARE, WITHDRAW}:
+        exercise.share_code = (exercise.share_code or new_code(SHARE_CODE_LENGTH)) if action == SHARE else None
+    elif action in {TO_BANK, FROM_BANK}:
+        exercise.in_bank = action == TO_BANK and exercise.number > 0
 
 
 def find_shared(db: Session, code: str) -> AuthoredExercise:
@@ -150,6 +157,34 @@ def find_shared(db: Session, code: str) -> AuthoredExercise:
     if found is None:
         raise NotFound(UNKNOWN_CODE)
     return found
+
+
+def find_lent(db: Session, exercise_id: str) -> AuthoredExercise:
+    """Return an exercise of the bank. Raises NotFound."""
+    found = repository.find_exercise(db, parse_uuid(exercise_id, UNKNOWN))
+    if found is None or not found.in_bank:
+        raise NotFound(UNKNOWN)
+    return found
+
+
+def search_bank(exercises: Sequence[AuthoredExercise], query: str) -> Sequence[AuthoredExercise]:
+    """Return the exercises whose title, level, themes or mistakes hold every word of a query."""
+    words = unaccented(query).split()
+    return [exercise for exercise in exercises if all(word in _bank_text(exercise) for word in words)]
+
+
+def _bank_text(exercise: AuthoredExercise) -> str:
+    draft = read_draft(exercise)
+    parts = [draft.title, draft.summary, draft.level, draft.themes, *(mistake.title for mistake in draft.mistakes)]
+    return unaccented(" ".join(parts))
+
+
+def archived_content(exercise: AuthoredExercise) -> tuple[str, Mapping[str, Any]]:
+    """Return the name and the content of the archive: the draft as it was last tried. Raises Conflict before that."""
+    completed = (exercise.trial or {}).get("completed")
+    if completed is None:
+        raise Conflict(NOT_TRIED)
+    return exercise.slug or "exercice", completed
 
 
 def add_mistake(draft: ExerciseDraft, change: TriedChange) -> ExerciseDraft:

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from graders.core.declared.declaration import read_declaration
-from server.authoring.imports import Draft, ImportRefused, read_drafts
 from server.cli import main
 from server.course import load
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
+from server.studio.imports import Draft, ImportRefused, read_drafts
 from tests.support.outside import taken_in
 
 EXERCISM = {

@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
@@ -67,6 +68,8 @@ from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
 from server.steps.calls import MAX_CHARACTERS, parse_call
 from server.studio.drafts import ExerciseDraft
+from server.studio.importing import import_file
+from server.studio.imports import ImportRefused
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_lines
@@ -128,6 +131,12 @@ def _cookie(text: str) -> object:
 def _large_form(text: str) -> object:
     scope = {"headers": [(b"content-type", b"application/x-www-form-urlencoded")]}
     return decode_large_form(scope, text.encode("utf-8", "replace"))
+
+
+def _imported_file(text: str) -> None:
+    for ending in ("zip", "xml", "json", "ipynb"):
+        with suppress(ImportRefused):
+            import_file(f"a.{ending}", text.encode("utf-8", "replace"))
 
 
 @cache
@@ -266,6 +275,13 @@ READERS: tuple[Reader, ...] = (
         TEXTS,
         "raw:server.desk.studio.forms.read_form raw:server.desk.studio.forms._text "
         "raw:server.desk.studio.routes.save_exercise",
+    ),
+    Reader(
+        "an imported file",
+        _imported_file,
+        BODY,
+        {**TEXTS, **JSON},
+        "raw:server.desk.studio.forms.read_upload raw:server.desk.studio.routes.import_exercises",
     ),
     Reader(
         "a statement",

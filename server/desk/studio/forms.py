@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from starlette.datastructures import FormData
+from starlette.datastructures import FormData, UploadFile
 
 from server.studio.drafts import (
     HINTS,
@@ -78,3 +78,11 @@ def _cases(fields: FormData, at: int) -> Iterator[CaseDraft]:
 def _mistakes(fields: FormData) -> Iterator[MistakeDraft]:
     for at in range(ROOM * MAX_MISTAKES):
         yield MistakeDraft(**{name: _text(fields, f"e-{at}-{field}") for name, field in _MISTAKE_TEXTS.items()})
+
+
+def read_upload(fields: FormData) -> tuple[str, bytes]:
+    """Return name and content of the file of the import; an empty one where there is none."""
+    upload = fields.get("fichier")
+    if not isinstance(upload, UploadFile) or not upload.filename:
+        return "", b""
+    return upload.filename, upload.file.read()

@@ -11,15 +11,18 @@ from fastapi.responses import HTMLResponse, Response
 from graders.core.declared.trial import TrialReport, TriedChange
 from server.base.errors import Invalid, NotFound
 from server.database import commit_then_read, roll_back_then_read
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
-from server.desk.studio import views
+from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
+from server.desk.studio import forms, views
 from server.desk.studio.forms import read_form
 from server.desk.studio.views import PATH, StudioReader
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
-from server.studio import repository, service
+from server.studio import importing, repository, service
+from server.studio.archive import write_archive
+from server.studio.authored import LIMITS
 from server.studio.drafts import ExerciseDraft
+from server.studio.imports import ImportRefused
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.web.dependencies import CurrentReader
@@ -57,6 +60,56 @@ def preview_statement(account: SignedIn, reader: CurrentReader, enonce: Field = 
     return HTMLResponse(views.render_statement(reader.course, module, enonce), headers={"Cache-Control": "no-store"})
 
 
+@router.get(f"{PATH}/importer")
+def show_import(request: Request, reader: CurrentReader) -> Response:
+    if reader.account is None:
+        return redirect_to_login(request)
+    rights.require_server_right(reader.account, Right.write_exercises)
+    return render_page(request, "studio/import.html", reader.account, page=views.build_import_page(reader))
+
+
+@router.post(f"{PATH}/importer")
+def import_exercises(
+    request: Request, account: SignedIn, reader: CurrentReader, studio: StudioOf, fields: FormFields
+) -> Response:
+    """Make drafts of a file, and say what came over and what did not."""
+    rights.require_server_right(account, Right.write_exercises)
+    module = find_module(reader.course, str(fields.get("module", ""))).slug
+    name, data = forms.read_upload(fields)
+    try:
+        imported = importing.import_file(name, data)
+        made = [(each, studio.create(reader.db, account, module, each.draft)) for each in imported if each.is_usable]
+    except (ImportRefused, Invalid) as refused:
+        roll_back_then_read(reader.db)
+        view = views.build_import_page(reader, problem=f"{str(refused)[:1].upper()}{str(refused)[1:]}.")
+        return render_page(request, "studio/import.html", account, status=422, page=view)
+    rows = [(each, views.exercise_path(exercise)) for each, exercise in made]
+    rows += [(each, "") for each in imported if not each.is_usable]
+    commit_then_read(reader.db)
+    return render_page(request, "studio/import.html", account, page=views.build_import_page(reader, rows))
+
+
+@router.get(f"{PATH}/banque")
+def show_bank(request: Request, reader: CurrentReader, q: ShortQuery = "") -> Response:
+    """The exercises that teachers of this server lend, by theme, level, title or mistake."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    rights.require_server_right(reader.account, Right.write_exercises)
+    found = service.search_bank(repository.list_bank(reader.db), q)
+    return render_page(request, "studio/bank.html", reader.account, page=views.build_bank_page(reader, found, q))
+
+
+@router.post(f"{PATH}/copier")
+def copy_exercise(
+    account: SignedIn, reader: CurrentReader, studio: StudioOf, code: Field = "", exercice: Field = ""
+) -> Response:
+    """Copy an exercise into one's own library: one of the bank, or one whose author gave the code."""
+    rights.require_server_right(account, Right.write_exercises)
+    source = service.find_lent(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
+    made = studio.create(reader.db, account, source.module, service.read_draft(source))
+    return redirect(views.exercise_path(made))
+
+
 @router.get(EXERCISE)
 def show_exercise(request: Request, exercise_id: str, reader: CurrentReader, studio: StudioOf) -> Response:
     if reader.account is None:
@@ -75,6 +128,19 @@ def show_trial(request: Request, exercise_id: str, reader: CurrentReader, studio
     rights.require_server_right(reader.account, Right.write_exercises)
     exercise = service.find_own(reader.db, reader.account, exercise_id)
     return _render_report(StudioReader(reader, studio), exercise)
+
+
+@router.get(f"{EXERCISE}/archive.zip")
+def download_archive(request: Request, exercise_id: str, reader: CurrentReader) -> Response:
+    """The exercise as the folders of a course, to keep, to version or to import elsewhere."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    rights.require_server_right(reader.account, Right.write_exercises)
+    exercise = service.find_own(reader.db, reader.account, exercise_id)
+    name, content = service.archived_content(exercise)
+    packed = write_archive(exercise.module, name, content, LIMITS)
+    headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "private, no-store"}
+    return Response(packed, media_type="application/zip", headers=headers)
 
 
 @router.post(EXERCISE)
@@ -103,8 +169,7 @@ def save_exercise(
     if action == "brouillon":
         commit_then_read(reader.db)
         return _render_report(context, service.find_own(reader.db, account, exercise_id))
-    if action == "partager":
-        service.share(exercise)
+    service.lend(exercise, action)
     return redirect(f"{views.exercise_path(exercise)}#essai")
 
 
@@ -124,7 +189,7 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
         return service.add_mistake(draft, changes[int(picked[1])])
     if action == "cas":
         return service.add_cases(draft, [change for change in _changes(exercise) if change.survives])
-    if action not in {"", "enregistrer", "brouillon", "publier", "partager"}:
+    if action not in {"", "enregistrer", "brouillon", "publier", *service.LENDING}:
         raise NotFound(UNKNOWN_ACTION)
     return draft
 

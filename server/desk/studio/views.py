@@ -16,6 +16,7 @@ from server.course import Course
 from server.desk.studio.forms import REASON_FIELD
 from server.studio import service
 from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
+from server.studio.importing import ImportedExercise
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.text.markup import Names, Source, Text
@@ -69,6 +70,27 @@ def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> di
     return {"rows": rows, "modules": modules}
 
 
+def build_import_page(
+    reader: Reader, rows: Sequence[tuple[ImportedExercise, str]] = (), *, problem: str = ""
+) -> dict[str, Any]:
+    """Build the form of an import; `rows` are what came over, each with the address of its draft."""
+    modules = [(module.slug, module.label, module.title) for module in reader.course.latest]
+    return {"modules": modules, "rows": rows, "problem": problem}
+
+
+def build_bank_page(reader: Reader, exercises: Sequence[AuthoredExercise], query: str) -> dict[str, Any]:
+    rows = [
+        {
+            "id": exercise.id,
+            "draft": service.read_draft(exercise),
+            "module": _module_label(reader.course, exercise.module),
+            "public": public_href(exercise),
+        }
+        for exercise in exercises
+    ]
+    return {"rows": rows, "query": query}
+
+
 def _module_label(course: Course, slug: str) -> str:
     module = course.modules.get(slug)
     return slug if module is None else module.label
@@ -101,6 +123,7 @@ def build_edit_page(
         "may_delete": not exercise.number,
         "share_code": exercise.share_code or "",
         "in_bank": exercise.in_bank,
+        "tried": "completed" in (exercise.trial or {}),
     }
 
 

@@ -81,6 +81,8 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /mes-exercices": {"module": "l20"},
+    "POST /mes-exercices/importer": {"module": "l20"},
+    "POST /mes-exercices/copier": {"exercice": "{lent}"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
     "POST /classes/{class_id}/groupes": {"action": "liste", "nom": "Lundi", "noms": "Ada"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
@@ -268,7 +270,10 @@ class Stage:
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
-        db.add(self.authored)
+        self.lent = AuthoredExercise(
+            module="l20", draft=ExerciseDraft().to_data(), digest="", in_bank=True, slug=uuid4().hex, number=1
+        )
+        db.add_all([self.authored, self.lent])
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
             db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
@@ -300,6 +305,7 @@ class Stage:
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
             "exercise_id": str(self.authored.id),
+            "lent": str(self.lent.id),
             "lesson_id": str(self.lesson.id),
             "group": self.group,
             "aid": self.assignments[who],

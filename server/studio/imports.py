@@ -11,7 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import PurePath
 from typing import Any
 from xml.etree import ElementTree
 
@@ -52,20 +52,19 @@ class Draft:
         return {"fonctions": self.functions, "verifications": checks}
 
 
-def read_drafts(path: Path) -> list[Draft]:
+def read_drafts(name: str, data: bytes) -> list[Draft]:
     """Return the drafts of a file, by the ending of its name. Raises ImportRefused."""
-    data = path.read_bytes()
     if len(data) > MAX_FILE:
-        raise ImportRefused(f"{path.name} : {len(data)} octets ; {MAX_FILE} au plus")
+        raise ImportRefused(f"{name} : {len(data)} octets ; {MAX_FILE} au plus")
     readers: dict[str, Callable[[bytes], Iterator[Draft]]] = {
         ".json": _exercism, ".xml": _coderunner, ".ipynb": _notebook,
     }  # fmt: skip
-    reader = readers.get(path.suffix.lower())
+    reader = readers.get(PurePath(name).suffix.lower())
     if reader is None:
-        raise ImportRefused(f"{path.name} : {', '.join(readers)} se lisent ici")
+        raise ImportRefused(f"{name} : {', '.join(readers)} se lisent ici")
     drafts = list(reader(data))
     if not drafts:
-        raise ImportRefused(f"{path.name} : il n’y a là aucun exercice qui se lise ici")
+        raise ImportRefused(f"{name} : il n’y a là aucun exercice qui se lise ici")
     return drafts
 
 

@@ -1,0 +1,156 @@
+"""An exercise as the files of a course's repository, in a ZIP, and back: no file of it is ever run.
+
+The archive is taken by `balise check` as it is; read again, it gives the same version.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import tomllib
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from server.course.toml_writing import write_table, write_value
+from server.studio.drafts import HINTS, CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft
+
+#: Bytes of an archive and of all its files; files of one.
+MAX_ARCHIVE, MAX_FILES_BYTES, MAX_FILES = 1 << 20, 1 << 20, 40
+#: What stands for a hint that the author has not written: a course's exercise has three.
+NO_HINT = "Relisez l’énoncé et ses exemples."
+GRADER = '''"""{name} est un exercice déclaré : tout ce qui le corrige est dans `declaration.toml` et `solution.py`."""
+
+from graders.core.declared.exercise import declared
+
+DEFINITION = declared(__file__)
+'''
+ORDER = 1000
+NOT_AN_EXERCISE = "ce ZIP n’est pas un exercice déclaré : il y faut « declaration.toml » et « solution.py »"
+TOO_LARGE = f"ce ZIP est trop grand : {MAX_FILES} fichiers et {MAX_FILES_BYTES >> 20} Mio au plus"
+_HINT = re.compile(r"^## Indice [123][ \t]*$", re.M)
+_TEXTS = {
+    "titre": "title",
+    "indice": "hint",
+    "tirages": "draws",
+    "appel": "call",
+    "ordre": "order",
+    "regarder": "watched",
+}
+_NUMBERS = {"points": "points", "combien": "count", "tolerance": "tolerance"}
+
+
+class ArchiveRefused(Exception):
+    """An archive that holds no exercise that can be read; the message is French."""
+
+
+def write_archive(module: str, slug: str, content: Mapping[str, Any], limits: Mapping[str, float]) -> bytes:
+    """Return the ZIP of a version's content as the exercise `module/slug`."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path, text in exercise_files(module, slug, content, limits):
+            info = zipfile.ZipInfo(path)  # the same content gives the same bytes
+            info.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(info, text)
+    return packed.getvalue()
+
+
+def exercise_files(
+    module: str, slug: str, content: Mapping[str, Any], limits: Mapping[str, float]
+) -> Iterator[tuple[str, str]]:
+    """Yield path and text of each file of an exercise, in the folders of a course."""
+    declaration = {key: value for key, value in content["declaration"].items() if key != "solution"}
+    told, graded = f"curriculum/{module}/exercices/{slug}", f"graders/{module}/{slug}"
+    hints = [hint.strip() or NO_HINT for hint in content["hints"]]
+    yield f"{told}/exercise.toml", _card(content, limits)
+    yield f"{told}/enonce.md", content["statement"]
+    yield f"{told}/indices.md", "\n".join(f"## Indice {k}\n\n{hint}\n" for k, hint in enumerate(hints, 1))
+    yield f"{told}/starter.py", content["starter"]
+    yield f"graders/{module}/__init__.py", ""
+    yield f"{graded}/__init__.py", ""
+    yield f"{graded}/grader.py", GRADER.format(name=f"{module}/{slug}")
+    yield f"{graded}/solution.py", content["declaration"]["solution"]
+    yield f"{graded}/declaration.toml", "".join(write_table(declaration))
+
+
+def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
+    lines = [f"{key} = {write_value(content[key])}" for key in ("title", "summary")]
+    lines.append(f"order = {ORDER}")
+    for name in content["declaration"]["fonctions"]:
+        signature = content["signatures"].get(name, name)
+        lines += ["", "[[functions]]", f"name = {write_value(name)}", f"signature = {write_value(signature)}"]
+    return "\n".join([*lines, "", "[limits]", *(f"{name} = {value}" for name, value in limits.items())]) + "\n"
+
+
+def read_archive(data: bytes) -> ExerciseDraft:
+    """Return the draft of the exercise in a ZIP. Raises ArchiveRefused."""
+    files = _read_files(data)
+    try:
+        declaration = tomllib.loads(files["declaration.toml"])
+        card = tomllib.loads(files.get("exercise.toml", ""))
+        return _draft(declaration, card, files)
+    except KeyError as error:
+        raise ArchiveRefused(NOT_AN_EXERCISE) from error
+    except (tomllib.TOMLDecodeError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise ArchiveRefused(f"« declaration.toml » ou « exercise.toml » ne se lit pas : {error}") from error
+
+
+def _read_files(data: bytes) -> dict[str, str]:
+    """Return the texts of the files by their last names; of two of one name, the deeper one's."""
+    if len(data) > MAX_ARCHIVE:
+        raise ArchiveRefused(TOO_LARGE)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            if len(entries) > MAX_FILES or sum(entry.file_size for entry in entries) > MAX_FILES_BYTES:
+                raise ArchiveRefused(TOO_LARGE)
+            texts = {entry.filename: archive.read(entry).decode("utf-8") for entry in entries}
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, UnicodeDecodeError, OSError, EOFError) as error:
+        raise ArchiveRefused("ce fichier n’est pas un ZIP de textes") from error
+    return {path.rpartition("/")[2]: text for path, text in sorted(texts.items(), key=lambda it: it[0].count("/"))}
+
+
+def _draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mapping[str, str]) -> ExerciseDraft:
+    hints = [hint.strip() for hint in _HINT.split(files.get("indices.md", ""))[1:]][:HINTS]
+    hints = ["" if hint == NO_HINT else hint for hint in hints]
+    return ExerciseDraft(
+        title=str(card.get("title", "")),
+        summary=str(card.get("summary", "")),
+        statement=files.get("enonce.md", ""),
+        functions=" ".join(map(str, declaration.get("fonctions", ()))),
+        solution=files["solution.py"],
+        starter=files.get("starter.py", ""),
+        forbidden=" ".join(map(str, declaration.get("interdits", ()))),
+        required=" ".join(map(str, declaration.get("demandes", ()))),
+        hints=tuple([*hints, *[""] * HINTS][:HINTS]),
+        checks=tuple(map(read_check, declaration.get("verifications", ()))) or (CheckDraft(),),
+        mistakes=tuple(map(_mistake, declaration.get("erreurs", ()))),
+    )
+
+
+def read_check(check: Mapping[str, Any]) -> CheckDraft:
+    """Return the check of a declaration as one types it."""
+    calls = [str(call) for call in check.get("cas", ())]
+    expected = [*map(str, check.get("attendus", ())), *[""] * len(calls)]
+    texts = {field: str(check[key]) for key, field in (_TEXTS | _NUMBERS).items() if key in check}
+    draft = CheckDraft(
+        **texts,
+        cases=tuple(CaseDraft(*pair) for pair in zip(calls, expected, strict=False)),
+        conditions="\n".join(map(str, check.get("conditions", ()))),
+        absolute=check.get("absolue") is True,
+        strict=check.get("types_stricts") is True,
+        ignores_spaces=check.get("espaces") is False,
+        lines=_joined(check.get("entrees", ())),
+        files="".join(f"=== {name}\n{text}" for name, text in check.get("fichiers", {}).items()),
+    )
+    return replace(draft, order=draft.order or "oui", watched=draft.watched or "valeur")
+
+
+def _joined(lines: Sequence[Any]) -> str:
+    return "\n".join(map(str, lines))
+
+
+def _mistake(data: Mapping[str, Any]) -> MistakeDraft:
+    fields = ("titre", "explication", "question", "programme")
+    return MistakeDraft(*(str(data.get(field, "")) for field in fields))
