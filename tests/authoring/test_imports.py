@@ -63,7 +63,7 @@ NOTEBOOK = {
 def drafts(folder: Path, name: str, text: str) -> list[Draft]:
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    return read_drafts(path)
+    return read_drafts(path.name, path.read_bytes())
 
 
 def test_canonical_data_of_exercism(tmp_path: Path) -> None:
