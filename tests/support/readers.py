@@ -160,7 +160,7 @@ IDENTITIES = """
     form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
     form:derniere form:combien form:presents
     form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
-    form:sans_reponse form:semaines form:classe form:contenu form:cours form:verification form:version
+    form:sans_reponse form:semaines form:classe form:contenu form:cours form:verification form:version form:code
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
     body:NewComment.check body:ReplayBody.check body:NewAnswer.question body:NewAnswer.answer
 """

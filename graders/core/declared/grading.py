@@ -40,6 +40,8 @@ SIMPLER_AT_ONCE, MAX_SIMPLER, SIMPLER_SECONDS = 12, 72, 0.25
 PROBES_OF_A_CHECK, PROBE_SEED = 8, 20
 #: Digits by which two programs are told apart.
 PROBE_DIGITS = 9
+#: Programs of a grading: the student's and the solution's.
+LAUNCHES = 2
 #: Answers of a program to the probes.
 Fingerprint = tuple[str, ...]
 
@@ -85,6 +87,7 @@ class DeclaredGrader:
         started = time.perf_counter()
         kit = self.kit(seed)
         cases = {check.id: self.cases(check, seed) for check in self.declaration.checks}
+        programs.prepare(self.solution.encode(), kit, LAUNCHES)
         student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
         try:
             findings = tell_once(self._findings(source, student, solution, cases, clock_of(programs)))
