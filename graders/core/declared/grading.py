@@ -22,7 +22,7 @@ from graders.core.compare.python_values import python_pair, python_text
 from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import KitSettings, Programs, StudentFault, clock_of
+from graders.core.contract.program import KitSettings, PreparablePrograms, Programs, StudentFault, clock_of
 from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_early_verdict
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
@@ -87,7 +87,8 @@ class DeclaredGrader:
         started = time.perf_counter()
         kit = self.kit(seed)
         cases = {check.id: self.cases(check, seed) for check in self.declaration.checks}
-        programs.prepare(self.solution.encode(), kit, LAUNCHES)
+        if isinstance(programs, PreparablePrograms):
+            programs.prepare(self.solution.encode(), kit, LAUNCHES)
         student, solution = Player(programs, source, kit), Player(programs, self.solution.encode(), kit)
         try:
             findings = tell_once(self._findings(source, student, solution, cases, clock_of(programs)))
