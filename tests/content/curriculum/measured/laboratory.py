@@ -183,7 +183,7 @@ def run() -> Found:
 
 
 def calibrated(steps: Floats, matches: Floats) -> tuple[Floats, tuple[float, float, float]]:
-    """The corrected steps, and the constants (alpha, beta, gamma), as the page has them computed."""
+    """The corrected steps, and the constants (alpha, beta, gamma), as the exercise `calibration` has them computed."""
 
     def ahead(moves: Floats) -> Floats:
         half = moves[:, 2] / 2
