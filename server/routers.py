@@ -9,6 +9,7 @@ from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
 from server.desk.guide.routes import router as teachers_guide_router
+from server.desk.lesson.remedial import router as remedial_router
 from server.desk.lesson.routes import router as lesson_router
 from server.desk.likeness.routes import router as likeness_router
 from server.desk.marks.column_routes import router as columns_router
@@ -76,6 +77,7 @@ ROUTERS = (
     comments_router,
     board_router,
     lesson_router,
+    remedial_router,
     objectives_router,  # before those of students, whose paths take any name
     classes_router,
     class_groups_router,

@@ -146,7 +146,8 @@ def _exercises_at_fault(period: Mapping[Pair, Attempts], exercises: Collection[s
     rows = []
     for exercise in exercises:
         own = [series for (_, name), series in period.items() if name == exercise]
-        solved, unexplained = sum(map(_is_solved, own)), sum(map(is_unexplained, own))
+        failing = [series for series in own if not _is_solved(series)]
+        solved, unexplained = len(own) - len(failing), sum(map(is_unexplained, failing))
         is_at_fault = unexplained >= UNEXPLAINED_SHARE * len(own) or len(own) - solved >= UNSOLVED_SHARE * len(own)
         if len(own) >= MIN_TRIED and is_at_fault:
             rows.append(ExerciseAtFault(exercise, len(own), solved, unexplained))

@@ -9,7 +9,7 @@ from server.base.errors import Invalid
 from server.identity.logins import normalise_login
 from server.text.lines import character_problem, tidy_line
 
-GROUP_LENGTH, MAX_GROUPS = 40, 8
+GROUP_LENGTH, MAX_GROUPS = 40, 24
 
 
 @dataclass(frozen=True)

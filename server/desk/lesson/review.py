@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from urllib.parse import urlencode
@@ -13,6 +14,7 @@ from server.board.lesson_review import LessonReview, build_review
 from server.board.service import load_progress
 from server.course import Course
 from server.desk.board.links import BoardLinks, misconception_href
+from server.desk.lesson.remedial import remedial_href
 from server.desk.lesson.views import mistake_title
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
@@ -37,6 +39,7 @@ class SeeRow:
     failures: int
     mistake: str
     objectives: str
+    remedial: str
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class ExplainRow:
     example: str
     message: str
     lesson: Link | None
+    remedial: str
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class ReviewPage:
     idle: tuple[Link, ...]
     absent: tuple[Link, ...]
     overcome: tuple[OvercomeRow, ...]
-    assign_href: str
+    idle_remedial: str
 
     @property
     def is_empty(self) -> bool:
@@ -105,6 +109,11 @@ def review_page(
     links = BoardLinks(course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
 
+    may_assign = access.has(Right.manage_assignments) and school_class.archived_at is None
+
+    def remedy(exercise: str, students: Collection[UUID]) -> str:
+        return remedial_href(links.href, exercise, students) if may_assign else ""
+
     def person(account: UUID) -> Link:
         return names[account], f"{links.href}/eleves/{account}"
 
@@ -122,10 +131,11 @@ def review_page(
                 row.failures,
                 "" if row.mistake is None else mistake_title(course, row.exercise, row.mistake),
                 f"{links.href}/eleves/{row.account}/objectifs",
+                remedy(row.exercise, [row.account]),
             )
             for row in review.to_see
         ),
-        to_explain=_explain_rows(course, links, review, may_write=access.has(Right.comment)),
+        to_explain=_explain_rows(course, links, review, remedy, may_write=access.has(Right.comment)),
         at_fault=tuple(
             FaultRow(
                 links.title(row.exercise), links.exercise_href(row.exercise), row.tried, row.solved, row.unexplained
@@ -142,12 +152,17 @@ def review_page(
             )
             for row in review.overcome
         ),
-        assign_href=f"{links.href}/devoirs/nouveau" if access.has(Right.manage_assignments) else "",
+        idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent]),
     )
 
 
 def _explain_rows(
-    course: Course, links: BoardLinks, review: LessonReview, *, may_write: bool
+    course: Course,
+    links: BoardLinks,
+    review: LessonReview,
+    remedy: Callable[[str, Collection[UUID]], str],
+    *,
+    may_write: bool,
 ) -> tuple[ExplainRow, ...]:
     rows = []
     for row in review.to_explain:
@@ -161,6 +176,7 @@ def _explain_rows(
                 example=f"/soumissions/{row.example}",
                 message=f"{links.href}/mots?{query}#ecrire" if may_write else "",
                 lesson=_lesson_to_read(course, row.exercise),
+                remedial=remedy(row.exercise, row.still),
             )
         )
     return tuple(rows)

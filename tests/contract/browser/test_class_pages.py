@@ -95,6 +95,7 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/recalculs/{regrade_id}": ("",),
     CLASS + "/plateforme": ("",),
     CLASS + "/reglages": ("",),
+    CLASS + "/reprise": ("?eleve={student}&exercice=" + EXERCISE,),
     CLASS + "/seance": ("",),
     CLASS + "/seance/projeter": ("",),
     CLASS + "/seance/{lesson_id}": ("",),
@@ -213,6 +214,43 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "column_id": db.scalars(select(ManualColumn.id)).one(),
         }
     return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})
+
+
+#: How long a page of a class may be on a desk, whatever its number of students: in pixels.
+MAX_HEIGHT = 3000
+STUDENTS = 300
+#: Those that print a list whole, and a student's own work.
+LONG = {CLASS + "/eleves/{student}", CLASS + "/eleves/{student}/comme", CLASS + "/eleves/{student}/{module}/{slug}"}
+
+
+@pytest.mark.slow
+def test_no_page_of_a_class_of_300_is_longer_than_three_screens(
+    visit: NewVisit, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    data = tmp_path_factory.mktemp("crowd")
+    settings = Settings(data_dir=data)
+    database, course = migrated(settings), the_course()
+    loaded = create_demo_class(
+        database,
+        course,
+        course.modules["l20"],
+        grade,
+        settings,
+        seed=3,
+        students=STUDENTS,
+        told=lambda _done, _all: None,
+    )
+    _one_of_each(database, loaded)
+    with serving(data) as server:
+        walk = _found(server, database, loaded.class_id)
+        visitor = visit(at=server, width=1024, height=768)
+        enters(visitor, database, walk.teacher)
+        heights = {}
+        for path in walk.paths({page: queries for page, queries in STAFF.items() if page not in LONG}):
+            visitor.page.goto(server.address + path)
+            heights[path] = visitor.page.evaluate("document.documentElement.scrollHeight")
+    database.close()
+    assert not {path: height for path, height in heights.items() if height > MAX_HEIGHT}
 
 
 @pytest.mark.slow

@@ -84,6 +84,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /mes-exercices/importer": {"module": "l20"},
     "POST /mes-exercices/copier": {"exercice": "{lent}"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
+    "POST /classes/{class_id}/reprise": {"action": "donner", "exercice": EXERCISE},
     "POST /classes/{class_id}/groupes": {"action": "liste", "nom": "Lundi", "noms": "Ada"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
