@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from graders.core.code.prober import CHANCE
+from graders.core.code.probe_runs import CHANCE
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.behaviour.fingerprints import SEARCH_PROCESSOR_SECONDS

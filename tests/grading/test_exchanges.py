@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from graders.core.code.grading import CodeGrader
+from graders.core.code.places import is_worth_searching
 from server.course.models import Course
 from server.grading.sandbox_grader import SandboxGrader
 from server.sandbox import Sandbox
@@ -25,7 +26,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return asked
 
 
-@pytest.mark.parametrize(("exercise", "most"), [("l20/poses", 3), ("l20/kabsch", 1), ("l20/predire2d", 24)])
+@pytest.mark.parametrize(("exercise", "most"), [("l20/poses", 3), ("l20/kabsch", 1), ("l20/predire2d", 20)])
 def test_a_right_answer_is_asked_few_questions(
     course_sandbox: Sandbox, course: Course, asked: list[int], exercise: str, most: int
 ) -> None:
@@ -43,3 +44,21 @@ def test_a_wrong_answer_is_asked_few_more(course_sandbox: Sandbox, course: Cours
     assert verdict.diagnosis is not None
     assert verdict.diagnosis.id == mistake.id
     assert len(asked) <= 8
+
+
+def test_an_index_that_is_no_integer_is_told_and_taken_for_no_mistake_of_the_catalogue(
+    course: Course, course_sandbox: Sandbox
+) -> None:
+    exercise = "l20/reechantillonnage"
+    source = """
+def n_eff(poids):
+    return 1 / np.sum(poids**2)
+
+def reechantillonner_systematique(particules, poids):
+    fins = np.cumsum(poids)
+    return np.array([particules[np.floor(np.sum(fins < rng.random()) + 0.0)] for _ in poids])
+"""
+    verdict = SandboxGrader(course, course_sandbox).grade(exercise, source.encode(), 5).verdict
+    assert verdict.diagnosis is None
+    assert any("Un indice doit être un nombre entier" in check.message for check in verdict.checks)
+    assert not is_worth_searching(verdict)

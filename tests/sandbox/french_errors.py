@@ -16,6 +16,8 @@ PROGRAMS: dict[str, str] = {
     "return libres[x, 1]": "Ce nom n’est défini nulle part : faute de frappe, ou",
     "return v[x]": "Un indice doit être un nombre entier (v[x]) : int(x) ?",
     "return m[x, 0]": "Un indice doit être un nombre entier (m[x, 0]) : int(x) ?",
+    "return [m[0, 0], m[0, x], v[0]][1]": "Un indice doit être un nombre entier (m[0, x]) : int(x) ?",
+    "i = 0; v[i] = l[x]": "Un indice doit être un nombre entier : lequel ne l’est pas, dans v[i], l[x] ?",
     "return m[1.0]": "Un indice doit être un nombre entier (m[1.0]) : 1.0 est un",
     "return l[x]": "Un indice doit être un nombre entier (l[x]) : int(x) ?",
     "return l[x:3]": "Les bornes d’une tranche a[i:j] doivent être des entiers :",

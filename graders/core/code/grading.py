@@ -20,6 +20,7 @@ from graders.core.code.explaining import KitMaker, MistakeExplainer
 from graders.core.code.facts import IMPRECISIONS, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
+from graders.core.code.probes import explains_itself
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.rounded_constants import rounded_constant_diagnosis
 from graders.core.code.runner import DEFAULT_BUDGET, Runner
@@ -158,7 +159,9 @@ class CodeGrader:
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         found = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
-        left = (alone if found.mistakes else blamed) - set(found.consequences)
+        told = [check for check, finding in pairs if explains_itself(finding.result.message)]
+        others = {name for check in failed if check not in told for name in check.functions}
+        left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others
         reenacted = self._reenacted(found.mistakes, left, runner, seed)
         ids = self._borne_out((*found.mistakes, *reenacted) or found.fallback, failed)
         facts = find_facts(pairs, source, self.solution, [self._title(mistake) for mistake in ids])

@@ -10,7 +10,7 @@ import itertools
 import marshal
 import pickle
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import Any, NamedTuple
@@ -148,6 +148,12 @@ class MutantAnswerCache:
             self._rows[key] = [self._row(index, mutant) for mutant in mutants]
         return self._rows[key]
 
+    def with_all_answers(self, index: int, blamed: Collection[str]) -> list[tuple[MutantRow, Sequence[ProbeAnswer]]]:
+        """Return the mutants with one mistake that these functions can have, and their answers to all probes."""
+        rows = [row for row in self.mutants_with(index, 1) if row.mutant.applies_to(blamed)]
+        self._ask(index, rows, len(self.probes[index].calls))
+        return [(row, row.stored.answers) for row in rows]
+
     def _row(self, index: int, mutant: Mutant) -> MutantRow:
         """Return the row of a mutant; mutants in which the function reaches the same text share their answers."""
         key = index, _digest(reachable_pieces(mutant.text, self.probes[index].function))
@@ -201,7 +207,10 @@ class MutantAnswerCache:
         facet = self.probes[index].facet
         if facet is None:
             return ()
-        begun = self._matching_facet(facet, index, answers)
+        return self.with_one_more(index, self._matching_facet(facet, index, answers))
+
+    def with_one_more(self, index: int, begun: Sequence[MutantRow]) -> Sequence[MutantRow]:
+        """Return the first of these mutants with one mistake more, of those that change some answer."""
         extended = [
             MutantRow(mutant, MutantAnswers())
             for row in begun[:MAX_EXTENDED_MUTANTS]

@@ -16,6 +16,7 @@ from graders.core.code.changes import ProgramChange
 from graders.core.code.diagnosis import combine_diagnoses, tell_remainder
 from graders.core.code.grading import CodeGrader
 from graders.core.code.mending import Mending, MendingSearch, MendingStep
+from graders.core.code.probes import explains_itself
 from graders.core.compare import words as render
 from graders.core.compare.slips import Slip
 from graders.core.contract.program import Programs
@@ -79,8 +80,9 @@ _ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vÃ
 
 def is_worth_searching(verdict: Verdict) -> bool:
     """Whether a verdict leaves something to be found: no name, one that is not certain, or checks without one."""
-    failed = {check.id for check in verdict.checks if not (check.passed or check.neutral)}
-    if not failed or verdict.load_error:
+    at_fault = [check for check in verdict.checks if not (check.passed or check.neutral)]
+    failed = {check.id for check in at_fault}
+    if not failed or verdict.load_error or all(map(_says_enough, at_fault)):
         return False
     named = verdict.diagnosis
     if named is None:
@@ -88,6 +90,11 @@ def is_worth_searching(verdict: Verdict) -> bool:
     explained = [check for checks in named.explains for check in checks]
     is_told_twice = len(explained) > len(set(explained))
     return not named.certain or is_told_twice or not failed <= set(explained)
+
+
+def _says_enough(check: CheckResult) -> bool:
+    """Whether a failed check tells an exception that says what is wrong, or repeats another one."""
+    return bool(check.repeats) or explains_itself(check.message)
 
 
 def describe_mending(

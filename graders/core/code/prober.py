@@ -13,27 +13,32 @@ import itertools
 import threading
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
+from graders.core.code.part_matching import match_parts
 from graders.core.code.piggyback import HANG_SECONDS
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, read_answer, same_probe_answer
+from graders.core.code.probe_runs import (
+    changes_results,
+    find_state_slip,
+    probe_side_program,
+    read_piggybacked,
+    repeat_differs,
+    with_other_seed,
+)
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, Rule, same_probe_answer
 from graders.core.code.runner import Runner
-from graders.core.code.shared_results import SHARED, find_changed_result
+from graders.core.code.shared_results import SHARED
 from graders.core.code.stateless import is_stateless, may_keep_state
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
-from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault, flatten_blocks
+from graders.core.contract.program import KitSettings, PlannedCalls
 from graders.core.contract.rows import as_rows
 
-#: The slips of a function that answers the same call differently: by state that it keeps, or at random.
-MEMORY, CHANCE = "memoire", "hasard"
-OTHER_SEED = 1
 #: Seconds for all the probes of a program; a slower one is not named by them.
 MAX_PROBING_SECONDS = HANG_SECONDS
 
@@ -110,7 +115,7 @@ class Prober:
                 if not names:
                     fallback += self._fallback_names(index, sequence)
             probes = self.probes[index]
-            if not names and may_keep_state(runner.source) and _changes_results(runner, probes):
+            if not names and may_keep_state(runner.source) and changes_results(runner, probes):
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
@@ -153,7 +158,8 @@ class Prober:
         right = self._right_answers(index, sequence)
         if right is None:
             return ()
-        return _apply_rules(probes.last_rules, ProbeResults(probes.calls, sequence.answers, right, probes.same))
+        shown = ProbeResults(probes.calls, sequence.answers, right, probes.same)
+        return () if _explain_themselves(shown) else _apply_rules(probes.last_rules, shown)
 
     def _probe(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -169,27 +175,25 @@ class Prober:
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             indices, probes_of_kit = zip(*group, strict=True)
             batches = [self._planned[index] for index in indices]
-            results = _piggybacked_results(runner, probes_of_kit, batches) or _probe_side_program(
+            results = read_piggybacked(runner, probes_of_kit, batches) or probe_side_program(
                 runner, probes_of_kit, batches, probes_of_kit[0].kit, deadline
             )
-            differs = [
-                _answers_differ(probes, answers) for probes, answers in zip(probes_of_kit, results, strict=False)
-            ]
+            differs = [repeat_differs(probes, answers) for probes, answers in zip(probes_of_kit, results, strict=False)]
             if not any(differs) and may_keep_state(runner.source):
                 differs = self._differ_in_reverse(runner, indices, results, deadline)
             repeated: Sequence[list[ProbeAnswer]] = ()
             if any(differs):
-                repeated = _probe_side_program(
+                repeated = probe_side_program(
                     runner,
                     probes_of_kit,
                     batches,
-                    _reseeded(probes_of_kit[0].kit),
+                    with_other_seed(probes_of_kit[0].kit),
                     runner.clock() + MAX_PROBING_SECONDS,
                 )
             for k, answers in enumerate(results):
                 if len(answers) > len(probes_of_kit[k].calls):
                     again = repeated[k] if repeated and differs[k] else ()
-                    yield indices[k], answers[:-1], _state_slip(answers, again)
+                    yield indices[k], answers[:-1], find_state_slip(answers, again)
 
     def _differ_in_reverse(
         self, runner: Runner, indices: Sequence[int], results: Sequence[Sequence[ProbeAnswer]], deadline: float
@@ -200,7 +204,7 @@ class Prober:
         """
         probed = [self.probes[index] for index in indices]
         batches = [PlannedCalls(probes.function, tuple(reversed(probes.calls))) for probes in probed]
-        backwards = _probe_side_program(runner, probed, batches, probed[0].kit, deadline)
+        backwards = probe_side_program(runner, probed, batches, probed[0].kit, deadline)
         return [
             not probes.random
             and len(answers) > len(probes.calls) == len(again)
@@ -225,6 +229,8 @@ class Prober:
             return (), True
         shown = ProbeResults(probes.calls, answers, right, probes.same)
         wrong = [k for k in shown.wrong_indices() if probes.compared is None or k < probes.compared]
+        if _explain_themselves(shown):
+            return (), False
         fails = all(isinstance(answer, ProbeFault | str | None) for answer in answers)
         for mistakes, rows in enumerate(self._candidates(index, answers) if wrong else (), 1):
             if fails and mistakes > 1:
@@ -234,7 +240,24 @@ class Prober:
                 return common, any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:
                 break
-        return _apply_rules(probes.rules, shown), False
+        parts, certain = self._name_parts(index, shown, sequence, blamed)
+        return (parts, certain) if parts else (_apply_rules(probes.rules, shown), False)
+
+    def _name_parts(
+        self, index: int, shown: ProbeResults, sequence: AnswerSequence, blamed: Collection[str]
+    ) -> tuple[Sequence[str], bool]:
+        """Return the mistakes of parts of the answers, where each part is as a mutant with one mistake makes it.
+
+        Where one mistake more makes the whole answers, these are the mistakes for certain.
+        """
+        if self.probes[index].same is not same_probe_answer or self.probes[index].compared is not None:
+            return (), False
+        rows = partial(self._mutants.with_all_answers, index, blamed)
+        fits_of_parts = list(match_parts(shown.got, shown.right, rows))
+        begun = [row for fits in fits_of_parts for row in fits]
+        if whole := self._mutants.matching(index, self._mutants.with_one_more(index, begun), sequence):
+            return _common_mistakes(whole), True
+        return list(dict.fromkeys(name for fits in fits_of_parts for name in _common_mistakes(fits))), False
 
     def _candidates(self, index: int, answers: Sequence[ProbeAnswer]) -> Iterator[Iterable[MutantRow]]:
         """Yield the mutants that may explain the answers, by increasing number of mistakes and cost."""
@@ -250,6 +273,12 @@ class Prober:
         return None if agreeing[best] == len(sequence.answers) else rows[best].stored.answers
 
 
+def _explain_themselves(shown: ProbeResults) -> bool:
+    """Whether all wrong answers are exceptions that say what is wrong."""
+    wrong = [shown.got[k] for k in shown.wrong_indices()]
+    return bool(wrong) and all(isinstance(answer, ProbeFault) and answer.explains_itself for answer in wrong)
+
+
 def _apply_rules(rules: Sequence[Rule], shown: ProbeResults) -> Sequence[str]:
     """Return the mistake of the first rule that recognises one."""
     return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
@@ -260,75 +289,3 @@ def _common_mistakes(fits: Sequence[MutantRow]) -> Sequence[str]:
     fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
     common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
     return [mistake for mistake in fits[0].mutant.ids if mistake in common]
-
-
-def _piggybacked_results(
-    runner: Runner, probed: Sequence[Probes], batches: Sequence[PlannedCalls]
-) -> list[list[ProbeAnswer]]:
-    """Return the piggybacked answers of a stateless program; [] where there are none, or it seems to keep state."""
-    answers_by_batch = [
-        runner.piggybacked_answers(batch) if runner.is_callable(batch.function) else () for batch in batches
-    ]
-    if any(answers is None for answers in answers_by_batch):
-        return []
-    results = [
-        [read_answer(args, answer, probes.read) for args, answer in zip(batch.calls, answers or (), strict=False)]
-        for probes, batch, answers in zip(probed, batches, answers_by_batch, strict=True)
-    ]
-    return [] if any(map(_answers_differ, probed, results)) else results
-
-
-def _probe_side_program(
-    runner: Runner, probed: Sequence[Probes], all_batches: Sequence[PlannedCalls], kit: KitSettings, deadline: float
-) -> list[list[ProbeAnswer]]:
-    """Return the answers of a fresh launch to these probes, which travel with its file; [] when it does not start.
-
-    The answers end at a fatal fault or at the deadline.
-    """
-    results: list[list[ProbeAnswer]] = [[] for _ in probed]
-    callable_indices = [index for index, batch in enumerate(all_batches) if runner.is_callable(batch.function)]
-    batches = [all_batches[index] for index in callable_indices]
-    try:
-        with runner.side_program(kit, batches) as program:
-            for number, answer in flatten_blocks(program.call_batches(batches)):
-                index, function = callable_indices[number], batches[number].function
-                runner.note(program, function, answer)
-                if runner.clock() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
-                    break
-                args = batches[number].calls[len(results[index])]
-                results[index].append(read_answer(args, answer, probed[index].read))
-    except StudentFault:
-        return []
-    return results
-
-
-def _changes_results(runner: Runner, probes: Probes) -> bool:
-    """Whether a fresh launch, asked these probes, changes what it returned to one of them at the next."""
-    batch = PlannedCalls(probes.function, probes.calls, return_arguments=True)
-    try:
-        with runner.side_program(probes.kit, [batch]) as program:
-            answers = [answer for _, answer in flatten_blocks(program.call_batches([batch]))]
-    except StudentFault:
-        return False
-    return find_changed_result(probes.calls, answers) is not None
-
-
-def _reseeded(kit: KitSettings) -> KitSettings:
-    return replace(kit, parameters={**kit.parameters, "seed": OTHER_SEED})
-
-
-def _answers_differ(probes: Probes, answers: Sequence[ProbeAnswer]) -> bool:
-    """Whether the first call, repeated after the others, gets another answer."""
-    return not probes.random and len(answers) > len(probes.calls) and not same_probe_answer(answers[-1], answers[0])
-
-
-def _state_slip(answers: Sequence[ProbeAnswer], again: Sequence[ProbeAnswer]) -> str | None:
-    """Return the slip of a program that answered a repeated call differently, given the answers `again` of another
-    launch; None when these are incomplete."""
-    if len(again) < len(answers):
-        return None
-    return (
-        MEMORY
-        if all(same_probe_answer(first, second) for first, second in zip(answers, again, strict=True))
-        else CHANCE
-    )

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,11 +24,33 @@ TOO_LARGE = "trop grand"
 Read = Callable[[Arguments, Value], Value]
 
 
+#: Exceptions that come of what is written, whatever is computed. Others, of writing too, are mistakes of catalogues.
+_OF_WRITING = frozenset(("NameError", "ImportError", "ModuleNotFoundError"))
+_NO_INTEGER = "Un indice doit être un nombre entier"
+
+
+def is_self_explained(exception: str, told: str) -> bool:
+    """Whether what is told of an exception says what is wrong: a misspelt name, an index that is no integer."""
+    return exception in _OF_WRITING or (exception in ("IndexError", "TypeError") and _NO_INTEGER in told)
+
+
+def explains_itself(message: str) -> bool:
+    """Whether a failed check's message ends in the name of such an exception."""
+    exception = re.search(r"\[(\w+)\]", message)
+    return exception is not None and is_self_explained(exception[1], message)
+
+
 @dataclass(frozen=True)
 class ProbeFault:
-    """The answer of a call that failed: the name of its exception or outcome."""
+    """The answer of a call that failed: the name of its exception or outcome, and what students are told of it."""
 
     name: str
+    told: str = field(default="", compare=False)
+
+    @property
+    def explains_itself(self) -> bool:
+        """Whether what is told of it says what is wrong, so that no mistake of the catalogue is behind it."""
+        return is_self_explained(self.name, self.told)
 
 
 ProbeAnswer = Any  # a plain value, or a ProbeFault
@@ -94,7 +117,7 @@ def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:
             if any(isinstance(item, np.ndarray) and item.size > MAX_ITEMS for item in _items(value))
             else value
         )
-    return ProbeFault(answer.exception or answer.outcome.value)
+    return ProbeFault(answer.exception or answer.outcome.value, answer.message)
 
 
 def _items(shown: ProbeAnswer) -> Sequence[ProbeAnswer]:

@@ -21,7 +21,12 @@ def _shapes(text: str) -> str:
 
 
 def _explain_index(match: re.Match[str], source: str) -> str:
-    indexed = re.search(r"(\w+)\s*\[([^\[\]]+)\]", source)
+    every = list(re.finditer(r"(\w+)\s*\[([^\[\]]+)\]", source))
+    doubtful = [it for it in every if not re.fullmatch(r"[-\d,:\s]*", it[2])] or every
+    if len({it[2] for it in doubtful}) > 1:
+        places = ", ".join(dict.fromkeys(it[0] for it in doubtful))
+        return f"Un indice doit être un nombre entier : lequel ne l’est pas, dans {places} ? Mettez-le dans int(…)."
+    indexed = doubtful[0] if doubtful else None
     pieces = re.split(r"[,:\s]+", indexed[2]) if indexed else []
     text = next((it for it in pieces if it[:1] in "'\""), None)
     if indexed and text:

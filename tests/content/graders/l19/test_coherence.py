@@ -96,3 +96,12 @@ def test_figures_draw(theme: str) -> None:
     figures = checked(EXERCISE, edited("np.linalg.inv(P) @ e", "np.diag(1 / np.diag(P)) @ e"), 1).figures
     data = json.loads(json.dumps(figures["nees_exemples"]))
     assert counterexample(EXERCISE, data, theme=theme).startswith(b"<?xml")
+
+
+def test_two_mistakes_of_one_function_are_both_named_though_no_mutant_has_both() -> None:
+    """The numbers are those of an averaged covariance; one mistake more, the judgement reversed, makes the pair."""
+    source = edited("covariances[i]", "covariances.mean(axis=0)", "moyenne, avis", "moyenne, -avis")
+    diagnosis = verdict_of(EXERCISE, source, 7).diagnosis
+    assert diagnosis is not None
+    assert diagnosis.title == "Une seule covariance sert pour tous les essais — et aussi : Les deux avis sont échangés"
+    assert diagnosis.certain

@@ -55,8 +55,8 @@ def test_an_exact_reading_ends_all_doubt() -> None:
     ("source", "name", "checks"),
     [
         (edited("return v / (v + r)", "return r / (r + v)"), "gain_inverse", {"gain", "gain_extremes"}),
-        (edited("poids = 1 / variances", "poids = variances / np.sum(variances)", "= 1 / np.sum(p", "= np.sum(p"), None,
-         {"fusion_exemples"}),
+        (edited("poids = 1 / variances", "poids = variances / np.sum(variances)", "= 1 / np.sum(p", "= np.sum(p"),
+         "poids_a_l_envers", {"fusion_exemples"}),
         (edited("np.sum(poids * mesures) / np.sum(poids)", "sum(mesures) / len(mesures)"), "moyenne_simple",
          {"fusion_exemples", "fusion_quelconques"}),
         (edited("        v = (1 - K) * v\n", ""), "variance_jamais_mise_a_jour", {"chaine_exemples"}),
@@ -65,7 +65,7 @@ def test_an_exact_reading_ends_all_doubt() -> None:
          {"arguments"}),
     ],
 )  # fmt: skip
-def test_a_mistake_is_refused_and_named(source: str, name: str | None, checks: set[str]) -> None:
+def test_a_mistake_is_refused_and_named(source: str, name: str, checks: set[str]) -> None:
     found = verdict(source, 3)
     assert named(found) == name
     assert checks <= failed(found)

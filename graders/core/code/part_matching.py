@@ -1,0 +1,71 @@
+"""Mistakes of the parts of an answer, each recognised alone: one in the mean, another one in the variance.
+
+Two mistakes of which one is in no catalogue match no mutant as a whole. A function that returns several values is then
+compared part by part with the mutants of one mistake. Only numbers that are no whole ones count: many mistakes give
+the same counts, signs and verdicts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from graders.core.code.mutants import MutantRow
+from graders.core.code.probes import ProbeAnswer, same_probe_answer
+from graders.core.contract.values import UnreadableError, read_array
+
+#: Wrong answers of a part that make it a mutant's.
+MIN_WRONG = 2
+
+
+def match_parts(
+    got: Sequence[ProbeAnswer],
+    right: Sequence[ProbeAnswer],
+    rows: Callable[[], Sequence[tuple[MutantRow, Sequence[ProbeAnswer]]]],
+) -> Iterator[list[MutantRow]]:
+    """Yield, for each wrong part of the answers that some mutants reproduce, these mutants.
+
+    `rows` returns the mutants with their answers; it is called once there is a part to compare.
+    """
+    size = _count_parts(right)
+    if not size or _count_parts(got) != size:
+        return
+    wrong = {
+        part: [
+            k
+            for k, (mine, its) in enumerate(zip(got, right, strict=True))
+            if not same_probe_answer(mine[part], its[part])
+        ]
+        for part in range(size)
+    }
+    judged = [
+        part for part in range(size) if len(wrong[part]) >= MIN_WRONG and _tells(got[k][part] for k in wrong[part])
+    ]
+    mutants = [pair for pair in rows() if _count_parts(pair[1]) == size] if judged else []
+    for part in judged:
+        fits = [
+            row
+            for row, its in mutants
+            if all(same_probe_answer(mine[part], other[part]) for mine, other in zip(got, its, strict=True))
+        ]
+        if fits:
+            yield fits
+
+
+def _count_parts(answers: Sequence[ProbeAnswer]) -> int:
+    """Return of how many parts each answer is made; 0 where they differ, or are made of none."""
+    sizes = {len(answer) if isinstance(answer, list | tuple) else 0 for answer in answers}
+    return sizes.pop() if len(sizes) == 1 else 0
+
+
+def _tells(parts: Iterator[ProbeAnswer]) -> bool:
+    """Whether some of these values are numbers, of which not all are whole."""
+    for part in parts:
+        try:
+            numbers = read_array(part)
+        except UnreadableError:
+            continue
+        if numbers.size and np.isfinite(numbers).all() and np.any(numbers != np.round(numbers)):
+            return True
+    return False
