@@ -45,6 +45,8 @@ from server.pages.school.keys import router as keys_router
 from server.pages.school.launches import router as launches_router
 from server.pages.school.lti_forms import router as lti_forms_router
 from server.pages.school.platforms import router as platforms_router
+from server.pages.school.registration import link_router
+from server.pages.school.registration import router as registration_router
 from server.pages.school.rules import router as rules_router
 from server.pages.school.server_forms import router as server_forms_router
 from server.reading.routes import router as reading_router
@@ -52,7 +54,7 @@ from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
 
 #: Routers whose requests carry their own proof of identity, or give one: tokens, log-in forms.
-UNNAMED_ROUTERS = (api_router, health_router, guide_router, accounts_router, launches_router)
+UNNAMED_ROUTERS = (api_router, health_router, guide_router, accounts_router, launches_router, registration_router)
 
 #: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
 ROUTERS = (
@@ -72,6 +74,8 @@ ROUTERS = (
     entries_router,
     keys_router,
     launches_router,
+    registration_router,
+    link_router,
     courses_router,
     content_router,
     comments_router,

@@ -307,7 +307,8 @@ READERS: tuple[Reader, ...] = (
         BODY,
         TEXTS,
         "query:iss query:login_hint query:target_link_uri query:client_id query:lti_message_hint "
-        "query:lti_deployment_id form:iss form:login_hint form:target_link_uri form:client_id form:lti_message_hint "
+        "query:lti_deployment_id query:openid_configuration query:registration_token form:openid_configuration "
+        "form:registration_token form:iss form:login_hint form:target_link_uri form:client_id form:lti_message_hint "
         "form:lti_deployment_id form:error",
     ),
     Reader(
