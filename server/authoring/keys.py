@@ -12,7 +12,10 @@ from pydantic import BaseModel
 from server.authoring import shapes
 from server.course import questions
 from server.course.schemas import (
+    ExerciseFamiliesFile,
     ExerciseFile,
+    FamiliesFile,
+    FamilyEntry,
     FrontMatter,
     FunctionEntry,
     ModuleFile,
@@ -238,6 +241,21 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "removed": Key("la ligne d’avant, sans sa marge", '"if distance <= seuil:"'),
         "added": Key("la ligne d’après", '"if distance < seuil:"'),
         "reason": Key("pourquoi c’est encore juste", '"L’énoncé accepte les deux inégalités."'),
+    },
+    FamiliesFile: {
+        "family": Key(
+            "les familles, une table chacune", '[{ id = "degres", title = "Des degrés", summary = "180° valent π." }]'
+        ),
+    },
+    FamilyEntry: {
+        "id": Key("nom, sous lequel les exercices y rangent leurs erreurs", '"degres"'),
+        "title": Key("l’erreur commune, en quelques mots", '"Des degrés et des radians sont mêlés"'),
+        "summary": Key("une phrase : ce qu’il faut en retenir", '"Les fonctions cos et sin attendent des radians."'),
+        "slips": Key("les étourderies de `graders/core/compare/slips.py` qui en sont", '["degres"]'),
+    },
+    ExerciseFamiliesFile: {
+        "families": Key("par famille, les erreurs de l’exercice qui en sont", '{ degres = ["degres_dans_cos"] }'),
+        "apart": Key("par raison, les erreurs qui n’ont pas de famille", '{ "propre à cet exercice" = ["arc_exact"] }'),
     },
     PolicyEntry: {name: Key(row.label.lower(), f"{getattr(Policy(), name)}") for name, row in LIMIT_SPECS.items()},
     shapes.GlossaryFile: {

@@ -16,7 +16,16 @@ from pydantic import BaseModel, Field
 from server.course import toml_file
 from server.course.models import Course, CourseFault, Problem
 from server.course.questions import ChoiceFile, NumericFile, OrderFile
-from server.course.schemas import ExerciseFile, FrontMatter, ModuleFile, Strict, TermEntry, Text
+from server.course.schemas import (
+    ExerciseFamiliesFile,
+    ExerciseFile,
+    FamiliesFile,
+    FrontMatter,
+    ModuleFile,
+    Strict,
+    TermEntry,
+    Text,
+)
 
 #: A text of the model to replace, and what replaces it, as often as one likes.
 Edit = Annotated[list[str], Field(min_length=2)]
@@ -113,6 +122,8 @@ SHAPES = (
     FileShape("misconceptions", MisconceptionsFile, ("graders/*/*/misconceptions.toml",)),
     FileShape("mistakes", MistakesFile, ("curriculum/*/exercices/*/misconceptions.toml",)),
     FileShape("equivalents", EquivalentsFile, ("graders/*/*/equivalents.toml",)),
+    FileShape("families", FamiliesFile, ("curriculum/families.toml",)),
+    FileShape("exercise_families", ExerciseFamiliesFile, ("curriculum/*/exercices/*/families.toml",)),
     FileShape("entete", FrontMatter, ()),
 )
 

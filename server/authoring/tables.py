@@ -59,6 +59,8 @@ FIELD_MEANINGS: Mapping[type, Mapping[str, str]] = {
     Untouched: {
         "names": "noms des arguments de chaque fonction",
         "inputs": "`inputs(rng)` donne les arguments de chaque fonction",
+        "then": "`then(rng)` donne les arguments d’un second appel, qui doit laisser intact le résultat du premier ; "
+        "sans elle, `inputs` encore",
         "chance": "les fonctions qui tirent au hasard : elles sont appelées plusieurs fois avant",
     },
     Quantity: {

@@ -26,7 +26,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import KnownSubmission
 from graders.courses import COURSES, CURRICULUM, GRADERS
 from graders.discovery import discover
-from server.authoring import objectives, shapes
+from server.authoring import families, objectives, shapes
 from server.cells import faults as cells
 from server.cli import CannotRun, alterations, check_cache, fairness, parallel
 from server.cli.check_cache import CheckCache
@@ -129,7 +129,8 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
     else:
         discovery = discover(rooms=[folder.resolve() / GRADERS])
         course = load(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
-    faults = sum(map(_print_fault, (*course.problems, *shapes.faults(course), *objectives.faults(course))))
+    found = (*course.problems, *shapes.faults(course), *objectives.faults(course), *families.faults(course))
+    faults = sum(map(_print_fault, found))
     if not faults:
         cache.record(name, inputs_digest)
     return course, faults

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, cast
 from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
 from server.course.exercises import ExerciseTable
+from server.course.families import NO_FILING, FamilyFiling, MisconceptionFamily
 from server.course.kinds import LessonKind
 from server.course.objectives import Objective
 from server.sandbox.policy import Policy
@@ -85,7 +86,8 @@ class Exercise:
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `kit` names what its programs find, among the module's; `policy` bounds what they
     may use; `reuses` are the slugs of the exercises whose functions they may import, those that these reuse in their
-    turn included (see `server.course.reuse`). `make` gives its grader, loading it if it must.
+    turn included (see `server.course.reuse`). `make` gives its grader, loading it if it must; `filing` are the families
+    of its misconceptions.
     """
 
     module: str
@@ -108,6 +110,7 @@ class Exercise:
     seance: str = ""
     policy: Policy = field(default_factory=Policy)
     reuses: tuple[str, ...] = ()
+    filing: FamilyFiling = NO_FILING
 
     @property
     def id(self) -> str:
@@ -287,6 +290,7 @@ class Course:
 
     modules: Mapping[str, Module]
     problems: tuple[Problem, ...]
+    families: Mapping[str, MisconceptionFamily] = field(default_factory=dict)
 
     @cached_property
     def exercises(self) -> ExerciseTable[Exercise]:

@@ -131,6 +131,28 @@ class FrontMatter(Strict):
     solution: bool = False
 
 
+class FamilyEntry(Strict):
+    """One `[[family]]` of misconceptions; `slips` are usual slips, which any exercise may meet."""
+
+    id: Annotated[str, Field(pattern=r"^[a-z0-9]+(_[a-z0-9]+)*$")]
+    title: PlainText
+    summary: PlainText
+    slips: list[Text] = []
+
+
+class FamiliesFile(Strict):
+    """`curriculum/families.toml`."""
+
+    family: list[FamilyEntry]
+
+
+class ExerciseFamiliesFile(Strict):
+    """`families.toml` of an exercise: its misconceptions by family, or by the reason of having none."""
+
+    families: dict[str, list[Text]] = {}
+    apart: dict[str, list[Text]] = {}
+
+
 class TermEntry(Strict):
     """One `[[terme]]` of `glossaire.toml`. `definition` is Markdown of one paragraph."""
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from graders import courses
 from graders.core.contract.kits import find_kits
-from server.course import drawings, reuse, toml_file
+from server.course import drawings, filing, reuse, toml_file
 from server.course.closure import Imports
 from server.course.editions import MODULE_SLUG, number_of
 from server.course.graded import Sources, name_of, python_of, read_graded
@@ -84,9 +84,10 @@ def load(
     modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_graders_without_exercise(sources))
     problems.extend(_duplicate_kits(modules))
+    families = filing.read_families(curricula, problems)
     if checked:
         memory.save("" if problems else source, {} if problems else sources.found)
-    return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
+    return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems), families)
 
 
 def _build_all(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
@@ -238,6 +239,7 @@ def _load_exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         seance=card.seance,
         policy=card.limits.policy(),
         reuses=tuple(card.reuses),
+        filing=filing.read_filing(path),
     )
 
 

@@ -22,7 +22,10 @@ from server.course import Course
 from tests.support.quick import the_course
 
 TEXTS = {path.name: path.read_text(encoding="utf-8") for path in sorted(PAGES.glob("*.md"))}
-WRAPPERS = {"ChoiceFile", "NumericFile", "MisconceptionsFile", "MistakesFile", "EquivalentsFile", "GlossaryFile"}
+WRAPPERS = {
+    "ChoiceFile", "NumericFile", "MisconceptionsFile", "MistakesFile", "EquivalentsFile", "GlossaryFile",
+    "FamiliesFile",
+}  # fmt: skip
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -69,7 +72,7 @@ def test_the_commands_of_the_first_hour_work(tmp_path: Path, monkeypatch: pytest
     for rule in rules:
         for pattern in rule["include"]:
             found = [*(tmp_path / "commande").glob(pattern.removeprefix("**/"))]
-            assert found or "glossaire" in pattern or "equivalents" in pattern
+            assert found or "glossaire" in pattern or "equivalents" in pattern or "families" in pattern
 
 
 @pytest.mark.parametrize("page", TEXTS)
