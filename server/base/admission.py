@@ -2,13 +2,15 @@
 
 A thousand connections a second cost a stranger nothing. Taken up as they come, they are a second of work before the
 loop goes on with a page that somebody waits for; and it comes back to a page a dozen times before it is there. So
-each pass of the loop takes up a few requests. The others wait: those of accounts first, then by address, in turn.
+each pass of the loop takes up a few requests. The others wait: those of accounts first, then by address, in turn; and
+while a request of an account is in progress, those of strangers are taken up at intervals only.
 """
 
 from __future__ import annotations
 
 import asyncio
 import re
+import time
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from typing import Protocol
@@ -18,6 +20,8 @@ from server.base.turns import known_account
 
 #: Requests that a pass of the loop takes up.
 PER_PASS = 4
+#: Seconds between the passes that take up strangers' requests, and for which a member's request has them wait so.
+INTERVAL, MEMBER_SECONDS = 0.05, 0.25
 #: Strangers' requests that wait, beyond which the address with the most has its last one refused.
 MAX_WAITING = 1000
 _TOKEN = re.compile(rb"\b%s=([\w-]+)|\nauthorization: *bearer +([\w-]+)" % SESSION_COOKIE.encode(), re.IGNORECASE)
@@ -41,8 +45,13 @@ class Applicant(Protocol):
 class Admission:
     """What waits to be taken up by one event loop."""
 
-    def __init__(self, call_soon: Callable[[Callable[[], None]], object] | None = None) -> None:
-        self._call_soon = call_soon or (lambda action: asyncio.get_running_loop().call_soon(action))
+    def __init__(
+        self, call_later: Callable[[float, Callable[[], None]], object] | None = None,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        self._call_later, self._now = call_later or _call_later, now
+        self._in_progress: dict[Applicant, float] = {}
+        self._strangers_at = 0.0
         self._members: OrderedDict[str, deque[Applicant]] = OrderedDict()
         self._strangers: OrderedDict[str, deque[Applicant]] = OrderedDict()
         self._strangers_waiting = self._taken_up = 0
@@ -52,11 +61,11 @@ class Admission:
         """Whether a request is taken up at once; else its `take_up` or `refuse` is called later."""
         if not self._is_scheduled:
             self._is_scheduled = True
-            self._call_soon(self._next_pass)
-        if self._taken_up < PER_PASS and not self._members and not self._strangers:
-            self._taken_up += 1
-            return True
+            self._call_later(0.0, self._next_pass)
         member = _member(head)
+        if self._taken_up < PER_PASS and not self._members and not self._strangers:
+            self._take_up(applicant, is_member=bool(member))
+            return True
         queues = self._members if member else self._strangers
         queues.setdefault(member or applicant.address, deque()).append(applicant)
         if not member:
@@ -70,23 +79,41 @@ class Admission:
         self._is_scheduled = bool(self._members or self._strangers)
         if not self._is_scheduled:
             return
-        self._call_soon(self._next_pass)
-        while self._taken_up < PER_PASS and (applicant := self._next()) is not None:
-            if not applicant.is_gone:
-                self._taken_up += 1
-                applicant.take_up()
+        gives_way = self._gives_way()
+        self._call_later(INTERVAL / 10 if gives_way and not self._members else 0.0, self._next_pass)
+        while self._taken_up < PER_PASS and (applicant := self._next(gives_way)) is not None:
+            applicant.take_up()
 
-    def _next(self) -> Applicant | None:
-        for queues in (self._members, self._strangers):
-            if not queues:
-                continue
-            name, waiting = queues.popitem(last=False)
-            applicant = waiting.popleft()
-            if waiting:
-                queues[name] = waiting
-            if queues is self._strangers:
-                self._strangers_waiting -= 1
-            return applicant
+    def end(self, applicant: Applicant) -> None:
+        """Note that a request is answered, or its sender gone."""
+        self._in_progress.pop(applicant, None)
+
+    def _take_up(self, applicant: Applicant, *, is_member: bool) -> None:
+        self._taken_up += 1
+        if is_member:
+            self._in_progress[applicant] = self._now() + MEMBER_SECONDS
+        else:
+            self._strangers_at = self._now()
+
+    def _gives_way(self) -> bool:
+        now = self._now()
+        for applicant in [applicant for applicant, ends in self._in_progress.items() if ends < now]:
+            del self._in_progress[applicant]
+        return bool(self._in_progress) and now < self._strangers_at + INTERVAL
+
+    def _next(self, gives_way: bool) -> Applicant | None:
+        """Return the next one, which is counted as taken up; None where no other is to be now."""
+        for queues in (self._members,) if gives_way else (self._members, self._strangers):
+            while queues:
+                name, waiting = queues.popitem(last=False)
+                applicant = waiting.popleft()
+                if waiting:
+                    queues[name] = waiting
+                if queues is self._strangers:
+                    self._strangers_waiting -= 1
+                if not applicant.is_gone:
+                    self._take_up(applicant, is_member=queues is self._members)
+                    return applicant
         return None
 
     def _refuse_one(self) -> None:
@@ -96,6 +123,14 @@ class Admission:
             del self._strangers[name]
         self._strangers_waiting -= 1
         applicant.refuse()
+
+
+def _call_later(seconds: float, action: Callable[[], None]) -> None:
+    loop = asyncio.get_running_loop()
+    if seconds:
+        loop.call_later(seconds, action)
+    else:
+        loop.call_soon(action)
 
 
 def _member(head: bytes) -> str:

@@ -33,7 +33,7 @@ FREE_ARRIVALS, GATHERING_SECONDS = 32, 0.02
 CHUNKED_BYTES, MIN_CHUNK_BYTES = 16 * 1024, 64
 
 #: New connections that one pass of the loop accepts, and those that the machine holds ready: asyncio has one number.
-ACCEPTED_AT_ONCE, BACKLOG = 16, 2048
+ACCEPTED_AT_ONCE, BACKLOG = 4, 2048
 CROWDED_ANSWER = (
     b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nConnection: close\r\n"
     b"Content-Type: text/plain; charset=utf-8\r\nContent-Length: %d\r\n\r\n%s"
@@ -64,6 +64,7 @@ class BoundedProtocol(H11Protocol):
         self._stop_head_timer()
         self._unread.clear()
         self._is_over = True
+        self._admission.end(self)
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -79,6 +80,7 @@ class BoundedProtocol(H11Protocol):
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
+        self._admission.end(self)
         if not self.transport.is_closing():
             self._parse()
 

@@ -9,13 +9,13 @@ from uuid import uuid4
 import pytest
 
 from server.base import admission
-from server.base.admission import MAX_WAITING, PER_PASS, Admission
+from server.base.admission import INTERVAL, MAX_WAITING, MEMBER_SECONDS, PER_PASS, Admission
 from server.base.turns import record_sender
 
 HEAD = b"GET /l20 HTTP/1.1\r\nHost: a\r\n%s\r\n\r\n"
 
 
-@dataclass
+@dataclass(eq=False)
 class Connection:
     """A connection that notes what becomes of it."""
 
@@ -39,12 +39,16 @@ class Loop:
     log: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.admission = Admission(self.actions.append)
+        self.now = 0.0
+        self.admission = Admission(lambda _seconds, action: self.actions.append(action), lambda: self.now)
 
-    def come(self, name: str, header: bytes = b"X: y", address: str = "192.0.2.1", *, is_gone: bool = False) -> None:
+    def come(
+        self, name: str, header: bytes = b"X: y", address: str = "192.0.2.1", *, is_gone: bool = False
+    ) -> Connection:
         connection = Connection(name, self.log, address, is_gone)
         if self.admission.may_pass(HEAD % header, connection):
             connection.take_up()
+        return connection
 
     def turn(self) -> list[str]:
         """Run one pass; return what it has done."""
@@ -103,3 +107,23 @@ def test_the_address_with_the_most_has_its_last_request_refused(monkeypatch: pyt
     loop.come("last")
     assert loop.log[1:] == ["last refused"]
     assert set(loop.turn()) == {str(PER_PASS), str(PER_PASS + 1), "other"}
+
+
+def test_strangers_come_at_intervals_while_a_member_is_served() -> None:
+    record_sender("of-a-member_2", uuid4(), is_guest=False)
+    loop = Loop()
+    member = loop.come("member", b"Cookie: balise_session=of-a-member_2")
+    for number in range(5 * PER_PASS):
+        loop.come(f"stranger {number}")
+    loop.log.clear()
+    assert loop.turn() == []
+    loop.now += INTERVAL
+    assert len(loop.turn()) == PER_PASS
+    assert loop.turn() == []
+    loop.admission.end(member)
+    assert len(loop.turn()) == PER_PASS
+
+    loop.come("again", b"Cookie: balise_session=of-a-member_2")
+    assert loop.turn()[0] == "again"
+    loop.now += MEMBER_SECONDS + INTERVAL
+    assert len(loop.turn()) == PER_PASS, "a stream of a member's keeps nobody waiting for long"

@@ -78,8 +78,8 @@ class Service:
 
 
 @contextmanager
-def one_machine(folder: Path) -> Iterator[Service]:
-    live = Live(folder / "data", BALISE_WARM_UP="1", BALISE_WARM_FIGURES="1", **WIDE)
+def one_machine(folder: Path, *, warm_figures: bool = True) -> Iterator[Service]:
+    live = Live(folder / "data", BALISE_WARM_UP="1", BALISE_WARM_FIGURES=str(int(warm_figures)), **WIDE)
     try:
         settings = Settings(data_dir=folder / "data")
         with opened((live.address,), settings, live.process.pid) as service:

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from server.base.settings import Settings
-from tests.contract.gate.bystander import PAGE_BESIDE_OTHERS, Bystander, measure
+from tests.contract.gate.bystander import PAGE_BESIDE_OTHERS, Bystander, Samples, measure, measure_idle
 from tests.contract.gate.floods import ALL, FLOODS
 from tests.contract.gate.service import Service, one_machine, several_machines
 from tests.support.cluster import Machine
@@ -38,8 +38,10 @@ pytestmark = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    with one_machine(tmp_path_factory.mktemp("gate")) as running:
+def service(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """Figures are drawn by the slow gate alone."""
+    is_slow = "slow" in request.config.option.markexpr
+    with one_machine(tmp_path_factory.mktemp("gate"), warm_figures=is_slow) as running:
         yield running
 
 
@@ -50,28 +52,39 @@ def cluster(tmp_path: Path, shared_settings: Settings, machines: list[Machine]) 
         yield running
 
 
+@pytest.fixture(scope="module")
+def bystander(service: Service) -> Iterator[Bystander]:
+    with closing(Bystander(service)) as somebody:
+        yield somebody
+
+
+@pytest.fixture(scope="module")
+def idle(service: Service, bystander: Bystander) -> Samples:
+    return measure_idle(service, bystander, {"page", "verdict", "cell", "steps"})
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("names", "doors"),
     [(CONNECTIONS, {"page"}), (READ, {"page"}), (TEACHERS, {"page"}), (PROGRAMS, {"page", "verdict", "cell", "steps"})],
     ids=["connections", "requests", "texts", "programs"],
 )
-def test_floods_hold_up_nobody(service: Service, names: tuple[str, ...], doors: set[str]) -> None:
-    with closing(Bystander(service)) as bystander:
-        outcome = measure(service, bystander, names, doors, rounds=4, page=PAGE_BESIDE_OTHERS)
+def test_floods_hold_up_nobody(
+    service: Service, bystander: Bystander, idle: Samples, names: tuple[str, ...], doors: set[str]
+) -> None:
+    outcome = measure(service, bystander, names, doors, rounds=4, page=PAGE_BESIDE_OTHERS, idle=idle)
     assert any(any(outcome.done[name].values()) for name in names), outcome.done
     assert not outcome.closed, outcome.closed
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FLOODS)
-def test_no_flood_holds_up_anybody(service: Service, name: str) -> None:
-    with closing(Bystander(service)) as bystander:
-        outcome = measure(service, bystander, [name], rounds=3)
+def test_no_flood_holds_up_anybody(service: Service, bystander: Bystander, name: str) -> None:
+    outcome = measure(service, bystander, [name], rounds=3)
     assert not outcome.closed, outcome.closed
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_floods_hold_up_nobody_on_several_machines(cluster: Service) -> None:
     names = ("one-byte chunks", "deep JSON", "endless loops of a guest")
     with closing(Bystander(cluster)) as bystander:
