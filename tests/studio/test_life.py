@@ -1,0 +1,58 @@
+"""What stays of an author's exercises, what the guide shows, and survivors that an author accepts."""
+
+from __future__ import annotations
+
+import re
+
+from sqlalchemy import delete
+
+from graders.core.declared.scenarios import parse_scenario
+from server.base.files import ROOT
+from server.identity.models import Account
+from server.studio import repository
+from server.studio.models import AuthoredExercise
+from server.studio.service import read_draft
+
+from .conftest import Studio
+
+GUIDE = ROOT / "server" / "docs" / "enseignants" / "exercices.md"
+
+
+def test_published_exercises_outlive_their_author_and_drafts_do_not(studio: Studio) -> None:
+    published, draft = studio.publish(), studio.create()
+    with studio.site.database.write() as db:
+        db.execute(delete(Account).where(Account.id == studio.teacher.id))
+    with studio.site.database.write() as db:
+        repository.delete_abandoned(db)
+    with studio.site.database.read() as db:
+        (left,) = db.query(AuthoredExercise).all()
+        assert (left.id, left.author_id) == (published.id, None)
+    assert draft != f"/mes-exercices/{published.id}"
+    assert studio.site.client.get(f"/l20/exercices/{published.slug}").status_code == 200
+
+
+def test_a_surviving_change_may_be_accepted_with_a_reason(studio: Studio) -> None:
+    form = {
+        "solution": "def signe(n):\n    if n > 0:\n        return 1\n    return 0\n",
+        "v-0-c-0-appel": "signe(3)",
+        "v-0-c-0-attendu": "",
+        "v-0-c-1-appel": "signe(-3)",
+        "v-0-c-1-attendu": "",
+        "v-0-c-2-appel": "",
+        "v-0-points": "20",  # nothing is drawn besides
+    }
+    path = studio.create()
+    studio.save(path, **form, action="publier")
+    assert "ont encore tous les points" in studio.report(path)
+    fields = re.findall(r'name="(raison-[0-9a-f]{12})"', studio.browser.get(path).text)
+    assert fields
+    studio.save(path, **form, **dict.fromkeys(fields, "0 n’est pas demandé"), action="publier")
+    assert studio.stored(path).number == 1
+    assert set(read_draft(studio.stored(path)).reasons.values()) == {"0 n’est pas demandé"}
+
+
+def test_each_call_that_the_guide_shows_is_read(studio: Studio) -> None:
+    rows = re.findall(r"^\| .* \| `([^`]+)` \|$", GUIDE.read_text(encoding="utf-8"), re.M)
+    assert len(rows) >= 4
+    for call in rows:
+        assert parse_scenario(call, re.findall(r"\b([A-Za-z_]\w*)\(", call)[:1])
