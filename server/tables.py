@@ -72,6 +72,7 @@ TABLES = (
     federation.PendingSignIn,
     federation.ProviderContext,
     federation.ContextTeacher,
+    federation.WaitingStudent,
     federation.LineItem,
     federation.MarkDelivery,
     federation.SigningKey,

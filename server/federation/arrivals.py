@@ -12,8 +12,8 @@ from datetime import UTC, datetime
 from sqlalchemy.orm import Session
 
 from server.database import utc_now
-from server.federation import contexts, repository
-from server.federation.models import ActivityKind, IdentityProvider, ProviderContext
+from server.federation import contexts, repository, waiting
+from server.federation.models import ActivityKind, IdentityProvider, Protocol, ProviderContext
 from server.federation.schemas import CourseRole, SignedPerson
 from server.federation.tokens import LEEWAY
 from server.identity import joining
@@ -51,6 +51,8 @@ def open_session(
     session = session_digest(provider, person.session) if person.session else ""
     opened = joining.open_identity_session(accounts, db, external, visitor, external=session, frames=frames)
     entered = tuple(contexts.enter(db, provider, context, opened.account, person) for context in person.contexts)
+    if provider.protocol != Protocol.lti:  # whose launches tell of one course each
+        waiting.forget_others(db, provider.id, opened.account.id, [context.id for context in entered])
     repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {person.role}")
     return Arrival(opened, is_new, entered)
 

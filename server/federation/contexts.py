@@ -20,7 +20,7 @@ from server.classes import service as class_service
 from server.classes.folding import normalise_name
 from server.classes.models import NAME_LENGTH, ClassRole, Membership, SchoolClass, Status
 from server.database import utc_now
-from server.federation import repository
+from server.federation import repository, waiting
 from server.federation.models import ADDRESS_LENGTH, IdentityProvider, ProviderContext
 from server.federation.schemas import ArrivedContext, CourseRole, SignedPerson
 from server.identity.identities import clean_name
@@ -60,6 +60,8 @@ def enter(
     school_class = None if context.class_id is None else classes.find_class(db, context.class_id)
     if school_class is not None and school_class.archived_at is None:
         _seat(db, provider, school_class, account, person)
+    elif person.role is CourseRole.student:
+        waiting.remember(db, context.id, account.id, person, now)
     return context
 
 
@@ -151,7 +153,19 @@ def tie(db: Session, context: ProviderContext, account: Account, class_id: UUID)
     if current is None:
         context.class_id, context.linked_by = class_id, account.id
         audit.record_event(db, class_id, account.id, AuditAction.course_tied, about=context.title)
+        _seat_waiting(db, context, access.school_class)
     return access.school_class
+
+
+def _seat_waiting(db: Session, context: ProviderContext, school_class: SchoolClass) -> None:
+    """Let the students into a class who have come from its course before it was tied."""
+    provider = repository.find_provider(db, context.provider_id)
+    if provider is None:
+        return
+    for student, account in waiting.load(db, context.id):
+        person = SignedPerson("", "", student.given_name, student.family_name, CourseRole.student)
+        _seat(db, provider, school_class, account, person)
+    waiting.clear(db, context.id)
 
 
 def tie_new_class(db: Session, context: ProviderContext, account: Account, name: str, module: str) -> SchoolClass:

@@ -126,6 +126,21 @@ class ContextTeacher(Base):
     seen_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
+class WaitingStudent(Base):
+    """An account that has come as a student of a context that no class is tied to; the class that is tied takes it in.
+
+    The names are those that the provider tells, and may be empty.
+    """
+
+    __tablename__ = "waiting_student"
+
+    context_id: Mapped[UUID] = mapped_column(ForeignKey("provider_context.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    given_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
+    family_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
+    seen_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
 class LineItem(Base):
     """A column of a platform's gradebook for an assignment: one for each context. `url` None: not found or made yet.
 

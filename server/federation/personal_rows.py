@@ -9,7 +9,7 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
-from server.federation.models import ContextTeacher, LineItem, MarkDelivery, ProviderContext
+from server.federation.models import ContextTeacher, LineItem, MarkDelivery, ProviderContext, WaitingStudent
 
 
 def load_sent_marks(db: Session, account_id: UUID) -> Sequence[tuple[MarkDelivery, str]]:
@@ -35,9 +35,24 @@ def load_courses_taught(db: Session, account_id: UUID) -> Sequence[tuple[Context
     return [(row[0], row[1]) for row in db.execute(query)]
 
 
+def load_awaited_classes(db: Session, account_id: UUID) -> Sequence[tuple[WaitingStudent, str]]:
+    """Load the school classes whose class here an account waits for, each with its title."""
+    query = (
+        select(WaitingStudent, ProviderContext.title)
+        .join(ProviderContext, ProviderContext.id == WaitingStudent.context_id)
+        .where(WaitingStudent.account_id == account_id)
+        .order_by(WaitingStudent.seen_at)
+    )
+    return [(row[0], row[1]) for row in db.execute(query)]
+
+
 def move(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
     """Move the rows of an account to another one of the same person, which keeps its own where both have one."""
-    for table, key in ((ContextTeacher, ContextTeacher.context_id), (MarkDelivery, MarkDelivery.line_item_id)):
+    for table, key in (
+        (ContextTeacher, ContextTeacher.context_id),
+        (WaitingStudent, WaitingStudent.context_id),
+        (MarkDelivery, MarkDelivery.line_item_id),
+    ):
         own = select(key).where(table.account_id == account_id)
         db.execute(delete(table).where(table.account_id == newcomer_id, key.in_(own)))
         db.execute(update(table).where(table.account_id == newcomer_id).values(account_id=account_id))

@@ -98,11 +98,12 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("signing_key", "pending_sign_in", "registration_link"),
     ),
     lambda _: Row(
-        "Notes envoyées à une plateforme, et ce qu’elle a répondu ; cours qu’un enseignant y donne",
+        "Notes envoyées à une plateforme, et ce qu’elle a répondu ; cours qu’un enseignant y donne, "
+        "classes de l’établissement dont un élève vient",
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("mark_delivery", "context_teacher"),
+        ("mark_delivery", "context_teacher", "waiting_student"),
     ),
     lambda settings: Row(
         "Invités, et tout leur travail",

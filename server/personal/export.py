@@ -138,6 +138,10 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
             {"course": title, "seen_at": format_time(course.seen_at)}
             for course, title in personal_rows.load_courses_taught(db, account.id)
         ],
+        "classes_of_the_school": [
+            {"class": title, "seen_at": format_time(waiting.seen_at)}
+            for waiting, title in personal_rows.load_awaited_classes(db, account.id)
+        ],
         "marks_sent_to_platforms": [
             {"assignment": title, "points": mark.sent_points, "sent_at": format_time(mark.sent_at)}
             for mark, title in personal_rows.load_sent_marks(db, account.id)

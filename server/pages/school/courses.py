@@ -15,11 +15,12 @@ from server.classes.service import UNKNOWN_CLASS
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf
-from server.federation import contexts
+from server.federation import contexts, waiting
 from server.federation import repository as federation
+from server.federation.models import WaitingStudent
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.pages.school.landing import COURSE_PATH
+from server.pages.school.landing import COURSE_PATH, COURSES_PATH
 from server.pages.school.platforms import UNKNOWN_ACTION, login_redirect
 from server.rights import repository as rights_rows
 from server.rights import service as rights
@@ -31,6 +32,17 @@ from server.web.views import find_module
 router = APIRouter(include_in_schema=False)
 
 NextAddress = Annotated[str, CutAt(MAX_ADDRESS)]
+
+
+@router.get(COURSES_PATH)
+def list_courses(
+    request: Request, account: OptionalAccount, database: DatabaseOf, suite: NextAddress = "/"
+) -> Response:
+    if account is None:
+        return login_redirect(request)
+    with database.read() as db:
+        rows = waiting.load_taught_contexts(db, account.id)
+        return render_page(request, "platforms/courses.html", account, courses=rows, after=local_path(suite))
 
 
 @router.get(COURSE_PATH)
@@ -63,11 +75,16 @@ def _course_page(
             course=context,
             platform="" if provider is None else provider.name,
             classes=rights_rows.load_taught_classes(db, account.id),
+            students=[_name(row, who) for row, who in waiting.load(db, context.id)],
             may_create=Right.create_class in rights.server_rights(account),
             name=name or context.title,
             after=after,
             problem=problem,
         )
+
+
+def _name(row: WaitingStudent, account: Account) -> str:
+    return f"{row.given_name} {row.family_name}" if row.given_name and row.family_name else account.name
 
 
 @router.post(COURSE_PATH)

@@ -13,6 +13,7 @@ from server.federation.schemas import CourseRole
 from server.identity.models import Account
 
 COURSE_PATH = "/etablissement/cours/{context_id}"
+COURSES_PATH = "/etablissement/cours"
 
 
 def choose_page(db: Session, arrival: Arrival, role: CourseRole, wanted: str, visitor: Account | None) -> str:
@@ -21,9 +22,12 @@ def choose_page(db: Session, arrival: Arrival, role: CourseRole, wanted: str, vi
     A teacher of a course that no class is tied to is asked for one; a new account is asked whether it is another one's
     where this browser, or the class's list, has such an account.
     """
-    context = arrival.contexts[0] if arrival.contexts else None
+    tied = [context for context in arrival.contexts if context.class_id is not None]
+    context = next(iter(tied or arrival.contexts), None)
     page = wanted
-    if context is not None and role is CourseRole.teacher and context.class_id is None:
+    if len(arrival.contexts) > 1 and role is CourseRole.teacher and not tied:
+        page = f"{COURSES_PATH}?{urlencode({'suite': wanted})}"
+    elif context is not None and role is CourseRole.teacher and context.class_id is None:
         page = f"{COURSE_PATH.format(context_id=context.id)}?{urlencode({'suite': wanted})}"
     elif context is not None and wanted == "/" and context.class_id is not None:
         page = f"/classes/{context.class_id}"
