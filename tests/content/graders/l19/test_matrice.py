@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from graders.core.contract.local import LOCAL
 from graders.l19.matrice import cases
 from graders.l19.matrice.pursuit import by_hand, drawn
 from graders.l19.matrices import is_covariance, matrix, shrink_covariance, shrink_noise
@@ -100,3 +101,14 @@ def test_figures_draw(theme: str) -> None:
     assert set(figures) == {"predire_exemples", "corriger_exemples", "poursuite"}, "none of three numbers"
     for check in ("predire_exemples", "corriger_exemples"):
         assert counterexample(EXERCISE, figures[check], theme=theme).startswith(b"<?xml")
+
+
+def test_single_precision_gets_one_mark_whatever_is_drawn() -> None:
+    """The walk by hand must not be near enough, in 32 bits, to pass for some of the walks that are drawn."""
+    source = GRADER.solution + (
+        "\nsur_64_bits = corriger\n\ndef corriger(*args):\n"
+        "    return [valeur.astype(np.float32) for valeur in sur_64_bits(*args)]\n"
+    )
+    walk = [check for check in GRADER.checks if check.id == "poursuite"]
+    for seed in range(20):
+        assert GRADER.first_failed(source.encode(), LOCAL, seed=seed, checks=walk) == "poursuite"
