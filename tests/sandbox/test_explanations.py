@@ -15,7 +15,9 @@ import numpy as np
 import pytest
 
 from server.sandbox import ProgramFault, messages, renamed_names
+from server.sandbox.exceptions import describe_exception
 from server.sandbox.explanations import explain_error, explain_import
+from server.sandbox.faults import Frame
 from tests.support.tables import folded
 
 FaultOf = Callable[..., ProgramFault]
@@ -180,3 +182,10 @@ def test_a_file_of_many_names_costs_little() -> None:
         assert explain_error("NameError", "name 'nom_x' is not defined", "", (), lines)
     assert explain_error("NameError", "name 'x' is not defined", "", (), ("(" * 50_000,))
     assert explain_error("NameError", "name 'x' is not defined", "", (), ("x = 1\n" * 50_000,))
+
+
+def test_the_field_of_a_message_says_what_it_takes() -> None:
+    """ROS 2 itself refuses a whole number there, by an assertion in English."""
+    line = Frame(3, "sur_scan", "ordre.linear.x = 0")
+    told = describe_exception("AssertionError", "The 'x' field must be of type 'float'", [line])
+    assert told == "Le champ x de ce message reçoit un nombre à virgule : 0.0 ou float(…), et non 0. [AssertionError]"

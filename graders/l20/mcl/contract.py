@@ -24,8 +24,14 @@ ESTIMATE = ArrayForm(shape=(3,), called="une pose", precision="L’angle est jug
 ONCE = "est lancé une fois pour les premières vérifications, où les appels se suivent ; puis pour chaque essai."
 
 
-def contracts(relaunched: str) -> tuple[FunctionContract, ...]:
-    """Return what is promised of the three functions of a particle filter."""
+LOST = Boundary(
+    "un nuage si loin du robot que toutes les vraisemblances s’annulent",
+    free="il n’est pas jugé à part ; une somme de logarithmes garde pourtant les poids de somme 1",
+)
+
+
+def contracts(relaunched: str, *of_step: Boundary) -> tuple[FunctionContract, ...]:
+    """Return what is promised of the three functions of a particle filter; `of_step` are more boundaries of a step."""
     return (
         FunctionContract("initialiser", {"n": WHOLE}, PARTICLES, (), relaunched),
         FunctionContract(
@@ -36,6 +42,7 @@ def contracts(relaunched: str) -> tuple[FunctionContract, ...]:
                 Boundary("des particules toutes confondues", lambda p, w, u, z: (np.ptp(p, axis=0) == 0.0).all()),
                 Boundary("le rééchantillonnage", free="à chaque pas, ou quand N_eff est petit ; la méthode est libre"),
                 Boundary("une particule hors de la carte, ou dans un mur", free="elle peut y rester, ou en être ôtée"),
+                *of_step,
             ),
             relaunched,
         ),
@@ -49,4 +56,4 @@ def contracts(relaunched: str) -> tuple[FunctionContract, ...]:
     )
 
 
-CONTRACTS = contracts(ONCE)
+CONTRACTS = contracts(ONCE, LOST)

@@ -11,6 +11,19 @@ from server.sandbox.explanations.types import describe_type
 _OUTSIDE = "Cette fonction n’existe pas pour cette valeur"
 
 
+#: What a field of a ROS message takes, by its type in Python.
+_FIELDS = {
+    "float": "un nombre à virgule : 0.0 ou float(…), et non 0",
+    "int": "un entier : int(…)",
+    "str": "une chaîne de caractères",
+    "bool": "True ou False",
+}
+
+
+def _explain_field(match: re.Match[str], source: str) -> str:
+    return f"Le champ {match[1]} de ce message reçoit {_FIELDS.get(match[2], f'une valeur de type {match[2]}')}."
+
+
 def _explain_domain(match: re.Match[str], source: str) -> str:
     function = called_function(source)
     why = {
@@ -209,6 +222,12 @@ PATTERNS: tuple[Pattern, ...] = (
     (
         r"Exceeds the limit \((\d+) digits\) for integer string conversion",
         told("Cet entier a plus de {0} chiffres : il est trop long pour être écrit."),
+    ),
+    (r"The '([\w.]+)' field must be of type '(\w+)'", _explain_field),
+    (r"The '([\w.]+)' field must be a sub message of type '([\w.]+)'", told("Le champ {0} reçoit un message {1}.")),
+    (
+        r"The '([\w.]+)' field must be .*? in (\[[^\]]*\])",
+        told("Le champ {0} reçoit un nombre de l’intervalle {1}, et celui-ci en sort."),
     ),
     (r"super\(\): ", told("« super » n’a de sens que dans la méthode d’une classe.")),
     (
