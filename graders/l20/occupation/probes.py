@@ -117,6 +117,18 @@ def beyond_the_bounds(shown: ProbeResults) -> str | None:
     return "bornes_fausses" if wrong and wrong <= {11, 12, 13} and not any(g is None for g in _grids(shown)) else None
 
 
+def at_each_step(shown: ProbeResults) -> str | None:
+    """The cells that a single ray crosses get several times what they should, whatever the step; no other gets any."""
+    seen = []
+    for (before, _, scan, *_), got, right in zip(shown.calls, _grids(shown), map(as_array, shown.right), strict=True):
+        if np.any(before) or len(scan) > 1:
+            continue
+        if got is None or right is None or np.any(got[right == 0.0] != 0.0) or np.any(got[right < 0.0] > -0.99):
+            return None
+        seen += (got[right < 0.0] < -1.5).tolist()
+    return "une_voix_par_pas" if seen and np.mean(seen) > 0.5 else None
+
+
 PROBES = (
     Probes(function=LOG_ODDS, calls=PS, kit=SMALL, read=read_odds, rules=(only_numbers, only_arrays)),
     Probes(function=PROBABILITY, calls=LS, kit=SMALL, read=read_odds, rules=(only_numbers, only_arrays, overflows)),
@@ -125,6 +137,6 @@ PROBES = (
         calls=tuple(tuple(case) for case in RAYS),
         kit=SMALL,
         read=read_grid,
-        rules=(beyond_the_bounds,),
+        rules=(beyond_the_bounds, at_each_step),
     ),
 )

@@ -178,6 +178,11 @@ def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> Non
     assert named(verdict(source, 2)) == name
 
 
+def test_cells_that_are_updated_at_each_step_are_told_whatever_the_step() -> None:
+    source = edited("case not in vues and case != mur", "case != mur", "0.05", "0.07")
+    assert named(verdict(source, 2)) == "une_voix_par_pas"
+
+
 def test_the_first_counterexample_is_one_ray_to_the_left() -> None:
     checks = checked(GRADER.exercise, edited("r = z + 1e-6", "r = z"), 3, simplified=True).verdict.checks
     found = next(c for c in checks if c.id == "axes")
