@@ -43,6 +43,7 @@ HOLDS = [
     ("icp", {}, "89,1° de la vraie", "à 89° de la bonne"),
     ("laboratoire", {}, "23 boucles acceptées sur 23, dont 7 fausses", "Sur 23 boucles proposées, 16 sont vraies"),
     ("laboratoire", {}, "l’écart aux poses du journal est de 0,54 m", "L’erreur monte à 0,54 m"),
+    ("boucles-a-la-main", {}, "Les boucles 1, 5 et 6 sont fausses", "Les boucles 1, 5 et 6 réclament plus d'un mètre"),
     ("graphe", {}, "du vrai trajet de 1,80 case", "de 1,8 à 7 cases"),
     ("graphe", {}, "l'écart est de 7,05 cases", "de 1,8 à 7 cases"),
     ("graphe", {"fausse": "1", "noyau": "dcs"}, "l'écart est de 0,50 case", "tombe à 0,5 case"),

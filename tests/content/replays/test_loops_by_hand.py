@@ -1,0 +1,48 @@
+"""The replay in which loops are judged one by one: the text's figures, and what the question tells of each loop."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from curriculum.l20.rejeux import boucles_a_la_main as replay
+from curriculum.l20.rejeux import laboratoire
+from tests.support.replays import scene
+from tests.support.shipped import ROOT
+
+TRUE = {f"b{k}": "1" for k in (2, 3, 4, 7, 8)}
+
+
+def squares(**settings: str) -> int:
+    found = re.search(r"(\d+) carrés", str(scene("boucles-a-la-main", **settings)["summary"][1]))
+    assert found
+    return int(found[1])
+
+
+def test_true_loops_make_the_map_sharper_and_each_false_one_blurs_it() -> None:
+    none, best = squares(), squares(**TRUE)
+    text = (ROOT / "curriculum/l20/seances/slam.md").read_text(encoding="utf-8").replace("\\,", "")
+    assert f"${none}$ sans boucle, ${best}$ avec les cinq vraies" in text
+    assert best < min(squares(**TRUE, **{name: "1"}) for name in ("b1", "b5", "b6")) < none
+
+
+def test_what_the_question_tells_of_each_loop() -> None:
+    closing, chosen = laboratoire.loops(), np.array(replay.CHOSEN)
+    asked = np.array([np.hypot(*replay.correction(loop)) for loop in replay.CHOSEN])
+    false = closing.false[chosen]
+    assert (np.flatnonzero(false) + 1).tolist() == [1, 5, 6]
+    assert asked[false].min() > 1.0
+    assert 0.28 < asked[~false].min() < asked[~false].max() < 0.7
+    captions = [frame["caption"] for frame in scene("boucles-a-la-main")["frames"]]
+    assert "90 %" in captions[0]
+    assert "70 %" in captions[7]
+    assert not any("fausse" in caption for caption in captions)
+
+
+def test_the_answer_is_told_only_when_it_is_asked() -> None:
+    assert scene("boucles-a-la-main", b1="1")["summary"][0] == "1 boucle acceptée sur 8."
+    told = scene("boucles-a-la-main", b1="1", reponse="1")
+    assert told["summary"][0].startswith("1 boucle acceptée sur 8, dont 1 fausse.")
+    assert told["frames"][0]["caption"].endswith("Elle est fausse.")
+    assert any(layer["color"] == "alert" for layer in told["layers"] if len(layer.get("at", "")))
