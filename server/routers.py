@@ -32,6 +32,7 @@ from server.desk.talk.routes import router as talking_router
 from server.desk.talk.students import router as students_router
 from server.health.routes import router as health_router
 from server.offline.routes import router as offline_router
+from server.pages.accessibility import router as accessibility_router
 from server.pages.accounts import router as accounts_router
 from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
@@ -67,6 +68,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     calendar_router,
+    accessibility_router,
     platforms_router,
     lti_forms_router,
     server_forms_router,
