@@ -221,6 +221,14 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         (),
     ),
     lambda _: Row(
+        "Exercices écrits par un enseignant, et leurs versions publiées",
+        "tant que le compte de l’enseignant existe ; publiés, sans son nom, tant que le service existe : des élèves les "
+        "ont faits",
+        "leur auteur tant qu’ils ne sont pas publiés, ou le service, toutes les heures, après l’effacement du compte",
+        (),
+        ("authored_exercise", "exercise_version"),
+    ),
+    lambda _: Row(
         "Façon de lire les colonnes d’une liste, que l’enseignant a dite : sans nom d’élève",
         "tant que le compte de l’enseignant existe ; les vingt dernières",
         AT_ONCE,

@@ -67,7 +67,7 @@ def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> di
         for exercise in exercises
     ]
     modules = [(module.slug, module.label, module.title) for module in reader.course.latest]
-    return {"rows": rows, "modules": modules}
+    return {"rows": rows, "modules": modules, "chosen": exercises[0].module if exercises else ""}
 
 
 def build_import_page(
