@@ -222,8 +222,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
     ),
     lambda _: Row(
         "Exercices écrits par un enseignant, et leurs versions publiées",
-        "tant que le compte de l’enseignant existe ; publiés, sans son nom, tant que le service existe : des élèves les "
-        "ont faits",
+        "tant que le compte de l’enseignant existe ; publiés, sans son nom, tant que le service existe : des élèves "
+        "les ont faits",
         "leur auteur tant qu’ils ne sont pas publiés, ou le service, toutes les heures, après l’effacement du compte",
         (),
         ("authored_exercise", "exercise_version"),
