@@ -6,6 +6,7 @@ Functions work inside the caller's transaction.
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -23,6 +24,13 @@ from server.identity.models import Account, Role
 from server.identity.opened_sessions import OpenedSession
 from server.identity.secrets import digest
 from server.identity.service import AccountService
+
+ROLE_WORDS: Mapping[CourseRole, str] = {
+    CourseRole.student: "élève",
+    CourseRole.assistant: "assistant",
+    CourseRole.teacher: "enseignant",
+    CourseRole.none: "aucun dans un cours",
+}
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,7 @@ def open_session(
     entered = tuple(contexts.enter(db, provider, context, opened.account, person) for context in person.contexts)
     if provider.protocol != Protocol.lti:  # whose launches tell of one course each
         waiting.forget_others(db, provider.id, opened.account.id, [context.id for context in entered])
-    repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {person.role}")
+    repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {ROLE_WORDS[person.role]}")
     return Arrival(opened, is_new, entered)
 
 

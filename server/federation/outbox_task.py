@@ -170,7 +170,9 @@ class SchoolMarksTask:
             sent = sum(error is None for _, error in results)
             errors = [error for _, error in results if error is not None]
             if sent:
-                repository.record_activity(db, work.provider.id, ActivityKind.marks, now, f"{sent} note(s)")
+                repository.record_activity(
+                    db, work.provider.id, ActivityKind.marks, now, f"notes acceptées dans cet envoi : {sent}"
+                )
             if errors:
                 repository.record_activity(
                     db, work.provider.id, ActivityKind.marks, now, errors[0].reason, succeeded=False

@@ -16,13 +16,14 @@ from server.database.dependencies import DatabaseOf
 from server.desk.school.routes import SCHOOL_PATH, find_context
 from server.desk.views import class_head
 from server.federation import repository, roster_plan
+from server.federation.arrivals import ROLE_WORDS
 from server.federation.dependencies import FederationOf
 from server.federation.errors import OutgoingError
 from server.federation.lti.access_tokens import AccessTokens
 from server.federation.lti.memberships import load_people
 from server.federation.models import ActivityKind, IdentityProvider, ProviderContext
 from server.federation.roster_plan import RosterPlan
-from server.federation.schemas import CourseRole, SignedPerson
+from server.federation.schemas import SignedPerson
 from server.federation.service import Federation
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -34,7 +35,6 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 ROSTER_PATH = f"{SCHOOL_PATH}/liste"
-ROLE_WORDS = {CourseRole.student: "élève", CourseRole.assistant: "assistant", CourseRole.teacher: "enseignant"}
 
 
 @router.post(ROSTER_PATH)
