@@ -166,9 +166,8 @@ def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
 def _not_fitting(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Floats) -> Mismatch | None:
     """Return the mismatch of a t that is the best one neither for the R beside it nor for the best rotation."""
     own_t = _own_t(P, Q, R)
-    fits = squared_residual(R, own_t, P, Q)
-    if squared_residual(R, t, P, Q) <= fits + _tolerance(P, Q, fits):
-        return None
+    if len(P) * float(np.sum((t - own_t) ** 2)) <= _tolerance(P, Q, squared_residual(R, own_t, P, Q)):
+        return None  # by as much as that, the cost is above that of the best t
     if best.unique and squared_residual(best.R_q_p, t, P, Q) <= best.residual + _tolerance(P, Q, best.residual):
         return None
     best_t, your_t = text_pair(own_t, t, digits=5)
