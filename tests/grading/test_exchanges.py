@@ -56,7 +56,11 @@ def n_eff(poids):
 
 def reechantillonner_systematique(particules, poids):
     fins = np.cumsum(poids)
-    return np.array([particules[np.floor(np.sum(fins < rng.random()) + 0.0)] for _ in poids])
+    copies = particules.copy()
+    for k in range(len(poids)):
+        i = np.floor(np.sum(fins < rng.random()) + 0.0)
+        copies[k] = particules[i]
+    return copies
 """
     verdict = SandboxGrader(course, course_sandbox).grade(exercise, source.encode(), 5).verdict
     assert verdict.diagnosis is None

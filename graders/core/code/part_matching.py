@@ -42,15 +42,24 @@ def match_parts(
     judged = [
         part for part in range(size) if len(wrong[part]) >= MIN_WRONG and _tells(got[k][part] for k in wrong[part])
     ]
-    mutants = [pair for pair in rows() if _count_parts(pair[1]) == size] if judged else []
+    sound = [part for part in range(size) if not wrong[part]]
+    mutants = [
+        (row, its)
+        for row, its in (rows() if judged else ())
+        # A mistake that spoils a part which is right here is another one, and its words are about that part.
+        if _count_parts(its) == size and _agree(got, its, sound)
+    ]
     for part in judged:
-        fits = [
-            row
-            for row, its in mutants
-            if all(same_probe_answer(mine[part], other[part]) for mine, other in zip(got, its, strict=True))
-        ]
+        fits = [row for row, its in mutants if _agree(got, its, [part])]
         if fits:
             yield fits
+
+
+def _agree(got: Sequence[ProbeAnswer], its: Sequence[ProbeAnswer], parts: Sequence[int]) -> bool:
+    """Whether two programs answer every probe alike in these parts."""
+    return all(
+        same_probe_answer(mine[part], other[part]) for mine, other in zip(got, its, strict=True) for part in parts
+    )
 
 
 def _count_parts(answers: Sequence[ProbeAnswer]) -> int:

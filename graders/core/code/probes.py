@@ -35,9 +35,8 @@ def is_self_explained(exception: str, told: str) -> bool:
 
 
 def explains_itself(message: str) -> bool:
-    """Whether a failed check's message ends in the name of such an exception."""
-    exception = re.search(r"\[(\w+)\]", message)
-    return exception is not None and is_self_explained(exception[1], message)
+    """Whether a failed check's message names such an exception, in brackets, beside a line that may have others."""
+    return any(is_self_explained(name, message) for name in re.findall(r"\[(\w+)\]", message))
 
 
 @dataclass(frozen=True)

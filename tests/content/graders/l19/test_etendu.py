@@ -84,6 +84,12 @@ def test_half_an_answer_earns_its_half() -> None:
     assert failed(verdict(edited("P - np.outer(K, H @ P)", "P"), 3)) == {"correction_doute", "promenade"}
 
 
+def test_words_about_the_distance_are_not_said_of_one_that_is_right() -> None:
+    diagnosis = verdict(edited("H = ecart / d", "H = 2 * ecart"), 7).diagnosis
+    assert diagnosis is not None
+    assert "La racine carrée de la distance est oubliée" not in diagnosis.titles
+
+
 def test_a_mistake_of_the_derivative_is_not_told_twice() -> None:
     """The correction calls it, and fails as well: it has no mistake of its own."""
     diagnosis = verdict(edited("H = ecart / d", "H = ecart"), 2).diagnosis
