@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from graders.core.code import piggyback
 from graders.core.code.grading import CodeGrader
 from graders.core.code.piggyback import HANG_SECONDS, MAX_ANSWER_SECONDS, MAX_EXPECTED_SECONDS, PiggybackCalls
 from graders.core.compare.shrinking import Budget
@@ -20,6 +21,13 @@ POSES = replace(CODE["l20/poses"], budget=Budget(calls=20, seconds=math.inf))
 KEEPS = "_vu = []\n"
 
 
+@pytest.fixture
+def _any_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine would answer too late for the probes to travel."""
+    for limit in ("MAX_ANSWER_SECONDS", "MAX_EXPECTED_SECONDS"):
+        monkeypatch.setattr(piggyback, limit, math.inf)
+
+
 def judged(source: str, programs: Watched, grader: CodeGrader = POSES) -> Verdict:
     return grader.grade(source.encode(), programs, seed=5, version="v").verdict
 
@@ -28,6 +36,7 @@ def told(verdict: Verdict) -> dict[str, object]:
     return verdict.to_json() | {"timings": None}
 
 
+@pytest.mark.usefixtures("_any_pace")
 @pytest.mark.parametrize("exercise", ["l20/poses", pytest.param("l20/odometrie", marks=pytest.mark.slow)])
 def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_or_by_another(exercise: str) -> None:
     grader = replace(CODE[exercise], budget=Budget(calls=20, seconds=math.inf))
@@ -42,6 +51,7 @@ def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_
     assert spared >= 0.8 * len(sources)
 
 
+@pytest.mark.usefixtures("_any_pace")
 def test_a_mistake_that_is_named_by_the_same_process_costs_no_exchange_of_its_own() -> None:
     source = POSES.misconceptions[0].source
     calls, afresh = Watched(), Watched()
@@ -50,6 +60,7 @@ def test_a_mistake_that_is_named_by_the_same_process_costs_no_exchange_of_its_ow
     assert calls.exchanges == afresh.exchanges - 1
 
 
+@pytest.mark.usefixtures("_any_pace")
 def test_what_only_identities_fail_on_is_asked_of_the_same_process_though_nothing_is_simplified() -> None:
     """No check of its own is there to find `relatif` wrong."""
     source = POSES.solution + "\ndef relatif(a, b):\n    return np.array([0.0, 0.0, 0.0])\n"
@@ -62,6 +73,7 @@ def test_what_only_identities_fail_on_is_asked_of_the_same_process_though_nothin
     assert (calls.launches, afresh.launches) == (1, 2)
 
 
+@pytest.mark.usefixtures("_any_pace")
 @pytest.mark.parametrize("deadly", [1, 5, 27])
 def test_a_program_that_dies_of_a_probe_is_asked_them_all_afresh(deadly: int) -> None:
     source = POSES.misconceptions[0].source
