@@ -24,6 +24,8 @@ from server.classes.schemas import Member
 from server.classes.service import require_open
 
 MAX_LINES, MIN_DEALT, MAX_DEALT = 500, 2, 30
+#: Letters of a line beyond which it is no name, login or address of anybody: it is not folded.
+MAX_LINE_LENGTH = 400
 NO_GROUP = "Cette classe n’a pas ce groupe."
 ONE_NAME = "Donnez au groupe un seul nom, sans virgule ni point-virgule."
 TAKEN = "Il y a déjà un groupe « {label} » : donnez un autre nom, ou ajoutez-lui des élèves sur la page « Élèves »."
@@ -72,7 +74,7 @@ def find_students(members: Sequence[Member], text: str) -> Sequence[UUID]:
     lines = [line.strip() for line in text.splitlines() if line.strip()][:MAX_LINES]
     if not lines:
         raise InvalidFields({"names": NOBODY})
-    matches = [(line, by_key.get(_fold(line), set())) for line in lines]
+    matches = [(line, by_key.get(_fold(line), set()) if len(line) <= MAX_LINE_LENGTH else set()) for line in lines]
     for problem, wrong in (
         (UNKNOWN_LINES, [line for line, students in matches if not students]),
         (SEVERAL, [line for line, students in matches if len(students) > 1]),

@@ -18,6 +18,7 @@ ATTRIBUTES = (
     "href", "src", "srcset", "action", "formaction",
     "data-source", "data-action", "data-hands", "data-answers", "data-save", "data-stream", "data-progress",
     "data-events", "data-verdict", "data-steps", "data-check", "data-close", "data-later", "data-presence",
+    "data-preview", "data-trial",
 )  # fmt: skip
 #: Templates and Markdown write every address in this form, and escape quotes in text.
 _ADDRESS = re.compile(rf'(?<=\s)({"|".join(ATTRIBUTES)})="/(?!/)')

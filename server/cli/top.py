@@ -20,6 +20,7 @@ KINDS = {
     "grade": "corrections",
     "regrade": "recorrections",
     "fingerprint": "regroupements d’erreurs",
+    "trial": "essais d’exercices",
 }
 CHECKS = {
     **{"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service"},

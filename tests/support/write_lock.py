@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import asyncio
 import csv
+import sys
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
+from types import FrameType
 from typing import Any
 
 import jinja2
@@ -75,11 +77,17 @@ def _guarded(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _is_on_loop() -> bool:
+    """Whether an event loop calls. That of a browser's test, in a greenlet of its own, is said to run all the time."""
     try:
         asyncio.get_running_loop()
     except RuntimeError:
         return False
-    return True
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        if frame.f_code is asyncio.BaseEventLoop._run_once.__code__:  # type: ignore[attr-defined]
+            return True
+        frame = frame.f_back
+    return False
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -13,6 +13,7 @@ from server.behaviour.models import BehaviourGroup
 from server.behaviour.repository import find_name
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
+from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk.groups import views as group_views
 from server.desk.groups.views import GroupNameForm, name_texts
@@ -118,6 +119,7 @@ def name_group(
         try:
             given = service.parse_description(title, explanation, question)
         except Invalid as refused:
+            roll_back_then_read(db)
             return _render_group(
                 request, which, reader, access, None, filled=GroupNameForm(title, explanation, question, refused.detail)
             )

@@ -114,12 +114,16 @@ class Watched(TestClient):
 
     def request(self, method: str, url: Any, **options: Any) -> Any:
         answer = super().request(method, f"{ROOT}{str(url).removeprefix(ROOT)}", **options)
-        found = addresses(answer)
+        found = [address for address in addresses(answer) if not re.match(SCHOOL, str(url))]
         self.seen += found
         self.strays |= {(f"{method} {url}", one) for one in astray(found)}
         if answer.headers.get("content-type", "").startswith("text/html"):
             self.attributes |= Addresses(answer.text).attributes
         return answer
+
+
+#: It leads to the school's server on purpose.
+SCHOOL = "/connexion/etablissement/[^/]*$"
 
 
 def pages(table: dict[str, Any]) -> list[str]:

@@ -16,12 +16,11 @@ import pytest
 from server.base.settings import Settings
 from server.federation.lti import registration
 from server.federation.lti.schemas import LtiSettings
-from tests.support.chromium import chromium
+from tests.contract.browser.conftest import Browser
 from tests.support.platforms import CLIENT, DEPLOYMENT, Platform, private_key, sign
 from tests.support.quick import migrated, the_course
 from tests.support.served import Server, serving
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 EXERCISE = "/l20/exercices/poses"
 BLOCKED = {
     "enableThirdPartyCookieRestriction": True,
@@ -87,15 +86,12 @@ def _register(data: Path, platform: Platform) -> None:
 
 
 @pytest.mark.parametrize("blocked", [True, False], ids=["third-party cookies blocked", "allowed"])
-def test_a_student_gets_a_verdict_in_the_frame_of_the_course(school: tuple[Server, str], blocked: bool) -> None:
-    program = chromium()
-    if program is None:
-        pytest.skip("no Chromium on this machine")
+def test_a_student_gets_a_verdict_in_the_frame_of_the_course(
+    browser: Browser, school: tuple[Server, str], blocked: bool
+) -> None:
     server, course = school
-    options = ["--no-sandbox", "--disable-site-isolation-trials"]
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=options)
-        page = browser.new_context(locale="fr-FR").new_page()
+    with browser.new_context(locale="fr-FR") as context:
+        page = context.new_page()
         page.set_default_timeout(180_000)
         page.goto("about:blank")
         if blocked:
@@ -113,4 +109,3 @@ def test_a_student_gets_a_verdict_in_the_frame_of_the_course(school: tuple[Serve
         page.keyboard.type(the_course().exercises["l20/poses"].starter[:40])
         page.keyboard.press("Control+Enter")
         frame.locator("[data-part=verdict][data-status=done]").wait_for()
-        browser.close()

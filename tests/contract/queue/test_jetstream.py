@@ -73,7 +73,7 @@ class Service:
         return Hand(self.machine(), grade, able).start()  # type: ignore[arg-type]
 
     def submit(self, version: str | None = None) -> str:
-        store = Submissions(self.settings, self.web.queue, version_of=version and (lambda _: version))  # type: ignore[arg-type]
+        store = Submissions(self.settings, self.web.queue, needed_version=lambda _: version)
         with self.web.database.write() as db:
             return job_key(store.submit(db, self.account, EXERCISE, "pass", address=ADDRESS).id)
 

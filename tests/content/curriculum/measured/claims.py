@@ -38,6 +38,8 @@ BY_HAND = {
     ("exercices/modele_faisceau/enonce", "lecture $z$"): "an example: tests/content/curriculum/test_examples.py",
     ("exercices/occupation/enonce", "case"): "what the exercise supposes",
     ("exercices/occupation/enonce", "case de la ligne 2"): "an example: tests/content/curriculum/test_examples.py",
+    ("exercices/association/enonce", ""): "by hand: tests/content/graders/l20/test_association.py",
+    ("exercices/calibration/enonce", "compté"): "by hand: tests/content/graders/l20/test_calibration.py",
     ("exercices/tp_slam/enonce", "arêtes"): "what the exercise supposes",
     (
         "exercices/noeud_ros/enonce",

@@ -20,6 +20,8 @@ MARK = "balise_auteur_dehors"
 #: Says that it ran in this process, or on this machine, if it ever does.
 SPY = f"import sys\nsys.modules['{MARK}'] = sys\n"
 GOOD = "def compter_mots(texte):\n    return {}\n"
+#: None of these may be in a page that shows what they wrote.
+HARM = ("<script", "<img src=x", "onerror=alert(1)>", 'href="javascript', 'href="data', "<style>body", "<b>")
 #: Seconds of a trial of one hostile file on a busy machine: its limits, and no more.
 LONG = 60.0
 
@@ -72,7 +74,9 @@ def test_a_hostile_solution_harms_nobody(studio: Studio, name: str) -> None:
 )
 def test_a_hostile_case_is_data(studio: Studio, case: str) -> None:
     path = studio.create()
-    studio.save(path, **{"v-0-c-0-appel": case, "v-0-c-0-attendu": case, "v-0-appel": case, "v-0-tirages": f"x = {case}"})
+    studio.save(
+        path, **{"v-0-c-0-appel": case, "v-0-c-0-attendu": case, "v-0-appel": case, "v-0-tirages": f"x = {case}"}
+    )
     assert MARK not in sys.modules
     assert studio.browser.get(path).status_code == 200
 
@@ -96,8 +100,16 @@ def test_a_statement_brings_no_script(studio: Studio) -> None:
     preview = studio.browser.post("/mes-exercices/apercu", data={"enonce": words, "module": "l20"}).text
     shown = studio.browser.get(f"/l20/exercices/{exercise.slug}").text
     for page in (own, preview, shown):
-        body = page.replace("<script type=\"module\"", "").replace("<script src=", "")
-        for harm in ("<script", "<img src=x", "onerror=alert(1)>", 'href="javascript', 'href="data', "<style>body", "<b>"):
+        body = page.replace('<script type="module"', "").replace("<script src=", "")
+        for harm in (
+            "<script",
+            "<img src=x",
+            "onerror=alert(1)>",
+            'href="javascript',
+            'href="data',
+            "<style>body",
+            "<b>",
+        ):
             assert harm not in body, harm
 
 
