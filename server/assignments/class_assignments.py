@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -42,8 +42,8 @@ def _values(rows: Iterable[Base]) -> Hashable:
     return tuple(tuple(getattr(row, name) for name in inspect(type(row)).column_attrs.keys()) for row in rows)  # noqa: SIM118
 
 
-def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
-    """Load them in two queries, three where there are tests."""
+def load_class_assignments(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> ClassAssignments:
+    """Load them in two queries, three where there are tests; `only`: with the sittings of these students alone."""
     query = (
         select(Assignment, AssignedExercise.exercise, AssignedExercise.weight)
         .outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
@@ -62,7 +62,7 @@ def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
         assignments=list(assignments.values()),
         exercises=exercises,
         exemptions=_load_exemptions(db, class_id),
-        sittings=_load_sittings(db, class_id) if has_tests else {},
+        sittings=_load_sittings(db, class_id, only) if has_tests else {},
     )
 
 
@@ -75,9 +75,10 @@ def _load_exemptions(db: Session, class_id: UUID) -> Mapping[UUID, Sequence[Exem
     return exemptions
 
 
-def _load_sittings(db: Session, class_id: UUID) -> Mapping[UUID, Mapping[UUID, Sitting]]:
+def _load_sittings(db: Session, class_id: UUID, only: Collection[UUID] | None) -> Mapping[UUID, Mapping[UUID, Sitting]]:
     query = select(Sitting).join(Assignment, Assignment.id == Sitting.assignment_id)
     query = query.where(Assignment.class_id == class_id, Assignment.removed_at.is_(None), Assignment.mode == Mode.test)
+    query = query if only is None else query.where(Sitting.account_id.in_(only))
     sittings: dict[UUID, dict[UUID, Sitting]] = defaultdict(dict)
     for sitting in db.execute(query.order_by(Sitting.assignment_id, Sitting.account_id)).scalars():
         sittings[sitting.assignment_id][sitting.account_id] = sitting

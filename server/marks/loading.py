@@ -100,7 +100,7 @@ def load_inputs(
 ) -> GradebookInputs:
     """Load the inputs in eight queries, nine where there are tests, whatever the class."""
     students = classes.list_students(db, school_class.id, only)
-    assigned = load_class_assignments(db, school_class.id)
+    assigned = load_class_assignments(db, school_class.id, only)
     columns, typed = columns_repository.load_columns(db, school_class.id, only)
     return GradebookInputs(
         course=course,
