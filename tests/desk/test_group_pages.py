@@ -80,3 +80,17 @@ def test_groups_are_dealt_renamed_and_dissolved(school: School) -> None:
     assert "Le groupe « Lundi » sert encore : devoir « Se &lt;repérer&gt; »." in refused.text
     assert martin.post(page, data={"action": "dissoudre", "groupe": "TP 2"}).status_code == 303
     assert martin.post(page, data={"action": "dissoudre", "groupe": "TP 2"}).status_code == 404
+
+
+def test_a_student_is_found_in_the_gradebook_by_a_part_of_the_name(school: School) -> None:
+    for number in range(12):
+        seat(school.site.database, school.made, person(school.site, name=f"Élève {number:02d}").account, groups=["TP1"])
+    page = f"{school.href}/carnet"
+    assert "14 élèves" in read(school.martin, page)
+    found = read(school.martin, f"{page}?q=eleve+03&groupe=TP1")
+    assert "1 élève du groupe TP1" in found
+    shown = school.martin.get(f"{page}?q=eleve+03").text
+    assert '<th scope="row">Élève 03</th>' in shown
+    assert '<th scope="row">Élève 04</th>' not in shown
+    assert 'name="groupe" value="TP1"' in school.martin.get(f"{page}?q=x&groupe=TP1").text
+    assert "Aucun élève ne correspond." in read(school.martin, f"{page}?q=zoé")

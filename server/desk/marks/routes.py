@@ -50,13 +50,13 @@ EVERYWHERE = "partout"
 @router.get("/classes/{class_id}/carnet")
 def show_gradebook(
     request: Request, class_id: str, reader: CurrentReader, groupe: GroupQuery = "", devoir: Name = "", tri: Name = "",
-    colonne: Name = "", p: PageNumber = 1,
+    colonne: Name = "", p: PageNumber = 1, q: GroupQuery = "",
 ) -> Response:  # fmt: skip
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_marks, class_id)
     inputs = load_inputs(reader.db, reader.course, access.school_class, utc_now())
-    view = gradebook_page(reader.db, access, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
+    view = gradebook_page(reader.db, access, inputs, GradebookQuery(groupe, devoir, tri, colonne, p, q.strip()))
     return render_page(request, "classes/gradebook.html", reader.account, page=view)
 
 

@@ -97,6 +97,7 @@ class GradebookBody:
 class GradebookPage:
     """`assignment`: the title of the one that is detailed; `body`: a rendered `GradebookBody`.
 
+    `search`: what names contain; `search_fields`: the rest of the address; `is_long`: a search is worth its place.
     `rules_unchosen`: no teacher has chosen yet how states count in the mean of this older class; `rules_href` and
     `columns_href` are empty for those who may not change them.
     """
@@ -106,6 +107,10 @@ class GradebookPage:
     at_text: str
     total: int
     group: str
+    search: str
+    search_href: str
+    search_fields: tuple[tuple[str, str], ...]
+    is_long: bool
     assignment: str
     assignment_href: str
     back: str

@@ -13,6 +13,8 @@ from sqlalchemy.orm import Session
 from server.assignments.models import Assignment
 from server.base import school_time
 from server.base.errors import NotFound
+from server.classes.folding import normalise_name
+from server.classes.schemas import StudentRecord
 from server.desk.marks.cells import (
     assignment_cell,
     assignment_notes,
@@ -55,6 +57,8 @@ from server.web.words import iso_moment, short_moment
 
 AVERAGE = "moyenne"
 STUDENTS_PER_PAGE = 200
+#: Up to so many, a list needs no search.
+FEW_STUDENTS = 12
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
 IDENTIFIED_BY = {MoodleIdentifier.email: "par adresse électronique", MoodleIdentifier.id: "par identifiant"}
 
@@ -63,17 +67,26 @@ Score = Callable[[StudentMarks], float | None]
 
 @dataclass(frozen=True)
 class GradebookQuery:
-    """The query of the address: a group, one assignment or all, a sort key, a column to copy, a page from 1."""
+    """The query of the address: a group, one assignment or all, a sort key, a column to copy, a page from 1, and what
+    the names or logins contain."""
 
     group: str = ""
     assignment: str = ""
     sort_key: str = ""
     copied_column: str = ""
     page_number: int = 1
+    search: str = ""
+
+    def matches(self, student: StudentRecord) -> bool:
+        """Whether a student is in the group, and has all words of the search; accents and case aside."""
+        if self.group and self.group not in student.groups:
+            return False
+        known = normalise_name(f"{student.name} {student.login}") if self.search else ""
+        return all(word in known for word in normalise_name(self.search).split())
 
     def fields(self, **changes: str) -> dict[str, str]:
         """Return the fields of the address that are not empty, but for `changes`."""
-        fields = {"groupe": self.group, "devoir": self.assignment, "tri": self.sort_key, **changes}
+        fields = {"groupe": self.group, "devoir": self.assignment, "tri": self.sort_key, "q": self.search, **changes}
         return {name: value for name, value in fields.items() if value}
 
 
@@ -87,9 +100,10 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         raise NotFound(UNKNOWN)
     group_sizes = count_students_by_label(student.groups for student in inputs.students)
     group = query.group if query.group in group_sizes else ""
-    total = group_sizes[group] if group else len(inputs.students)
+    query = replace(query, group=group)
+    total = sum(map(query.matches, inputs.students))
     number = min(query.page_number, max(1, math.ceil(total / STUDENTS_PER_PAGE)))
-    query = replace(query, group=group, page_number=number)
+    query = replace(query, page_number=number)
 
     def render() -> str:
         builder = _BodyBuilder(access, build_gradebook(db, inputs), query, titles, group_sizes)
@@ -107,6 +121,10 @@ def gradebook_page(db: Session, access: ClassAccess, inputs: GradebookInputs, qu
         at_text=short_moment(inputs.now),
         total=total,
         group=group,
+        search=query.search,
+        search_href=f"{home}/carnet",
+        search_fields=tuple(replace(query, search="").fields().items()),
+        is_long=len(inputs.students) > FEW_STUDENTS,
         assignment=titles.get(query.assignment, ""),
         assignment_href="" if about is None else about[1],
         back=_address(f"{home}/carnet", query, devoir="", tri=""),
@@ -144,7 +162,7 @@ class _BodyBuilder:
         self._place, self._query, self._titles, self._group_sizes = access, query, titles, group_sizes
         self._class_href = class_href(access.school_class)
         self._everyone = gradebook
-        rows = [row for row in gradebook.rows if not query.group or query.group in row.member.groups]
+        rows = [row for row in gradebook.rows if query.matches(row.member)]
         self._gradebook = replace(gradebook, rows=tuple(rows))
         self._index_of = {name: index for index, name in enumerate(titles)}
 

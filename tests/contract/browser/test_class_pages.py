@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import timedelta
@@ -13,6 +14,7 @@ from zlib import crc32
 
 import pytest
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from graders.core.code.stored_answers import serialize_answers
 from graders.core.contract.findings import Judgement
@@ -27,7 +29,8 @@ from server.demo.loading import DemoClass, create_demo_class
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.lesson.models import LiveLesson
-from server.marks.models import ManualColumn
+from server.marks.models import ManualColumn, Rubric
+from server.marks.rubrics import copy_key
 from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from tests.contract.browser.conftest import NewVisit, enters
@@ -149,16 +152,9 @@ def grade(exercise: str, source: bytes, seed: int) -> Judgement:
 def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
     @contextmanager
     def start(data: Path) -> Iterator[str]:
-        settings = Settings(data_dir=data)
-        database, course = migrated(settings), the_course()
-        module = course.modules["l20"]
-        loaded = create_demo_class(
-            database, course, module, grade, settings, seed=3, students=8, told=lambda _done, _all: None
-        )
-        _one_of_each(database, loaded)
-        database.close()
+        class_id = _load_demo(data, students=8)
         with serving(data) as server:
-            yield f"{server} {loaded.class_id}"
+            yield f"{server} {class_id}"
 
     with shared(tmp_path_factory, "balise-walk", start) as told:
         *server, made = told.split()
@@ -168,9 +164,34 @@ def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
         database.close()
 
 
+def _load_demo(data: Path, students: int) -> UUID:
+    """Load the demonstration's class, in a thread: that of a browser's test runs an event loop."""
+
+    def load() -> UUID:
+        settings = Settings(data_dir=data)
+        database, course = migrated(settings), the_course()
+        module = course.modules["l20"]
+        loaded = create_demo_class(
+            database, course, module, grade, settings, seed=3, students=students, told=lambda _done, _all: None
+        )
+        _one_of_each(database, loaded)
+        database.close()
+        return loaded.class_id
+
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(load).result()
+
+
 def _one_of_each(database: Database, loaded: DemoClass) -> None:
-    """What the demonstration's workers and its teacher would make later: a group of behaviour, a regrade."""
+    """What the demonstration's workers and its teacher would make later: a group of behaviour, a regrade, a rubric."""
     with database.write() as db:
+        column = ManualColumn(class_id=loaded.class_id, title="À la main", out_of=4.0, weight=1.0, position=9)
+        db.add(column)
+        db.flush()
+        levels = [{"points": 4.0, "text": "tout est nommé"}, {"points": 0.0, "text": "illisible"}]
+        item = {"id": "a", "title": "Clarté", "points": 4.0, "levels": levels}
+        home = _home(db, loaded.class_id)
+        db.add(Rubric(column_id=column.id, assignment_id=home.id, items=[item], anonymous=True, version=1))
         sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)
         graded = db.scalars(sent.where(Submission.exercise == EXERCISE).order_by(Submission.created_at)).first()
         values = {
@@ -188,12 +209,18 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         db.add(Fingerprint(grading_id=graded, group_id=GROUP))
 
 
+def _home(db: Session, class_id: UUID) -> Assignment:
+    """Return the assignment that asks the exercise of this walk."""
+    homes = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == EXERCISE)
+    given = select(Assignment).where(Assignment.class_id == class_id, Assignment.mode != Mode.test)
+    return db.scalars(given.where(Assignment.id.in_(homes))).one()
+
+
 def _found(server: Server, database: Database, class_id: UUID) -> Walk:
     with database.read() as db:
         people = classes.load_members(db, class_id)
         given = db.scalars(select(Assignment).where(Assignment.class_id == class_id)).all()
-        homes = db.scalars(select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == EXERCISE)).all()
-        home = next(one for one in given if one.id in homes and one.mode != Mode.test)
+        home, rubric = _home(db, class_id), db.scalars(select(Rubric)).one()
         test = max((one for one in given if one.mode == Mode.test), key=lambda one: one.opens_at)
         at_work = db.scalars(select(Submission.account_id).where(Submission.exercise == EXERCISE)).first()
         student = db.get_one(Account, at_work)
@@ -204,14 +231,14 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "assignment_id": home.id,
             "test": test.id,
             "student": student.id,
-            "copy": student.id,
+            "copy": copy_key(rubric, student.id),
             "module": EXERCISE.split("/", maxsplit=1)[0],
             "slug": EXERCISE.split("/")[1],
             "mistake": MISTAKE,
             "group": GROUP,
             "regrade_id": db.scalars(select(Regrade.id)).one(),
             "lesson_id": db.scalars(select(LiveLesson.id).where(LiveLesson.ended_at.is_not(None))).first(),
-            "column_id": db.scalars(select(ManualColumn.id)).one(),
+            "column_id": db.scalars(select(ManualColumn.id).where(ManualColumn.id != rubric.column_id)).one(),
         }
     return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})
 
@@ -220,7 +247,13 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
 MAX_HEIGHT = 3000
 STUDENTS = 300
 #: Those that print a list whole, and a student's own work.
-LONG = {CLASS + "/eleves/{student}", CLASS + "/eleves/{student}/comme", CLASS + "/eleves/{student}/{module}/{slug}"}
+LONG = {
+    ONE + "/copies/{student}",
+    ONE + "/noter/{copy}",
+    CLASS + "/eleves/{student}",
+    CLASS + "/eleves/{student}/comme",
+    CLASS + "/eleves/{student}/{module}/{slug}",
+}
 
 
 @pytest.mark.slow
@@ -228,28 +261,17 @@ def test_no_page_of_a_class_of_300_is_longer_than_three_screens(
     visit: NewVisit, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     data = tmp_path_factory.mktemp("crowd")
-    settings = Settings(data_dir=data)
-    database, course = migrated(settings), the_course()
-    loaded = create_demo_class(
-        database,
-        course,
-        course.modules["l20"],
-        grade,
-        settings,
-        seed=3,
-        students=STUDENTS,
-        told=lambda _done, _all: None,
-    )
-    _one_of_each(database, loaded)
+    class_id = _load_demo(data, STUDENTS)
     with serving(data) as server:
-        walk = _found(server, database, loaded.class_id)
+        database = server.open_database()
+        walk = _found(server, database, class_id)
         visitor = visit(at=server, width=1024, height=768)
         enters(visitor, database, walk.teacher)
         heights = {}
         for path in walk.paths({page: queries for page, queries in STAFF.items() if page not in LONG}):
             visitor.page.goto(server.address + path)
             heights[path] = visitor.page.evaluate("document.documentElement.scrollHeight")
-    database.close()
+        database.close()
     assert not {path: height for path, height in heights.items() if height > MAX_HEIGHT}
 
 
