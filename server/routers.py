@@ -37,6 +37,7 @@ from server.pages.accounts import router as accounts_router
 from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
+from server.pages.notebook import router as notebook_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.pages.school.content import router as content_router
@@ -67,6 +68,7 @@ ROUTERS = (
     guide_router,
     accounts_router,
     person_router,
+    notebook_router,
     calendar_router,
     accessibility_router,
     platforms_router,

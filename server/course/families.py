@@ -25,3 +25,12 @@ class FamilyFiling:
 
 
 NO_FILING = FamilyFiling()
+
+
+def find_family(
+    families: Mapping[str, MisconceptionFamily], filing: FamilyFiling, misconception: str
+) -> MisconceptionFamily | None:
+    """Return the family of a misconception, or of a usual slip, of an exercise; None where it has none."""
+    if misconception in filing.families or misconception in filing.apart:
+        return families.get(filing.families.get(misconception, ""))
+    return next((family for family in families.values() if misconception in family.slips), None)

@@ -64,6 +64,15 @@ class MarkView:
 
 
 @dataclass(frozen=True)
+class RecalledMistake:
+    """A mended misconception of the same family in another exercise, and where its correction is shown."""
+
+    exercise_title: str
+    family: str
+    href: str
+
+
+@dataclass(frozen=True)
 class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
@@ -72,7 +81,7 @@ class WorkView:
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
     attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
     would read their question about it; `searched`: the places of its mistakes may still be found; `early` are its
-    checks, while the name of the mistake is sought.
+    checks, while the name of the mistake is sought; `recalled` is the same mistake, mended in another exercise.
     """
 
     id: str
@@ -92,6 +101,7 @@ class WorkView:
     held: str = ""
     runs: bool = True
     early: VerdictView | None = None
+    recalled: RecalledMistake | None = None
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

@@ -13,7 +13,7 @@ from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.streams import stream
-from graders.core.contract.verdict import Verdict
+from graders.core.contract.verdict import TEACHER, Verdict
 from server.assignments import sittings
 from server.assignments.feedback import FeedbackHold
 from server.assignments.models import SavedWork
@@ -25,12 +25,13 @@ from server.database import utc_now
 from server.gradebook import early_verdicts, importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
-from server.pages import kits, marks, opening, talk, withheld
+from server.pages import kits, marks, notebook, opening, talk, withheld
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
     ExercisePage,
+    RecalledMistake,
     Results,
     ReusedView,
     ToldView,
@@ -285,7 +286,16 @@ def _work(
         replayed=(f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)]),
         world=_world(exercise, verdict),
     )
-    return replace(work, verdict=view, searched=is_search_pending)
+    return replace(
+        work, verdict=view, searched=is_search_pending, recalled=_recall_mistake(reader, exercise, attempt, verdict)
+    )
+
+
+def _recall_mistake(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict) -> RecalledMistake | None:
+    named = verdict.diagnosis
+    if named is None or named.source == TEACHER:
+        return None
+    return notebook.recall_mistake(reader, exercise, attempt.submission, named.id)
 
 
 def _early_view(reader: Reader, exercise: Exercise, attempt: Attempt, state: SubmissionState) -> VerdictView | None:
