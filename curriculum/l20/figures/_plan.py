@@ -48,6 +48,15 @@ def draw_walls(axes: Axes, palette: Palette, grid_map: GridMap, alpha: float = 0
         spine.set_visible(False)
 
 
+def mark_axes(axes: Axes, palette: Palette) -> None:
+    """Where x and y grow, beside the top left corner of a printed map: y goes down, unlike on a blackboard."""
+    for name, end in (("x", (1.9, -0.55)), ("y", (-0.55, 1.9))):
+        arrow = {"arrowstyle": "-|>", "color": palette.ink, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", xy=end, xytext=(-0.55, -0.55), arrowprops=arrow, annotation_clip=False)
+        label = np.add(end, (0.45, 0.0) if name == "x" else (0.0, 0.6))
+        axes.text(*label, f"${name}$", color=palette.ink, ha="center", va="center", fontsize=10, clip_on=False)
+
+
 def draw_robot(axes: Axes, pose: ArrayLike, colour: str, palette: Palette, size: float = 0.42) -> None:
     """A disc, and a line for its heading."""
     x, y, theta = np.asarray(pose, dtype=np.float64)

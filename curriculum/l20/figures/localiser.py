@@ -17,6 +17,7 @@ from curriculum.l20.figures._plan import (
     draw_robot,
     draw_walls,
     french,
+    mark_axes,
     module_map,
     ray_ends,
 )
@@ -35,6 +36,7 @@ def draw_world(figure: Figure, palette: Palette) -> None:
     above, below = figure.subplots(2, 1, height_ratios=[2.1, 1.0])
     ranges = module_map().cast_scans([ROBOT], turn_angles(36), RANGE)[0]
     draw_walls(above, palette, module_map())
+    mark_axes(above, palette)
     draw_rays(above, ROBOT, ranges, palette.measure)
     draw_impacts(above, ray_ends(ROBOT, ranges)[ranges < RANGE], palette.measure, 18)
     draw_robot(above, ROBOT, palette.truth, palette)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 from numpy.typing import NDArray
 
-from curriculum.l20.figures._plan import draw_impacts, draw_robot, draw_walls, french, module_map, ray_ends
+from curriculum.l20.figures._plan import draw_impacts, draw_robot, draw_walls, french, mark_axes, module_map, ray_ends
 from graders.plotting import Palette
 from reference.planning.dynamic_window import DynamicWindow, Limits, drive, navigate
 from reference.planning.grid_search import SearchGrid
@@ -138,6 +138,7 @@ def draw_inflation(figure: Figure, palette: Palette) -> None:
     shown = np.where(inflated.free, inflated.costs, np.nan)
     axes.imshow(shown, cmap=palette.ramp, extent=(0, width, height, 0), vmin=0, vmax=6, interpolation="nearest")
     draw_walls(axes, palette, module_map())
+    mark_axes(axes, palette)
     start, goal = (12 * FINE + 4, 2 * FINE + 4), (2 * FINE + 4, 21 * FINE + 4)
     for costs, colour, line, text in (
         (None, palette.ink, "--", "sans coût"),

@@ -14,6 +14,7 @@ from curriculum.l20.figures._plan import (
     draw_robot,
     draw_walls,
     french,
+    mark_axes,
     module_map,
     ray_ends,
 )
@@ -195,6 +196,7 @@ def draw_field(figure: Figure, palette: Palette) -> None:
         nearness, cmap=palette.ramp, vmin=0, vmax=1.25, extent=(0, 24, 16, 0), interpolation="nearest", zorder=1
     )
     draw_walls(axes, palette, module_map(), 0.9)
+    mark_axes(axes, palette)
     ranges = module_map().cast_scans([TRUTH], turn_angles(72), RANGE)[0]
     pose = (8.9, 7.8, 0.12)
     points = ray_ends(pose, ranges)[ranges < RANGE]
