@@ -89,7 +89,7 @@ def complete_contracts(
         replace(
             contract,
             returns=_toleranced(contract, checks),
-            defaults=defaults.get(contract.function, ()),
+            defaults=tuple(pair for pair in defaults.get(contract.function, ()) if pair[0] in contract.takes),
             untouched=contract.function in kept,
         )
         for contract in contracts

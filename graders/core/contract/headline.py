@@ -35,7 +35,7 @@ def _names(absent: list[CheckResult]) -> list[str]:
 
 
 def _are_absent(names: list[str]) -> str:
-    listed = " et ".join(f"« {name} »" for name in names)
-    if len(names) == 1:
-        return f"La fonction {listed} n’est pas encore dans votre fichier"
-    return f"Les fonctions {listed} ne sont pas encore dans votre fichier"
+    *others, last = (f"« {name} »" for name in names)
+    if not others:
+        return f"La fonction {last} n’est pas encore dans votre fichier"
+    return f"Les fonctions {', '.join(others)} et {last} ne sont pas encore dans votre fichier"

@@ -65,3 +65,9 @@ def test_a_verdict_of_an_earlier_version_keeps_its_headline() -> None:
 def test_a_hint_belongs_to_a_kind_of_failure(rejection: Rejection, hint: str | None) -> None:
     check = Trial(id="a", title="A", points=4, functions=("f",), hint="Où est le nord ?", protocol=lambda bench: None)
     assert _hint(check, rejection) == hint
+
+
+def test_several_functions_that_are_absent_are_listed() -> None:
+    absent = [failing(name, ABSENT.replace("sigma_dtheta", name), Outcome.MISSING_FUNCTION) for name in ("a", "b", "c")]
+    told = headline(verdict(Outcome.MISSING_FUNCTION, *absent))
+    assert told.sentence == "Les fonctions « a », « b » et « c » ne sont pas encore dans votre fichier."
