@@ -143,12 +143,14 @@ def is_clear(args: Arguments) -> bool:
 
 
 def joint_by_hand(rng: np.random.Generator) -> Iterator[Arguments]:
-    """The statement's; one alone between two; two of one landmark; a spurious one; D² near either side of a threshold;
-    without an error in common, without any, a sensor that is poor along y, landmarks of which one is known less."""
+    """The statement's, in which the first pair that is tried may leave nobody for the other; one alone between two; two
+    of one landmark; a spurious one; D² near either side of a threshold; without an error in common, without any, a
+    sensor that is poor along y, landmarks of which one is known less."""
     common, R = np.kron(np.ones((2, 2)), np.eye(2)), 0.04 * np.eye(2)
     two, apart = matrix((0, 0), (3, 0)), matrix((0, 0), (9, 0))
     yield matrix((1.8, 0), (4.6, 0)), two, common, R
     yield matrix((4.6, 0), (1.8, 0)), two, common, R
+    yield matrix((1.8, 0), (4.6, 0)), two[::-1], common, R
     yield matrix((1, 0)), two, common, R
     yield matrix((2, 0)), two, common, R
     yield matrix((0.5, 0), (0.25, 0)), apart, common, R
