@@ -52,9 +52,7 @@ def open_session(
     frames: str = "",
 ) -> Arrival:
     """Open a session for a person, and let them into the classes of their courses. Raises Forbidden."""
-    teaches = provider.trusts_teachers and person.role is CourseRole.teacher
-    name = clean_name(person.name) or clean_name(f"{person.given_name} {person.family_name}")
-    external = ExternalPerson(provider.issuer, person.subject, name, Role.teacher if teaches else Role.student)
+    external = external_person(provider, person)
     is_new = identity.find_identity(db, provider.issuer, person.subject) is None
     session = session_digest(provider, person.session) if person.session else ""
     opened = joining.open_identity_session(accounts, db, external, visitor, external=session, frames=frames)
@@ -63,6 +61,13 @@ def open_session(
         waiting.forget_others(db, provider.id, opened.account.id, [context.id for context in entered])
     repository.record_activity(db, provider.id, ActivityKind.sign_in, utc_now(), f"rôle : {ROLE_WORDS[person.role]}")
     return Arrival(opened, is_new, entered)
+
+
+def external_person(provider: IdentityProvider, person: SignedPerson) -> ExternalPerson:
+    """Return a person as an account is made of them: a teacher only where their provider is trusted with it."""
+    name = clean_name(person.name) or clean_name(f"{person.given_name} {person.family_name}")
+    teaches = provider.trusts_teachers and person.role is CourseRole.teacher
+    return ExternalPerson(provider.issuer, person.subject, name, Role.teacher if teaches else Role.student)
 
 
 def session_digest(provider: IdentityProvider, name: str) -> str:

@@ -175,10 +175,7 @@ def tie_new_class(db: Session, context: ProviderContext, account: Account, name:
     return tie(db, context, account, school_class.id)
 
 
-def untie(db: Session, context_id: UUID, school_class: SchoolClass, by: UUID) -> None:
-    """Untie a course from a class: nobody enters by it any more, and no mark is sent. Raises NotFound."""
-    context = repository.find_context(db, context_id)
-    if context is None or context.class_id != school_class.id:
-        raise NotFound(UNKNOWN)
+def untie(db: Session, context: ProviderContext, school_class: SchoolClass, by: UUID) -> None:
+    """Untie a course from its class: nobody enters by it any more, and no mark is sent."""
     context.class_id = context.linked_by = None
     audit.record_event(db, school_class.id, by, AuditAction.course_untied, about=context.title)

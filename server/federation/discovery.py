@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -13,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from server.federation.errors import OutgoingError
 from server.federation.models import ADDRESS_LENGTH
 from server.federation.outgoing import Outgoing, check_url
+from server.federation.remote_documents import RemoteDocuments
 
 WELL_KNOWN = "/.well-known/openid-configuration"
 MAX_DOCUMENT, MAX_CACHED, MAX_LISTED = 64 * 1024, 100, 100
@@ -36,12 +35,6 @@ class Metadata(BaseModel):
     token_endpoint_auth_methods_supported: Listed = ("client_secret_basic",)
     code_challenge_methods_supported: Listed = ()
     answers_with_issuer: bool = Field(default=False, alias="authorization_response_iss_parameter_supported")
-
-
-@dataclass(frozen=True)
-class _Cached:
-    metadata: Metadata
-    at: float
 
 
 def parse_metadata(document: Any, issuer: str, *, insecure: bool = False) -> Metadata:
@@ -71,42 +64,25 @@ class Discovery:
     earlier one stays. A server that does not answer is asked every `RETRY_SECONDS` at most."""
 
     def __init__(self, outgoing: Outgoing, clock: Callable[[], float] = time.monotonic) -> None:
-        self._outgoing, self._clock = outgoing, clock
-        self._cached: dict[str, _Cached] = {}
-        self._tried: dict[str, float] = {}
-        self._lock = threading.Lock()
+        self._outgoing = outgoing
+        self._documents = RemoteDocuments(
+            self._fetch, clock, fresh_seconds=FRESH_SECONDS, retry_seconds=RETRY_SECONDS, most=MAX_CACHED
+        )
 
     def find(self, issuer: str) -> Metadata:
         """Return the description of a server. Raises OutgoingError."""
-        with self._lock:
-            cached, now = self._cached.get(issuer), self._clock()
-            if cached is not None and now - cached.at < FRESH_SECONDS:
-                return cached.metadata
-            may_ask = now - self._tried.get(issuer, -RETRY_SECONDS) >= RETRY_SECONDS
-            if may_ask:
-                if len(self._tried) > MAX_CACHED:
-                    self._tried.clear()
-                    self._cached.clear()
-                self._tried[issuer] = now
-        if may_ask:
-            try:
-                return self.refresh(issuer)
-            except OutgoingError:
-                if cached is None:
-                    raise
-        if cached is None:
+        metadata = self._documents.find(issuer)
+        if metadata is None:
             raise OutgoingError("le serveur n’a pas répondu à l’instant", retry=True)
-        return cached.metadata
+        return metadata
 
     def refresh(self, issuer: str) -> Metadata:
         """Fetch the document. Raises OutgoingError."""
-        url = issuer.rstrip("/") + WELL_KNOWN
-        document = self._outgoing.get_json(url, most=MAX_DOCUMENT)
-        metadata = parse_metadata(document, issuer, insecure=self._outgoing.insecure)
-        with self._lock:
-            self._cached[issuer] = _Cached(metadata, self._clock())
-            self._tried.pop(issuer, None)
-        return metadata
+        return self._documents.refresh(issuer)
+
+    def _fetch(self, issuer: str) -> Metadata:
+        document = self._outgoing.get_json(issuer.rstrip("/") + WELL_KNOWN, most=MAX_DOCUMENT)
+        return parse_metadata(document, issuer, insecure=self._outgoing.insecure)
 
 
 def preferred_authentication(metadata: Metadata, has_secret: bool) -> str:

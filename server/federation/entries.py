@@ -93,5 +93,7 @@ def prove(
 
 
 def record_failure(database: Database, provider_id: UUID, kind: ActivityKind, reason: str) -> None:
+    """Write to the activity of a provider, unless it has been removed meanwhile."""
     with database.write() as db:
-        repository.record_activity(db, provider_id, kind, utc_now(), reason, succeeded=False)
+        if repository.find_provider(db, provider_id) is not None:
+            repository.record_activity(db, provider_id, kind, utc_now(), reason, succeeded=False)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID, uuid4
 
-from sqlalchemy import delete, func, or_, select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
@@ -92,19 +92,18 @@ def find_next_try(db: Session, line_item_ids: Collection[UUID]) -> datetime | No
 
 
 def send_again(db: Session, line_item_ids: Collection[UUID], account_id: UUID | None, now: datetime) -> int:
-    """Have refused deliveries, and those that wait, sent again at once; return how many."""
+    """Have refused deliveries and those that wait sent again at once, or that of one account whatever its state; return
+    how many."""
+    is_chosen = (
+        MarkDelivery.state != DeliveryState.sent if account_id is None else MarkDelivery.account_id == account_id
+    )
     statement = (
         update(MarkDelivery)
-        .where(
-            MarkDelivery.line_item_id.in_(line_item_ids),
-            or_(MarkDelivery.state != DeliveryState.sent, MarkDelivery.account_id == account_id),
-        )
+        .where(MarkDelivery.line_item_id.in_(line_item_ids), is_chosen)
         .values(state=DeliveryState.waiting, reason="", tries=0, next_try_at=now)
         .returning(MarkDelivery.account_id)
         .execution_options(synchronize_session=False)
     )
-    if account_id is not None:
-        statement = statement.where(MarkDelivery.account_id == account_id)
     db.execute(update(LineItem).where(LineItem.id.in_(line_item_ids)).values(problem="", check_at=now))
     return len(db.execute(statement).all())
 

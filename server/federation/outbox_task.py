@@ -15,7 +15,7 @@ from datetime import datetime, timedelta
 from threading import Event
 from uuid import UUID
 
-from sqlalchemy.exc import DBAPIError, IntegrityError
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
@@ -231,5 +231,5 @@ class OutboxThread:
                 for context_id in outbox_repository.take_due_contexts(db, now, now + CHECK_EVERY):
                     if self._queue.position(db, SCHOOL_MARKS, str(context_id)) is None:
                         self._queue.enqueue(db, SCHOOL_MARKS, str(context_id), {}, SENDER)
-        except (IntegrityError, DBAPIError):
+        except DBAPIError:
             log.info("another worker has queued the marks of a course at the same time", exc_info=True)

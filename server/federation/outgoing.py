@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
 from typing import Any, Protocol, TypeVar
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 from server.base.errors import Overloaded
 from server.base.version import VERSION
@@ -85,6 +85,11 @@ def origin_of(url: str) -> str:
 def is_same_site(url: str, origins: Iterable[str]) -> bool:
     """Whether an address is on one of these origins: scheme, host and port."""
     return is_url(url, insecure=True) and origin_of(url) in set(origins)
+
+
+def with_query(url: str, parameters: Mapping[str, str]) -> str:
+    """Add parameters to an address that may have some."""
+    return f"{url}{'&' if urlsplit(url).query else '?'}{urlencode(parameters)}"
 
 
 @dataclass(frozen=True)

@@ -37,18 +37,26 @@ def cookie_name(state: str) -> str:
     return COOKIE_PREFIX + digest(state)[:NAME_DIGITS]
 
 
-def begin(db: Session, provider_id: UUID, target: str, details: Mapping[str, Any]) -> Begun:
-    """Record a sign-in that begins. Its nonce is set when the browser has shown that it keeps the cookie."""
+def begin(
+    db: Session,
+    provider_id: UUID,
+    target: str,
+    details: Mapping[str, Any],
+    *,
+    nonce: str = "",
+    lifetime: timedelta = LIFETIME,
+) -> Begun:
+    """Record a sign-in that begins. Without a nonce, it gets one once the browser has shown that it keeps cookies."""
     begun = Begun(new_token(), new_token())
     db.add(
         PendingSignIn(
             state_digest=digest(begun.state),
             provider_id=provider_id,
-            nonce_digest="",
+            nonce_digest=digest(nonce) if nonce else "",
             browser_digest=digest(begun.browser),
             target=target,
             details=dict(details),
-            expires_at=utc_now() + LIFETIME,
+            expires_at=utc_now() + lifetime,
         )
     )
     db.flush()
@@ -90,13 +98,12 @@ def consume(db: Session, pending: PendingSignIn, nonce: object) -> tuple[str, Ma
     return row
 
 
-def begin_here(db: Session, provider_id: UUID, target: str, details: Mapping[str, Any]) -> tuple[Begun, str]:
+def begin_here(
+    db: Session, provider_id: UUID, target: str, details: Mapping[str, Any], *, lifetime: timedelta = LIFETIME
+) -> tuple[Begun, str]:
     """Record a sign-in that begins on our own page, and return it with its nonce."""
-    begun = begin(db, provider_id, target, {})
     nonce = new_token()
-    pending = find(db, begun.state)
-    pending.nonce_digest, pending.details = digest(nonce), {**details, NONCE: nonce}
-    db.flush()
+    begun = begin(db, provider_id, target, {**details, NONCE: nonce}, nonce=nonce, lifetime=lifetime)
     return begun, nonce
 
 

@@ -128,8 +128,6 @@ def check_oidc(_database: Database, federation: Federation, provider: IdentityPr
     """Read the description of a server, and its keys. Raises OutgoingError."""
     metadata = federation.discovery.refresh(provider.issuer)
     keys = federation.keys.count(metadata.jwks_uri)
-    if not keys:
-        raise OutgoingError("sa liste de clés n’a aucune clé qui vérifie une signature")
     method = preferred_authentication(metadata, bool(oidc_settings(provider).client_secret))
     published = f"publie {keys} clé{'s' if keys > 1 else ''}"
     return f"Le serveur se décrit, et {published} ; nous nous y présentons {AUTHENTICATIONS[method]}."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any
 
 from server.federation.errors import OutgoingError
 from server.federation.outgoing import Outgoing
+from server.federation.remote_documents import RemoteDocuments
 
 MAX_DOCUMENT, MAX_KEYS, MAX_CACHED = 64 * 1024, 30, 200
 MIN_RSA_BITS, MAX_RSA_BITS = 2048, 8192
@@ -31,56 +31,32 @@ class KnownKey:
     algorithms: frozenset[str]
 
 
-@dataclass(frozen=True)
-class _Cached:
-    keys: Mapping[str, KnownKey]
-    at: float
-
-
 class RemoteKeys:
     """Thread-safe cache by address. Keys that are `FRESH_SECONDS` old are fetched again; where that fails, the earlier
     ones stay for a while. An unknown key has the document fetched again, every `RETRY_SECONDS` at most."""
 
     def __init__(self, outgoing: Outgoing, clock: Callable[[], float] = time.monotonic) -> None:
-        self._outgoing, self._clock = outgoing, clock
-        self._cached: dict[str, _Cached] = {}
-        self._tried: dict[str, float] = {}
-        self._lock = threading.Lock()
+        self._documents = RemoteDocuments(
+            lambda url: parse_keys(outgoing.get_json(url, most=MAX_DOCUMENT)),
+            clock,
+            fresh_seconds=FRESH_SECONDS,
+            retry_seconds=RETRY_SECONDS,
+            most=MAX_CACHED,
+        )
 
     def find(self, url: str, kid: str) -> KnownKey:
         """Return the key of this id. Raises OutgoingError where there is none, or no document."""
-        with self._lock:
-            cached = self._cached.get(url)
-            now = self._clock()
-            is_fresh = cached is not None and now - cached.at < FRESH_SECONDS
-            if cached is not None and is_fresh and kid in cached.keys:
-                return cached.keys[kid]
-            may_ask = now - self._tried.get(url, -RETRY_SECONDS) >= RETRY_SECONDS
-            if may_ask:
-                if len(self._tried) > MAX_CACHED:
-                    self._tried.clear()
-                    self._cached.clear()
-                self._tried[url] = now
-        if may_ask:
-            try:
-                cached = self.refresh(url)
-            except OutgoingError:
-                if cached is None:
-                    raise
-        if cached is None or kid not in cached.keys:
+        keys = self._documents.find(url, lambda known: kid in known)
+        if keys is None or kid not in keys:
             raise OutgoingError("aucune clé publiée n’a ce numéro", retry=True)
-        return cached.keys[kid]
-
-    def refresh(self, url: str) -> _Cached:
-        """Fetch the document. Raises OutgoingError."""
-        keys = parse_keys(self._outgoing.get_json(url, most=MAX_DOCUMENT))
-        with self._lock:
-            self._cached[url] = cached = _Cached(keys, self._clock())
-        return cached
+        return keys[kid]
 
     def count(self, url: str) -> int:
-        """Fetch the document, and return how many keys of it can verify a signature. Raises OutgoingError."""
-        return len(self.refresh(url).keys)
+        """Fetch the document, and return how many keys of it can verify a signature. Raises OutgoingError for none."""
+        count = len(self._documents.refresh(url))
+        if not count:
+            raise OutgoingError("sa liste de clés n’a aucune clé qui vérifie une signature")
+        return count
 
 
 def parse_keys(document: Any) -> Mapping[str, KnownKey]:

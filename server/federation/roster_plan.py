@@ -15,11 +15,11 @@ from server.assignments.members import changing_members
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Status
 from server.federation import contexts, repository
+from server.federation.arrivals import external_person
 from server.federation.models import IdentityProvider
-from server.federation.schemas import CourseRole, SignedPerson
+from server.federation.schemas import SignedPerson
 from server.identity import identities
-from server.identity.identities import ExternalPerson, clean_name
-from server.identity.models import Account, Role
+from server.identity.models import Account
 
 
 @dataclass(frozen=True)
@@ -74,14 +74,8 @@ def seat_people(
     seated = 0
     with changing_members(db, school_class.id, by.id):
         for person in plan.entering:
-            _, account = identities.find_or_create(db, _external(provider, person))
+            _, account = identities.find_or_create(db, external_person(provider, person))
             if account.disabled_at is None and not account.is_administrator:
                 contexts.give_seat(db, provider, school_class, account, person)
                 seated += 1
     return seated
-
-
-def _external(provider: IdentityProvider, person: SignedPerson) -> ExternalPerson:
-    name = clean_name(person.name) or clean_name(f"{person.given_name} {person.family_name}")
-    teaches = provider.trusts_teachers and person.role is CourseRole.teacher
-    return ExternalPerson(provider.issuer, person.subject, name, Role.teacher if teaches else Role.student)

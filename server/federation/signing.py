@@ -27,15 +27,20 @@ def _needs_new_key(keys: Sequence[SigningKey], now: datetime) -> bool:
     return not keys or now - keys[0].created_at > LIFETIME
 
 
-def ensure_key(db: Session, now: datetime) -> None:
-    """Add a key where the newest is old, and delete those that nobody needs. Works in a writing transaction."""
+def _new_pem() -> str:
+    """Return a new private key. It takes a tenth of a second or more, and is called outside of transactions."""
     from joserfc.jwk import RSAKey
 
+    pem: str = RSAKey.generate_key(KEY_BITS).as_pem(private=True).decode()
+    return pem
+
+
+def _ensure_key(db: Session, pem: str, now: datetime) -> None:
+    """Add this key where the newest is old, and delete those that nobody needs. Works in a writing transaction."""
     repository.lock_signing_keys(db)
     keys = repository.load_signing_keys(db)
     if not _needs_new_key(keys, now):
         return
-    pem = RSAKey.generate_key(KEY_BITS).as_pem(private=True).decode()
     db.add(SigningKey(private_pem=pem, created_at=now))
     for key in keys[1:]:
         db.delete(key)
@@ -54,8 +59,9 @@ def load_keys(database: Database, now: datetime) -> Sequence[SigningKey]:
     with database.read() as db:
         keys = repository.load_signing_keys(db)
     if _needs_new_key(keys, now):
+        pem = _new_pem()
         with database.write() as db:
-            ensure_key(db, now)
+            _ensure_key(db, pem, now)
         with database.read() as db:
             keys = repository.load_signing_keys(db)
     return keys

@@ -24,7 +24,7 @@ from server.pages.routes import attempt_page, exercise_page, note_seen
 from server.pages.talk import Aim
 from server.submissions import variants
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise
@@ -124,7 +124,7 @@ def ask(
 def read(request: Request, thread_id: str, reader: CurrentReader, database: DatabaseOf) -> Response:
     """A thread with what it is about."""
     if reader.account is None:
-        return redirect(f"/connexion?suite={request.url.path}")
+        return redirect_to_login(request)
     return _thread(request, reader, database, thread_id, NO_DRAFT)
 
 
@@ -163,7 +163,7 @@ def reply(
 def settle(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", retour: Field = "") -> Response:
     """Says that there is no more to say, or opens the thread again."""
     if regle not in SettledOrNot:
-        raise NotFound("Cette action n’existe pas.")
+        raise NotFound(UNKNOWN_ACTION)
     service.set_settled(service.find_thread(db, account, thread_id), SettledOrNot[regle])
     return _back(thread_id, retour)
 

@@ -22,7 +22,7 @@ from server.gradebook.schemas import Attempt
 from server.pages.schemas import RecalledMistake
 from server.submissions.models import Submission
 from server.web.dependencies import CurrentReader
-from server.web.forms import redirect
+from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, exercise_href, find_exercise, module_link
 
@@ -125,7 +125,7 @@ def notebook(
 ) -> Response:
     """Show one's own mistakes, to nobody else."""
     if reader.account is None:
-        return redirect(f"/connexion?suite={PATH}")
+        return redirect_to_login(request)
     entries = list_mistakes(reader)
     skipped = (number - 1) * MISTAKES_A_PAGE
     shown = _with_changes(reader, entries[skipped : skipped + MISTAKES_A_PAGE])

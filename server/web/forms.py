@@ -21,6 +21,7 @@ async def _fields(request: Request) -> FormData:
 #: All of a form, whose fields are not known beforehand.
 FormFields = Annotated[FormData, Depends(_fields)]
 SEE_OTHER = 303
+UNKNOWN_ACTION = "Cette action n’existe pas."
 
 
 def account_form(
@@ -35,3 +36,8 @@ def account_form(
 
 def redirect(address: str) -> RedirectResponse:
     return RedirectResponse(address, SEE_OTHER)
+
+
+def redirect_to_login(request: Request) -> RedirectResponse:
+    """Return the answer to a visitor who asks for a page of accounts: it is shown once they have logged in."""
+    return redirect(f"/connexion?suite={request.url.path}")

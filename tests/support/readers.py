@@ -459,9 +459,9 @@ READERS: tuple[Reader, ...] = (
         raw:server.base.middleware._is_forged raw:server.base.middleware._visitor
         raw:server.base.root_path.RootPathMiddleware.__call__ raw:server.base.root_path.RootPathMiddleware._inside
         raw:server.base.root_path.service_url raw:server.desk.people.routes.show_class
-        raw:server.desk.people.management._render_settings raw:server.desk.requests.redirect_to_login
-        raw:server.health.routes.metrics raw:server.pages.comments.read raw:server.pages.drawn.film
-        raw:server.pages.school.platforms.login_redirect raw:server.pages.school.launches._open
+        raw:server.desk.people.management._render_settings raw:server.web.forms.redirect_to_login
+        raw:server.health.routes.metrics raw:server.pages.drawn.film
+        raw:server.pages.school.launches._open
         raw:server.pages.school.launches._without_cookies
         raw:server.replays.routes._answer_response raw:server.web.assets._Packed.file_response
         raw:server.web.errors.wants_json raw:server.web.form_identity.referring_page

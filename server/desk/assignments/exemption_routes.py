@@ -15,13 +15,13 @@ from server.database.dependencies import Db
 from server.desk.assignments import exemption_views
 from server.desk.assignments import forms as assignment_forms
 from server.desk.assignments.views import assignment_href
-from server.desk.requests import ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
 from server.web.form_version import VERSION_FIELD, require_version
-from server.web.forms import FormFields, redirect
+from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -20,13 +20,13 @@ from server.desk.assignments import exam_papers
 from server.desk.assignments import forms as assignment_forms
 from server.desk.assignments import views as assignment_views
 from server.desk.assignments.schemas import AssignmentFormPage
-from server.desk.requests import ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
 from server.web.form_version import VERSION_FIELD, require_same_version, version_of
-from server.web.forms import FormFields, redirect
+from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

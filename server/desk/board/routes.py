@@ -20,7 +20,6 @@ from server.database.dependencies import DatabaseOf
 from server.desk.board.changes import OpenBoard, board_events
 from server.desk.board.misconception_views import misconception_page
 from server.desk.board.projection import Programs, ProjectionPage, complete_projection, prepare_projection
-from server.desk.requests import redirect_to_login
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -30,6 +29,7 @@ from server.rights.service import ClassAccess
 from server.steps.routes import StepsDep
 from server.submissions.job_events import STREAM_HEADERS
 from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -17,14 +17,13 @@ from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk.groups import views as group_views
 from server.desk.groups.views import GroupNameForm, name_texts
-from server.desk.requests import redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_same_version, version_of
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, find_exercise
 

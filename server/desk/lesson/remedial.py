@@ -23,7 +23,7 @@ from server.course.dependencies import CourseOf
 from server.course.practice import practised_objectives
 from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import Db
-from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.identity.dependencies import SignedIn
@@ -31,7 +31,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -24,7 +24,6 @@ from server.database import Database, roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf
 from server.desk.lesson import views
 from server.desk.lesson.review import review_page
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -36,7 +35,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.submissions.job_events import STREAM_HEADERS, format_sse
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader
 

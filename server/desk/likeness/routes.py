@@ -15,12 +15,12 @@ from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
 from server.desk import views
-from server.desk.requests import redirect_to_login
 from server.identity.dependencies import OptionalAccount
 from server.rights import service as rights
 from server.rights.models import Right
 from server.similarity import service
 from server.similarity.service import Comparison
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

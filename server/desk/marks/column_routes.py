@@ -16,7 +16,6 @@ from server.database import roll_back_then_read
 from server.database.dependencies import Db
 from server.desk.marks import column_views
 from server.desk.marks.column_views import ColumnForm
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.desk.views import class_href
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -27,7 +26,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_same_version, require_version
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -22,7 +22,6 @@ from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.marks.routes import PageNumber
 from server.desk.marks.schemas import GradebookOption, LogEntryView, LogPage
-from server.desk.requests import redirect_to_login
 from server.desk.views import class_head, class_href
 from server.identity.dependencies import SignedIn
 from server.marks.cells import Cell, ascii_slug, french_csv
@@ -30,6 +29,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 from server.web.words import iso_moment, short_moment
 

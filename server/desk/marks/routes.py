@@ -15,7 +15,7 @@ from server.database.dependencies import DatabaseOf, Db
 from server.desk.marks.mark_views import average_page, changed_texts, mark_page, stored_texts
 from server.desk.marks.schemas import MarkForm
 from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
-from server.desk.requests import UNKNOWN_ACTION, GroupQuery, redirect_to_login
+from server.desk.requests import GroupQuery
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import decisions, repository, service
@@ -29,7 +29,7 @@ from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_version, version_of
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.words import short_moment
 

@@ -19,7 +19,7 @@ from server.database import utc_now
 from server.database.dependencies import Db
 from server.desk.objectives import views
 from server.desk.objectives.council import build_council_page
-from server.desk.requests import ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.desk.talk.work_views import find_student_work
 from server.identity.dependencies import SignedIn
 from server.marks.cells import ascii_slug, french_csv, xlsx
@@ -27,6 +27,7 @@ from server.marks.downloads import CSV, GradebookDownload, GradebookFormat
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 from server.web.words import short_moment
 

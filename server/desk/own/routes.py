@@ -7,11 +7,11 @@ from fastapi.responses import Response
 
 from server.desk.assignments.exemption_views import find_student
 from server.desk.own import views
-from server.desk.requests import redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -12,7 +12,6 @@ from server.course.dependencies import CourseOf
 from server.database import roll_back_then_read, utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.personal import erasures
@@ -21,7 +20,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -26,7 +26,6 @@ from server.database import commit_then_read, roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.people import date_shift, list_import
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import decisions
@@ -37,7 +36,7 @@ from server.rights.service import ClassAccess
 from server.web import editions
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_same_version
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

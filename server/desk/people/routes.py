@@ -18,7 +18,7 @@ from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.board.views import BY_NAME, BoardQuery, board_page
 from server.desk.own import views as own_views
-from server.desk.requests import GroupQuery, redirect_to_login
+from server.desk.requests import GroupQuery
 from server.desk.schemas import JoinFormValues
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, SignedIn, account_or_guest
 from server.lesson import service as lessons
@@ -26,7 +26,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader, find_module
 

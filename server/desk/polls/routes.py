@@ -6,10 +6,10 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.desk.polls.views import build_polls_page
-from server.desk.requests import redirect_to_login
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -16,7 +16,6 @@ from server.course.dependencies import CourseOf
 from server.database import Database, roll_back_then_read
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.regrades.views import build_regrade_page, build_regrades_page, progress_text, regrade_href
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.regrades import applying, service
@@ -28,7 +27,7 @@ from server.rights.models import Right
 from server.submissions.dependencies import JobEventsOf
 from server.submissions.job_events import STREAM_HEADERS, stream_sse
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -14,7 +14,7 @@ from server.base.errors import Conflict, Invalid, InvalidFields, NotFound
 from server.classes import repository as classes
 from server.classes.service import NOT_A_MEMBER
 from server.database import roll_back_then_read
-from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.desk.rubrics import forms, views
 from server.desk.rubrics.copies import build_copy
 from server.desk.views import class_head
@@ -26,7 +26,7 @@ from server.rights.models import Right
 from server.web.dependencies import CurrentReader
 from server.web.form_identity import typed_fields
 from server.web.form_version import VersionChanged, require_same_version
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import Reader
 from server.web.words import iso_moment

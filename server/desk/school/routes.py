@@ -16,7 +16,6 @@ from server.base.validation import parse_uuid
 from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf
-from server.desk.requests import UNKNOWN_ACTION, redirect_to_login
 from server.desk.school.views import build_school_page
 from server.federation import contexts, outbox_repository, repository
 from server.federation.models import ProviderContext
@@ -24,7 +23,7 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -58,7 +57,7 @@ def change_courses(
         school_class = access.school_class
         context = find_context(db, school_class, cours)
         if action == "delier":
-            contexts.untie(db, context.id, school_class, account.id)
+            contexts.untie(db, context, school_class, account.id)
         elif action == "envoyer":
             outbox_repository.add_line_item(db, context.id, _find_assignment(db, school_class, devoir), utc_now())
         elif action == "arreter":

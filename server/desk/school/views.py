@@ -39,7 +39,7 @@ class TiedCourse:
     others: Sequence[Assignment]
 
 
-def build_school_page(db: Session, course: Course, access: ClassAccess, problem: str = "") -> dict[str, Any]:
+def build_school_page(db: Session, course: Course, access: ClassAccess) -> dict[str, Any]:
     class_id = access.school_class.id
     names = {member.id: member.name for member in classes.load_members(db, class_id)}
     return {
@@ -49,7 +49,6 @@ def build_school_page(db: Session, course: Course, access: ClassAccess, problem:
             for context, provider in repository.load_class_contexts(db, class_id)
         ],
         "states": DeliveryState,
-        "problem": problem,
     }
 
 

@@ -9,7 +9,6 @@ from server.base.errors import NotFound
 from server.classes.repository import load_active_students
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
-from server.desk.requests import redirect_to_login
 from server.desk.sitting.views import build_sitting_page, own_labels, release_lines, release_version, sitting_href
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
@@ -17,7 +16,7 @@ from server.rights.models import Right
 from server.submissions.dependencies import SittingCollectorOf
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_version
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 from graders.core.declared.trial import TrialReport, TriedChange
 from server.base.errors import Invalid, NotFound
 from server.database import commit_then_read, roll_back_then_read
-from server.desk.requests import UNKNOWN_ACTION, ShortQuery, redirect_to_login
+from server.desk.requests import ShortQuery
 from server.desk.studio import forms, views
 from server.desk.studio.forms import read_form
 from server.desk.studio.views import PATH, StudioReader
@@ -27,7 +27,7 @@ from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.web.dependencies import CurrentReader
 from server.web.form_version import require_same_version
-from server.web.forms import Field, FormFields, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, FormFields, redirect, redirect_to_login
 from server.web.rendering import render_fragment, render_page
 from server.web.views import find_module
 

@@ -12,7 +12,6 @@ from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes
 from server.comments.models import CHECK_LENGTH
 from server.database import roll_back_then_read
-from server.desk.requests import redirect_to_login
 from server.desk.talk import views
 from server.desk.talk.work_views import find_class_exercise
 from server.desk.views import class_href
@@ -20,7 +19,7 @@ from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.threads import Draft
 

@@ -12,14 +12,13 @@ from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, RateLimited
 from server.comments import notes, service
 from server.database import roll_back_then_read
-from server.desk.requests import redirect_to_login
 from server.desk.talk import work_views
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import CurrentReader
-from server.web.forms import Field, redirect
+from server.web.forms import Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader

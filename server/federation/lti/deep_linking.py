@@ -13,12 +13,12 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.database import Database, utc_now
+from server.database import Database
 from server.federation import pending, repository, signing
 from server.federation.errors import Refused
 from server.federation.lti.grade_services import FULL_POINTS, TAG
 from server.federation.lti.launch import LinkingClaim
-from server.federation.models import IdentityProvider, PendingSignIn, ProviderContext
+from server.federation.models import IdentityProvider, ProviderContext
 from server.identity.models import Account
 from server.identity.secrets import new_token
 
@@ -76,8 +76,7 @@ def begin_choice(
         "account": str(account.id),
         "context": None if context is None else str(context.id),
     }
-    begun, _ = pending.begin_here(db, provider.id, "/", details)
-    pending.find(db, begun.state).expires_at = utc_now() + CHOICE_TIME
+    begun, _ = pending.begin_here(db, provider.id, "/", details, lifetime=CHOICE_TIME)
     return begun
 
 
@@ -90,9 +89,8 @@ def find_choice(db: Session, state: str, account: Account, browser: str) -> Choi
 
 def take_choice(db: Session, state: str, account: Account, browser: str) -> Choice:
     """Use a choice up, and return it. Raises Refused."""
-    begun: PendingSignIn = pending.find(db, state)
     choice = find_choice(db, state, account, browser)
-    pending.take(db, begun.provider_id, state, browser)
+    pending.take(db, choice.provider.id, state, browser)
     return choice
 
 

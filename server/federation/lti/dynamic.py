@@ -19,7 +19,7 @@ from server.federation import repository
 from server.federation.errors import OutgoingError, Refused
 from server.federation.lti import registration
 from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, ROSTER_SCOPE, SCORE_SCOPE
-from server.federation.lti.launch import LAUNCH_PATH
+from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH
 from server.federation.lti.schemas import LtiSettings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, IdentityProvider, RegistrationLink
 from server.federation.outgoing import Outgoing, is_url, origin_of
@@ -31,7 +31,6 @@ TOOL = "https://purl.imsglobal.org/spec/lti-tool-configuration"
 USED_LINK = "Cette adresse d’inscription a déjà servi, ou n’est plus valable : faites-en une autre."
 UNREADABLE = "la plateforme ne dit pas comme il faut comment s’inscrire"
 OTHER_SITE = "la plateforme nomme d’autres sites que le sien"
-BEGIN_PATH = "/lti/connexion"
 Url = Annotated[str, Field(min_length=1, max_length=ADDRESS_LENGTH)]
 
 

@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
-from urllib.parse import urlencode, urljoin, urlsplit, urlunsplit
+from urllib.parse import urljoin, urlsplit, urlunsplit
 
 from server.federation.errors import OutgoingError
 from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, SCORE_SCOPE, AccessTokens
 from server.federation.lti.launch import is_of_platform
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider
-from server.federation.outgoing import HttpAnswer, Outgoing
+from server.federation.outgoing import HttpAnswer, Outgoing, with_query
 
 LINE_ITEM_TYPE = "application/vnd.ims.lis.v2.lineitem+json"
 LINE_ITEMS_TYPE = "application/vnd.ims.lis.v2.lineitemcontainer+json"
@@ -108,7 +108,7 @@ class GradeServices:
         self._require_own(address)
         body = b"" if content is None else json.dumps(content).encode()
         for is_last in (False, True):
-            headers = {"Authorization": f"Bearer {self._tokens.get(self._provider, self._scopes(scope))}"}
+            headers = {"Authorization": f"Bearer {self._tokens.get(self._provider, [scope])}"}
             if kind:
                 headers["Content-Type"] = kind
             try:
@@ -120,15 +120,6 @@ class GradeServices:
                     raise
                 self._tokens.forget(self._provider)
         raise AssertionError("the last try returns or raises")
-
-    @staticmethod
-    def _scopes(scope: str) -> Sequence[str]:
-        return [scope]
-
-
-def with_query(address: str, more: Mapping[str, str]) -> str:
-    """Add parameters to an address that may have some."""
-    return f"{address}{'&' if urlsplit(address).query else '?'}{urlencode(more)}"
 
 
 def under(address: str, name: str) -> str:

@@ -36,7 +36,7 @@ NO_COURSE_ROLE = (
 ALGORITHMS = ("RS256",)
 #: Pages to which no launch leads.
 NO_TARGETS = ("/lti/", "/api/", "/compte", "/connexion", "/deconnexion", "/administration")
-LAUNCH_PATH = "/lti/lancement"
+BEGIN_PATH, LAUNCH_PATH = "/lti/connexion", "/lti/lancement"
 UNREADABLE = "Le lancement de la plateforme n’est pas complet : {why}."
 
 Text = Annotated[str, BeforeValidator(lambda text: "" if text is None else text), Field(max_length=2000)]

@@ -8,11 +8,11 @@ from typing import Any
 
 from server.federation.errors import OutgoingError, Refused
 from server.federation.lti.access_tokens import ROSTER_SCOPE, AccessTokens
-from server.federation.lti.grade_services import OTHER_SITE, next_page, with_query
+from server.federation.lti.grade_services import OTHER_SITE, next_page
 from server.federation.lti.launch import course_role, is_of_platform
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider, ProviderContext
-from server.federation.outgoing import Outgoing
+from server.federation.outgoing import Outgoing, with_query
 from server.federation.schemas import CourseRole, SignedPerson
 
 LIST_TYPE = "application/vnd.ims.lti-nrps.v2.membershipcontainer+json"

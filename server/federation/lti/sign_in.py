@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from urllib.parse import urlencode, urlsplit
+from urllib.parse import urlencode
 
 from sqlalchemy.orm import Session
 
@@ -17,6 +17,7 @@ from server.federation.lti import registration
 from server.federation.lti.launch import LAUNCH_PATH, Launch, target_path, verify_launch
 from server.federation.lti.schemas import LtiSettings, lti_settings
 from server.federation.models import IdentityProvider, PendingSignIn
+from server.federation.outgoing import with_query
 from server.federation.remote_keys import RemoteKeys
 
 OTHER_DEPLOYMENT = "Ce lancement est d’un autre déploiement que celui qui l’a commencé : recommencez depuis le cours."
@@ -72,7 +73,6 @@ def find_begun(db: Session, state: str) -> tuple[PendingSignIn, IdentityProvider
 
 def authorization_url(db: Session, begun: PendingSignIn, provider: IdentityProvider, state: str, service: str) -> str:
     """Return the address of the platform to which the browser goes for its token (OIDC, implicit flow by form)."""
-    settings = lti_settings(provider)
     query = {
         "scope": "openid",
         "response_type": "id_token",
@@ -86,8 +86,7 @@ def authorization_url(db: Session, begun: PendingSignIn, provider: IdentityProvi
     }
     if begun.details.get("lti_message_hint"):
         query["lti_message_hint"] = str(begun.details["lti_message_hint"])
-    separator = "&" if urlsplit(settings.authorization_url).query else "?"
-    return f"{settings.authorization_url}{separator}{urlencode(query)}"
+    return with_query(lti_settings(provider).authorization_url, query)
 
 
 def read_launch(begun: PendingSignIn, provider: IdentityProvider, token: str, keys: RemoteKeys, service: str) -> Launch:

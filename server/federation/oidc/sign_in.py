@@ -7,13 +7,13 @@ import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import quote_plus, urlencode, urlsplit
+from urllib.parse import quote_plus, urlencode
 
 from server.federation.discovery import Metadata, preferred_authentication
 from server.federation.errors import OutgoingError, Refused
 from server.federation.oidc.schemas import OidcSettings
 from server.federation.oidc.tokens import OTHER_ISSUER, merge_userinfo, verify_id_token
-from server.federation.outgoing import Outgoing
+from server.federation.outgoing import Outgoing, with_query
 from server.federation.proofs import BrowserAnswer
 from server.federation.remote_keys import RemoteKeys
 
@@ -53,8 +53,7 @@ def authorization_url(metadata: Metadata, client: Client, state: str, nonce: str
         "code_challenge": code_challenge(verifier),
         "code_challenge_method": "S256",
     }
-    separator = "&" if urlsplit(metadata.authorization_endpoint).query else "?"
-    return f"{metadata.authorization_endpoint}{separator}{urlencode(query)}"
+    return with_query(metadata.authorization_endpoint, query)
 
 
 def require_answer(metadata: Metadata, answer: BrowserAnswer) -> None:

@@ -21,11 +21,10 @@ from server.federation.models import WaitingStudent
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.school.landing import COURSE_PATH, COURSES_PATH
-from server.pages.school.platforms import UNKNOWN_ACTION, login_redirect
 from server.rights import repository as rights_rows
 from server.rights import service as rights
 from server.rights.models import Right
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import find_module
 
@@ -39,7 +38,7 @@ def list_courses(
     request: Request, account: OptionalAccount, database: DatabaseOf, suite: NextAddress = "/"
 ) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     with database.read() as db:
         rows = waiting.load_taught_contexts(db, account.id)
         return render_page(request, "platforms/courses.html", account, courses=rows, after=local_path(suite))
@@ -50,7 +49,7 @@ def show_course(
     request: Request, account: OptionalAccount, database: DatabaseOf, context_id: UUID, suite: NextAddress = "/"
 ) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     return _course_page(request, account, database, context_id, local_path(suite))
 
 

@@ -34,9 +34,9 @@ from server.identity.opened_sessions import OpenedSession
 from server.identity.service import AccountService
 from server.limits import service as limits
 from server.pages.school.landing import choose_page
-from server.pages.school.platforms import PLATFORM_PATH, login_redirect
+from server.pages.school.platforms import PLATFORM_PATH
 from server.pages.school.rules import show_trial
-from server.web.forms import Field, redirect
+from server.web.forms import Field, redirect, redirect_to_login
 
 router = APIRouter(include_in_schema=False)
 log = logging.getLogger(__name__)
@@ -148,7 +148,7 @@ async def begin_trial(
 ) -> Response:
     """Leads an administrator through a sign-in that opens no session: what the system says is shown with the rule."""
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     provider = await run_in_threadpool(lambda: find_active(database, provider_id, paused=True))
     return await begin_entry(request, database, federation, provider, "/", trial_by=account.id)

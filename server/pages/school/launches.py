@@ -5,7 +5,6 @@ A launch is the one cross-site form that is let in: it proves itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated
 from urllib.parse import urlencode
 
@@ -18,17 +17,17 @@ from server.base.app_services import SettingsOf
 from server.base.http import client_address
 from server.base.root_path import service_url
 from server.base.security_headers import FRAMES_STATE
-from server.database import Database, utc_now
+from server.database import Database
 from server.database.dependencies import DatabaseOf
-from server.federation import arrivals, pending, repository
+from server.federation import arrivals, pending
 from server.federation.dependencies import FederationOf
+from server.federation.entries import record_failure
 from server.federation.errors import Refused
 from server.federation.lti import deep_linking, sign_in
-from server.federation.lti.launch import LAUNCH_PATH, Launch
+from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH, Launch
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.sign_in import Initiation
-from server.federation.models import ActivityKind, IdentityProvider
-from server.federation.service import Federation
+from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn
 from server.identity.dependencies import AccountServiceOf, OptionalAccount, set_session_cookie
 from server.identity.models import Account
 from server.identity.service import AccountService
@@ -41,7 +40,7 @@ from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
-BEGIN_PATH, CHECK_PATH = "/lti/connexion", "/lti/suite"
+CHECK_PATH = "/lti/suite"
 Hint = Annotated[str, Query(max_length=2000)]
 State = Annotated[str, Query(max_length=100)]
 TOO_MANY = "Trop d’entrées à la fois depuis cette adresse : réessayez dans {seconds} s."
@@ -139,40 +138,29 @@ async def arrive(
     error: Field = "",
 ) -> Response:
     """Verify a launch, and open the session of its person."""
-    provider = await run_in_threadpool(_expect, request, database, state[:100])
+    begun, provider = await run_in_threadpool(_expect, request, database, state[:100])
+    service = service_url(request)
     try:
         if not id_token:
             raise Refused("platform", NO_TOKEN.format(error=error[:60] or "sans dire pourquoi"))
-        work = _reader(request, database, federation, state, id_token)
-        launch = await federation.threads.run(work)
+        launch = await federation.threads.run(
+            lambda: sign_in.read_launch(begun, provider, id_token, federation.keys, service)
+        )
         response = await run_in_threadpool(_open, request, database, accounts, visitor, state, launch)
     except Refused as refused:
-        await run_in_threadpool(_record_refusal, database, provider, refused)
+        await run_in_threadpool(record_failure, database, provider.id, ActivityKind.sign_in, refused.detail)
         raise
     clear_state_cookie(response, state)
     return response
 
 
-def _expect(request: Request, database: Database, state: str) -> IdentityProvider:
-    """Return the platform of a launch that this browser has begun. Raises Refused."""
+def _expect(request: Request, database: Database, state: str) -> tuple[PendingSignIn, IdentityProvider]:
+    """Return a launch that this browser has begun, with its platform. Raises Refused."""
     with database.read() as db:
         begun, provider = sign_in.find_begun(db, state)
         setattr(request.state, FRAMES_STATE, sign_in.frames_of(lti_settings(provider)))
         pending.require_browser(begun, state_cookie(request, state))
-    return provider
-
-
-def _reader(
-    request: Request, database: Database, federation: Federation, state: str, token: str
-) -> Callable[[], Launch]:
-    service = service_url(request)
-
-    def read() -> Launch:
-        with database.read() as db:
-            begun, provider = sign_in.find_begun(db, state)
-        return sign_in.read_launch(begun, provider, token, federation.keys, service)
-
-    return read
+    return begun, provider
 
 
 def _open(
@@ -211,11 +199,3 @@ def _begin_choice(
         return None
     context = arrival.contexts[0] if arrival.contexts else None
     return deep_linking.begin_choice(db, provider, context, arrival.opened.account, launch.linking, launch.deployment)
-
-
-def _record_refusal(database: Database, provider: IdentityProvider, refused: Refused) -> None:
-    with database.write() as db:
-        if repository.find_provider(db, provider.id) is not None:
-            repository.record_activity(
-                db, provider.id, ActivityKind.sign_in, utc_now(), refused.detail, succeeded=False
-            )

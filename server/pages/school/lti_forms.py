@@ -8,7 +8,7 @@ from uuid import UUID
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 
-from server.base.errors import InvalidFields, ServiceError
+from server.base.errors import ServiceError
 from server.database.dependencies import DatabaseOf
 from server.federation import providers
 from server.federation.dependencies import FederationOf
@@ -21,10 +21,10 @@ from server.identity.models import Account
 from server.pages.school.platforms import (
     LIST_PATH,
     PLATFORM_PATH,
-    login_redirect,
+    form_problems,
     our_addresses,
 )
-from server.web.forms import FormFields, redirect
+from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -34,7 +34,7 @@ NEW_PATH, EDIT_PATH = f"{LIST_PATH}/lti", f"{PLATFORM_PATH}/lti"
 @router.get(NEW_PATH)
 def show_new(request: Request, account: OptionalAccount) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     return _form_page(request, account, {"enseignants": "oui"}, {}, action=NEW_PATH)
 
@@ -42,7 +42,7 @@ def show_new(request: Request, account: OptionalAccount) -> Response:
 @router.get(EDIT_PATH)
 def show_settings(request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     with database.read() as db:
         values = _values(providers.find_provider(db, provider_id, Protocol.lti))
@@ -79,7 +79,7 @@ def create_platform(
             provider = registration.add_platform(db, texts, settings, account.id, trusts=trusts)
             page = PLATFORM_PATH.format(provider_id=provider.id)
     except ServiceError as error:
-        return _form_page(request, account, values, _problems(error), action=NEW_PATH)
+        return _form_page(request, account, values, form_problems(error), action=NEW_PATH)
     return redirect(page)
 
 
@@ -105,16 +105,12 @@ def change_settings(
             registration.change_platform(db, provider, settings, texts["name"], account.id)
     except ServiceError as error:
         action = EDIT_PATH.format(provider_id=provider_id)
-        return _form_page(request, account, values, _problems(error), action=action)
+        return _form_page(request, account, values, form_problems(error), action=action)
     return redirect(PLATFORM_PATH.format(provider_id=provider_id))
 
 
 def _typed(form: FormFields) -> dict[str, str]:
     return {name: value for name, value in form.items() if isinstance(value, str)}
-
-
-def _problems(error: ServiceError) -> Mapping[str, str]:
-    return error.problems if isinstance(error, InvalidFields) else {"issuer": error.detail}
 
 
 def _values(provider: IdentityProvider) -> Mapping[str, str]:

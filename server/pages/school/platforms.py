@@ -15,7 +15,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.audit import repository as audit
 from server.audit.models import ACTION_LABELS
-from server.base.errors import Invalid
+from server.base.errors import Invalid, InvalidFields, ServiceError
 from server.base.root_path import service_url
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
@@ -26,6 +26,7 @@ from server.federation.dependencies import FederationOf
 from server.federation.errors import OutgoingError
 from server.federation.extra import MISSING, is_installed
 from server.federation.lti import registration
+from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.testing import check_platform
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
@@ -34,14 +35,13 @@ from server.federation.service import Federation
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.school.keys import KEYS_PATH
-from server.web.forms import Field, redirect
+from server.web.forms import UNKNOWN_ACTION, Field, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
 
 LIST_PATH, PLATFORM_PATH = "/administration/plateformes", "/administration/plateforme/{provider_id}"
 LOG_LINES = 30
-UNKNOWN_ACTION = "Cette action n’existe pas."
 ACTIVITY_LABELS: Mapping[str, str] = {
     ActivityKind.registration: "inscription",
     ActivityKind.sign_in: "entrée d’une personne",
@@ -85,14 +85,15 @@ PROTOCOLS: Mapping[str, ProtocolPage] = {
 }
 
 
-def login_redirect(request: Request) -> Response:
-    return redirect(f"/connexion?suite={request.url.path}")
+def form_problems(error: ServiceError) -> Mapping[str, str]:
+    """Return the problems of a form by field; those of no field are told at the issuer's."""
+    return error.problems if isinstance(error, InvalidFields) else {"issuer": error.detail}
 
 
 @router.get(LIST_PATH)
 def list_platforms(request: Request, account: OptionalAccount, database: DatabaseOf) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     with database.read() as db:
         rows = repository.load_providers(db)
@@ -122,7 +123,7 @@ def _latest(db: Session, rows: Any) -> Mapping[UUID, Any]:
 @router.get(PLATFORM_PATH)
 def show_platform(request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     return platform_page(request, account, database, provider_id)
 
@@ -153,11 +154,11 @@ def our_addresses(request: Request) -> Mapping[str, str]:
     """Return our own addresses, which a platform's administrator types there."""
     service = service_url(request)
     return {
-        "Adresse de l’outil (Tool URL, Target link URI)": f"{service}/lti/lancement",
-        "Adresse de début de connexion (Initiate login URL)": f"{service}/lti/connexion",
-        "Adresse de retour (Redirection URI)": f"{service}/lti/lancement",
+        "Adresse de l’outil (Tool URL, Target link URI)": f"{service}{LAUNCH_PATH}",
+        "Adresse de début de connexion (Initiate login URL)": f"{service}{BEGIN_PATH}",
+        "Adresse de retour (Redirection URI)": f"{service}{LAUNCH_PATH}",
         "Adresse de nos clés (Public keyset URL)": f"{service}{KEYS_PATH}",
-        "Adresse du choix de contenu (Content selection URL)": f"{service}/lti/lancement",
+        "Adresse du choix de contenu (Content selection URL)": f"{service}{LAUNCH_PATH}",
     }
 
 

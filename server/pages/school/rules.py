@@ -27,8 +27,8 @@ from server.federation.rule_forms import (
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.identity.secrets import digest
-from server.pages.school.platforms import PLATFORM_PATH, login_redirect
-from server.web.forms import FormFields, redirect
+from server.pages.school.platforms import PLATFORM_PATH
+from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -70,7 +70,7 @@ def _trial_digest(values: Mapping[str, str]) -> str:
 @router.get(RULE_PATH)
 def show_rule(request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id)

@@ -20,9 +20,9 @@ from server.federation.models import IdentityProvider, Protocol
 from server.federation.oidc.schemas import oidc_settings
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.pages.school.platforms import LIST_PATH, PLATFORM_PATH, login_redirect
+from server.pages.school.platforms import LIST_PATH, PLATFORM_PATH, form_problems
 from server.pages.school.rules import RULE_PATH
-from server.web.forms import FormFields, redirect
+from server.web.forms import FormFields, redirect, redirect_to_login
 from server.web.rendering import render_page
 
 router = APIRouter(include_in_schema=False)
@@ -82,7 +82,7 @@ def _form_page(
 @router.get(NEW_PATH)
 def show_new_server(request: Request, account: OptionalAccount, protocol: str) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     _find_form(protocol)
     start = {"service": service_url(request), "scopes": "openid profile", "enseignants": "oui"}
@@ -109,14 +109,14 @@ def add_server(
     except NotFound:
         raise
     except ServiceError as error:
-        return _form_page(request, account, protocol, values, _problems(error))
+        return _form_page(request, account, protocol, values, form_problems(error))
     return redirect(page)
 
 
 @router.get(EDIT_PATH)
 def show_server(request: Request, account: OptionalAccount, database: DatabaseOf, provider_id: UUID) -> Response:
     if account is None:
-        return login_redirect(request)
+        return redirect_to_login(request)
     providers.require_administrator(account)
     with database.read() as db:
         provider = providers.find_provider(db, provider_id)
@@ -153,10 +153,6 @@ def change_server(
 
 def _typed(form: FormFields) -> dict[str, str]:
     return {name: value for name in FIELDS if isinstance(value := form.get(name), str)}
-
-
-def _problems(error: ServiceError) -> Mapping[str, str]:
-    return error.problems if isinstance(error, InvalidFields) else {"issuer": error.detail}
 
 
 def _values(provider: IdentityProvider) -> Mapping[str, str]:
