@@ -187,9 +187,7 @@ def compute_holds(pairs: Sequence[tuple[AssignedExerciseRow, Rules]], now: datet
     if tests:
         hold = FeedbackHold(tests[0].title, None, test=True)
         return FeedbackHolds(tests, hold, hold, hold)
-    active = [
-        (row.assignment, rules) for row, rules in pairs if row.active and rules.is_concerned and not rules.excused
-    ]
+    active = [(row.assignment, rules) for row, rules in pairs if row.active and not rules.is_free]
     return FeedbackHolds(
         hints=_longest(_hold(assignment.title, assignment.hints, rules, now) for assignment, rules in active),
         diagnosis=_longest(_hold(assignment.title, assignment.diagnosis, rules, now) for assignment, rules in active),
@@ -201,8 +199,7 @@ def _holding_test(row: AssignedExerciseRow, rules: Rules, now: datetime) -> Hold
     """Return the test where it holds back this student's attempts: not those of a student who has not begun it, and is
     excused or not in its groups."""
     assignment = row.assignment
-    is_free = rules.excused or not rules.is_concerned
-    if assignment.mode != Mode.test or (is_free and row.sitting is None):
+    if assignment.mode != Mode.test or (rules.is_free and row.sitting is None):
         return None
     stage = sitting_stage(assignment, rules, row.sitting, now)
     if stage in {SittingStage.before, SittingStage.shown}:

@@ -96,7 +96,7 @@ def _fold(text: str) -> str:
 
 def make_group(db: Session, school_class: SchoolClass, by: UUID, name: str, students: Collection[UUID]) -> str:
     """Put students into a new group, and return its label. Raises Conflict or InvalidFields."""
-    label = _new_label(db, school_class, name)
+    label = _new_label(name, load_taken_names(db, school_class))
     _add(db, school_class, by, {label: students})
     return label
 
@@ -118,7 +118,8 @@ def deal_groups(
         raise InvalidFields({"count": HOW_MANY})
     if len(students) < count:
         raise InvalidFields({"count": TOO_FEW.format(count=len(students))})
-    labels = [_new_label(db, school_class, f"{name} {number}") for number in range(1, count + 1)]
+    taken = load_taken_names(db, school_class)
+    labels = [_new_label(f"{name} {number}", taken) for number in range(1, count + 1)]
     shuffled = random.sample(list(students), len(students))
     _add(db, school_class, by, {label: shuffled[index::count] for index, label in enumerate(labels)})
     return labels
@@ -135,12 +136,17 @@ def parse_label(name: str) -> str:
     return labels[0]
 
 
-def _new_label(db: Session, school_class: SchoolClass, name: str) -> str:
-    """Return the label of a group to make. Raises InvalidFields."""
+def load_taken_names(db: Session, school_class: SchoolClass) -> frozenset[str]:
+    """Load the names of the groups of a class, and of those that something still depends on, as `normalise_name` folds
+    them."""
+    labels = _labels(classes.load_members(db, school_class.id)) | load_uses(db, school_class).keys()
+    return frozenset(map(normalise_name, labels))
+
+
+def _new_label(name: str, taken: Collection[str]) -> str:
+    """Return the label of a group to make; `taken` are folded names. Raises InvalidFields."""
     label = parse_label(name)
-    folded = {normalise_name(label) for label in _labels(classes.load_members(db, school_class.id))}
-    folded |= {normalise_name(label) for label in load_uses(db, school_class)}
-    if normalise_name(label) in folded:
+    if normalise_name(label) in taken:
         raise InvalidFields({"name": TAKEN.format(label=label)})
     return label
 
@@ -169,7 +175,7 @@ def rename_group(db: Session, school_class: SchoolClass, by: UUID, label: str, n
     members = classes.load_members(db, school_class.id)
     if label not in _labels(members):
         raise NotFound(NO_GROUP)
-    new = label if name.strip() == label else _new_label(db, school_class, name)
+    new = label if name.strip() == label else _new_label(name, load_taken_names(db, school_class))
     with changing_members(db, school_class.id, by):
         for member in members:
             if label in member.groups:
@@ -183,8 +189,8 @@ def _replace(labels: Collection[str], old: str, new: str) -> list[str]:
 
 
 def dissolve_group(db: Session, school_class: SchoolClass, by: UUID, label: str) -> None:
-    """Take all students out of a group. Raises NotFound, or Conflict where an assignment or an exemption is given to
-    it."""
+    """Take all students out of a group. Raises NotFound, Conflict for an archived class, or InvalidFields where an
+    assignment or an exemption is given to the group."""
     require_open(school_class)
     classes.lock_class(db, school_class.id)
     members = [member for member in classes.load_members(db, school_class.id) if label in member.groups]

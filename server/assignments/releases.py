@@ -53,8 +53,7 @@ def load_release_effects(db: Session, test: Assignment, now: datetime) -> Releas
     def stage_of(student: ActiveStudent) -> SittingStage | None:
         rules = rules_in_force(test, exemptions, student.id, student.groups)
         sitting = sittings.get((test.id, student.id))
-        is_free = rules.excused or not rules.is_concerned
-        return None if is_free and sitting is None else sitting_stage(test, rules, sitting, now)
+        return None if rules.is_free and sitting is None else sitting_stage(test, rules, sitting, now)
 
     return ReleaseEffects(at_stage(SittingStage.may_begin), at_stage(SittingStage.running))
 

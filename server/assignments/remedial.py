@@ -17,6 +17,7 @@ from server.assignments.rules import concerns
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.base.errors import InvalidFields
 from server.classes import repository as classes
+from server.classes.folding import normalise_name
 from server.classes.models import SchoolClass
 from server.course import Course
 
@@ -72,11 +73,9 @@ def _group_of(db: Session, school_class: SchoolClass, students: Collection[UUID]
 
 def _free_name(db: Session, school_class: SchoolClass, name: str) -> str:
     """Return the name, numbered where groups have it already."""
-    taken = {label.casefold() for label in editing.load_labels(db, school_class)} | {
-        label.casefold() for label in groups.load_uses(db, school_class)
-    }
+    taken = groups.load_taken_names(db, school_class)
     names = [name, *(f"{name} ({number})" for number in range(2, MAX_NAMES))]
-    return next((each for each in names if each.casefold() not in taken), name)
+    return next((each for each in names if normalise_name(each) not in taken), name)
 
 
 def list_reopenable(db: Session, school_class: SchoolClass, now: datetime) -> Sequence[Assignment]:

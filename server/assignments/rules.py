@@ -118,6 +118,11 @@ class Rules:
     earlier: tuple[EarlierRules, ...] = ()
     is_concerned: bool = True
 
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing is asked of the student, who is excused or in none of the groups."""
+        return self.excused or not self.is_concerned
+
     def end_of_sitting(self, began: datetime) -> datetime | None:
         """Return when a test begun at that time ends: no earlier than any end that was told since.
 

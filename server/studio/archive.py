@@ -10,11 +10,20 @@ import re
 import tomllib
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from server.course.toml_writing import write_table, write_value
-from server.studio.drafts import HINTS, CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft
+from server.studio.drafts import (
+    CHECK_CHOICES,
+    CHECK_FLAGS,
+    CHECK_NUMBERS,
+    CHECK_TEXTS,
+    HINTS,
+    CaseDraft,
+    CheckDraft,
+    ExerciseDraft,
+    MistakeDraft,
+)
 
 #: Bytes of an archive and of all its files; files of one.
 MAX_ARCHIVE, MAX_FILES_BYTES, MAX_FILES = 1 << 20, 1 << 20, 40
@@ -30,15 +39,7 @@ ORDER = 1000
 NOT_AN_EXERCISE = "ce ZIP n’est pas un exercice déclaré : il y faut « declaration.toml » et « solution.py »"
 TOO_LARGE = f"ce ZIP est trop grand : {MAX_FILES} fichiers et {MAX_FILES_BYTES >> 20} Mio au plus"
 _HINT = re.compile(r"^## Indice [123][ \t]*$", re.M)
-_TEXTS = {
-    "titre": "title",
-    "indice": "hint",
-    "tirages": "draws",
-    "appel": "call",
-    "ordre": "order",
-    "regarder": "watched",
-}
-_NUMBERS = {"points": "points", "combien": "count", "tolerance": "tolerance"}
+_TYPED = {"titre": "title", **CHECK_TEXTS, **CHECK_NUMBERS}
 
 
 class ArchiveRefused(Exception):
@@ -133,18 +134,17 @@ def read_check(check: Mapping[str, Any]) -> CheckDraft:
     """Return the check of a declaration as one types it."""
     calls = [str(call) for call in check.get("cas", ())]
     expected = [*map(str, check.get("attendus", ())), *[""] * len(calls)]
-    texts = {field: str(check[key]) for key, field in (_TEXTS | _NUMBERS).items() if key in check}
-    draft = CheckDraft(
-        **texts,
+    typed: dict[str, Any] = {name: str(check[key]) for key, name in _TYPED.items() if key in check}
+    typed |= {name: str(check.get(key, usual)) or usual for key, (name, usual) in CHECK_CHOICES.items()}
+    typed |= {name: check.get(key) is True for key, name in CHECK_FLAGS.items()}
+    return CheckDraft(
+        **typed,
         cases=tuple(CaseDraft(*pair) for pair in zip(calls, expected, strict=False)),
         conditions="\n".join(map(str, check.get("conditions", ()))),
-        absolute=check.get("absolue") is True,
-        strict=check.get("types_stricts") is True,
         ignores_spaces=check.get("espaces") is False,
         lines=_joined(check.get("entrees", ())),
         files="".join(f"=== {name}\n{text}" for name, text in check.get("fichiers", {}).items()),
     )
-    return replace(draft, order=draft.order or "oui", watched=draft.watched or "valeur")
 
 
 def _joined(lines: Sequence[Any]) -> str:

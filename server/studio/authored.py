@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -64,17 +63,7 @@ class AuthoredExercises:
 
 def build_exercise(version: ExerciseVersion, module: str, slug: str, course: Course) -> Exercise:
     """Return a published version as an exercise of its module."""
-    return _build(version.content, version.version, version.fingerprints, module, slug, course)
-
-
-def _build(
-    content: Mapping[str, Any],
-    version: str,
-    fingerprints: Mapping[str, list[str]],
-    module: str,
-    slug: str,
-    course: Course,
-) -> Exercise:
+    content, fingerprints = version.content, version.fingerprints
     names, path = course.modules[module].names, Path(f"{module}/{slug}")
     declaration = content["declaration"]
     first, second, third = (Text(Source(hint, path, names=names)) for hint in content["hints"])
@@ -100,7 +89,7 @@ def _build(
         statement=Text(Source(content["statement"], path, names=names)),
         hint_texts=(first, second, third),
         make=make,
-        version=version,
+        version=version.version,
         kit=SCENARIOS,
         names=names,
         policy=POLICY,

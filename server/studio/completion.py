@@ -15,7 +15,16 @@ from graders.core.declared import proposals
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.trial import ExerciseTrial
 from graders.typography import unaccented
-from server.studio.drafts import EXAMPLES_TITLE, CheckDraft, ExerciseDraft, MistakeDraft
+from server.studio.drafts import (
+    CHECK_CHOICES,
+    CHECK_FLAGS,
+    CHECK_NUMBERS,
+    CHECK_TEXTS,
+    EXAMPLES_TITLE,
+    CheckDraft,
+    ExerciseDraft,
+    MistakeDraft,
+)
 
 DRAWN_TITLE = "D’autres entrées, tirées au hasard"
 #: The share of the points that proposed draws take from the examples.
@@ -88,15 +97,11 @@ def _check(number: int, draft: CheckDraft) -> dict[str, Any]:
         "cas": [case.call.strip() for case in draft.written],
         "attendus": [case.expected.strip() for case in draft.written],
     }
-    texts = {"indice": draft.hint, "tirages": draft.draws, "appel": draft.call}
-    check |= {key: _lines(text).strip() for key, text in texts.items() if text.strip()}
-    numbers = {"points": draft.points, "combien": draft.count, "tolerance": draft.tolerance}
-    check |= {key: _number(text) for key, text in numbers.items() if text.strip()}
-    flags = {"absolue": draft.absolute, "types_stricts": draft.strict}
-    check |= {key: True for key, flag in flags.items() if flag}
+    check |= {key: _lines(text).strip() for key, name in CHECK_TEXTS.items() if (text := getattr(draft, name)).strip()}
+    check |= {key: _number(text) for key, name in CHECK_NUMBERS.items() if (text := getattr(draft, name)).strip()}
+    check |= {key: True for key, name in CHECK_FLAGS.items() if getattr(draft, name)}
     check |= {"espaces": False} if draft.ignores_spaces else {}
-    choices = {"ordre": (draft.order, "oui"), "regarder": (draft.watched, "valeur")}
-    check |= {key: value for key, (value, usual) in choices.items() if value != usual}
+    check |= {key: choice for key, (name, usual) in CHECK_CHOICES.items() if (choice := getattr(draft, name)) != usual}
     conditions = [line.strip() for line in _lines(draft.conditions).split("\n") if line.strip()]
     check |= {"conditions": conditions} if conditions else {}
     check |= {"entrees": _lines(draft.lines).rstrip("\n").split("\n")} if draft.lines.strip() else {}

@@ -10,6 +10,12 @@ from typing import Any
 
 #: Bounds of a draft: characters in all, checks, cases of one, mistakes, hints.
 MAX_CHARACTERS, MAX_CHECKS, MAX_CASES, MAX_MISTAKES, HINTS = 150_000, 6, 40, 12, 3
+#: Keys of a check in a declaration, with the fields in which they are typed: texts, numbers, flags; then choices, with
+#: the one that is not written.
+CHECK_TEXTS = {"indice": "hint", "tirages": "draws", "appel": "call"}
+CHECK_NUMBERS = {"points": "points", "combien": "count", "tolerance": "tolerance"}
+CHECK_FLAGS = {"absolue": "absolute", "types_stricts": "strict"}
+CHECK_CHOICES = {"ordre": ("order", "oui"), "regarder": ("watched", "valeur")}
 EXAMPLES_TITLE = "Les exemples de l’énoncé"
 
 

@@ -91,7 +91,7 @@ class StudioService:
 
         A trial that runs already is followed by another one, which its end enqueues.
         """
-        if self.queue.position(db, TRIAL_JOB, str(exercise.id)) is None:
+        if not self.is_trying(db, exercise):
             enqueue_trial(db, self.queue, exercise)
 
     def is_trying(self, db: Session, exercise: AuthoredExercise) -> bool:
@@ -170,7 +170,11 @@ def find_lent(db: Session, exercise_id: str) -> AuthoredExercise:
 def search_bank(exercises: Sequence[AuthoredExercise], query: str) -> Sequence[AuthoredExercise]:
     """Return the exercises whose title, level, themes or mistakes hold every word of a query."""
     words = unaccented(query).split()
-    return [exercise for exercise in exercises if all(word in _bank_text(exercise) for word in words)]
+
+    def has_all(text: str) -> bool:
+        return all(word in text for word in words)
+
+    return [exercise for exercise in exercises if has_all(_bank_text(exercise))]
 
 
 def _bank_text(exercise: AuthoredExercise) -> str:

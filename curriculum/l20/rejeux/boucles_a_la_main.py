@@ -80,9 +80,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
         [picture(rank, loop, bool(accepted[loop]), told) for rank, loop in enumerate(CHOSEN, start=1)],
         summary(path, accepted, told),
         layers=[
-            Points(
-                laboratoire.placed(path, [cloud[::THIN] for cloud in place.clouds]), "ink", 1.0, opacity=0.5, panel=MAP
-            ),
+            Points(walls, "ink", 1.0, opacity=0.5, panel=MAP),
             Polyline(path[:, :2], "estimate", 1.5, panel=MAP),
             *drawn(path, accepted, told),
         ],

@@ -55,7 +55,7 @@ def find_alterations(source: str) -> list[Alteration]:
     """
     text = ProgramText(source)
     alterations_by_text: dict[str, Alteration] = {}
-    for alteration in map(partial(_apply, text, ast.dump(text.tree)), _find_changes(text)):
+    for alteration in map(partial(_apply, source, text, ast.dump(text.tree)), _find_changes(text)):
         if alteration is not None:
             alterations_by_text.setdefault(alteration.altered, alteration)
     return list(alterations_by_text.values())
@@ -71,7 +71,7 @@ def sample_alterations(source: str, most: int) -> list[Alteration]:
     same, chosen = ast.dump(text.tree), dict[str, Alteration]()
     step = max(1.0, len(changes) / most)
     for rank in range(min(most, len(changes))):
-        alteration = _apply(text, same, changes[int(rank * step)])
+        alteration = _apply(source, text, same, changes[int(rank * step)])
         if alteration is not None:
             chosen.setdefault(alteration.altered, alteration)
     return list(chosen.values())
@@ -84,14 +84,14 @@ def _find_changes(text: ProgramText) -> list[tuple[Change, str]]:
     return changes
 
 
-def _apply(text: ProgramText, same: str, entry: tuple[Change, str]) -> Alteration | None:
-    """Return the alteration that a change makes; None where it does not compile, or leaves the tree `same`."""
+def _apply(source: str, text: ProgramText, same: str, entry: tuple[Change, str]) -> Alteration | None:
+    """Return the alteration of a source by a change; None where it does not compile, or leaves the tree `same`."""
     change, function = entry
     altered = text.apply(change)
     if not _differs(altered, same):
         return None
     line = text.raw.count(b"\n", 0, change.start) + 1
-    return Alteration(text.raw.decode(), altered, change.operator, change.is_course_mistake, line, function)
+    return Alteration(source, altered, change.operator, change.is_course_mistake, line, function)
 
 
 def _differs(altered: str, same: str) -> bool:

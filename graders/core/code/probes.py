@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.contract.program import Answer, KitSettings, Reply
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_scalar, same_value
 
 TOLERANCE = 1e-7
 #: Numbers of one answer that is compared; no right answer has as many.
@@ -105,6 +105,22 @@ class Probes:
     facet: Facet | None = None
     compared: int | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
+
+
+def array_or_reason(args: Arguments, value: Value) -> Value:
+    """Read numbers as an array; in words, why they are none."""
+    try:
+        return read_array(value)
+    except UnreadableError as error:
+        return str(error)
+
+
+def number_or_reason(args: Arguments, value: Value) -> Value:
+    """Read one number; in words, why it is none."""
+    try:
+        return read_scalar(value)
+    except UnreadableError as error:
+        return str(error)
 
 
 def read_answer(args: Arguments, answer: Answer, read: Read) -> ProbeAnswer:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes
+from graders.core.code.probes import Probes, number_or_reason
 from graders.core.contract.program import KitSettings
-from graders.core.contract.values import Arguments, UnreadableError, Value, read_scalar
+from graders.core.contract.values import Arguments
 from graders.l19.coherence.cases import drawn_runs
 from graders.l19.matrices import matrix, vector
 from graders.l19.pairs import ReadPair, only
@@ -33,15 +33,8 @@ RUNS: tuple[Arguments, ...] = (
 )
 
 
-def read_number(args: Arguments, value: Value) -> Value:
-    try:
-        return read_scalar(value)
-    except UnreadableError as error:
-        return str(error)
-
-
 PROBES = (
-    Probes(function="nees", calls=ERRORS, kit=KIT, read=read_number),
+    Probes(function="nees", calls=ERRORS, kit=KIT, read=number_or_reason),
     Probes(function="bande", calls=BANDS, kit=KIT, read=ReadPair(ENDS)),
     Probes(
         function="coherence",

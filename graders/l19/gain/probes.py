@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, Rule, as_array
+from graders.core.code.probes import ProbeResults, Probes, Rule, array_or_reason, as_array, number_or_reason
 from graders.core.contract.program import KitSettings
-from graders.core.contract.values import Arguments, UnreadableError, Value, read_array, read_scalar
+from graders.core.contract.values import Arguments
 from graders.l19.gain.cases import row
 from graders.l19.pairs import ReadPair, only
 
@@ -35,20 +35,6 @@ CHAINS: tuple[Arguments, ...] = (
 )
 
 
-def read_number(args: Arguments, value: Value) -> Value:
-    try:
-        return read_scalar(value)
-    except UnreadableError as error:
-        return str(error)
-
-
-def read_rows(args: Arguments, value: Value) -> Value:
-    try:
-        return read_array(value)
-    except UnreadableError as error:
-        return str(error)
-
-
 def only_column(which: int, name: str) -> Rule:
     """The name for chains of which the other column is always right, and this one never from end to end."""
 
@@ -66,7 +52,7 @@ def only_column(which: int, name: str) -> Rule:
 
 
 PROBES = (
-    Probes(function="gain", calls=GAINS, kit=KIT, read=read_number),
+    Probes(function="gain", calls=GAINS, kit=KIT, read=number_or_reason),
     Probes(
         function="fusionner",
         calls=OPINIONS,
@@ -78,7 +64,7 @@ PROBES = (
         function="enchainer",
         calls=CHAINS,
         kit=KIT,
-        read=read_rows,
+        read=array_or_reason,
         rules=(only_column(0, "moyenne_fausse"), only_column(1, "variance_fausse")),
     ),
 )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes
-from graders.core.contract.values import Arguments, UnreadableError, Value, read_array, read_indices
+from graders.core.code.probes import Probes, array_or_reason
+from graders.core.contract.values import Arguments, UnreadableError, Value, read_indices
 from graders.l20 import world
 from graders.l20.association.cases import (
     JOINTS,
@@ -23,13 +23,6 @@ ALONE: tuple[Arguments, ...] = (*scans_by_hand(STEADY), *(steady_scan(*shape) fo
 TOGETHER: tuple[Arguments, ...] = (*joint_by_hand(STEADY), *(joint_scan(*shape) for shape in JOINTS))
 
 
-def read_table(args: Arguments, value: Value) -> Value:
-    try:
-        return read_array(value)
-    except UnreadableError as error:
-        return str(error)
-
-
 def read_numbers(args: Arguments, value: Value) -> Value:
     try:
         return np.array(read_indices(value), dtype=np.float64)
@@ -38,7 +31,7 @@ def read_numbers(args: Arguments, value: Value) -> Value:
 
 
 PROBES = (
-    Probes(function="distances2", calls=TABLES, kit=world.STILL, read=read_table),
+    Probes(function="distances2", calls=TABLES, kit=world.STILL, read=array_or_reason),
     Probes(function="associer", calls=ALONE, kit=world.STILL, read=read_numbers),
     Probes(function="nouveaux", calls=ALONE, kit=world.STILL, read=read_numbers),
     Probes(function="associer_ensemble", calls=TOGETHER, kit=world.STILL, read=read_numbers),

@@ -11,8 +11,10 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.calibration.cases import laboratory
 from graders.l20.calibration.pictures import paths_figure
+from graders.l20.tp_slam.journeys import added_up
+from graders.l20.tp_slam.told import metres
 from reference.metrics import absolute_trajectory_error
-from reference.se2 import compose, relative
+from reference.se2 import relative
 
 #: In metres: raw odometry comes to 10.8, and the least squares of the statement to 0.81.
 ALLOWED = 1.0
@@ -31,25 +33,13 @@ def through_the_laboratory(bench: Bench) -> None:
         return
     before = absolute_trajectory_error(truth, added_up(steps), "rigid").rmse
     raise Rejection(
-        f"L’odométrie du robot a une ATE de {_metres(before)}. Avec vos constantes et vos pas corrigés, elle est de "
-        f"{_metres(after)} : elle devrait tomber à {_metres(0.81)} environ.",
+        f"L’odométrie du robot a une ATE de {metres(before)}. Avec vos constantes et vos pas corrigés, elle est de "
+        f"{metres(after)} : elle devrait tomber à {metres(0.81)} environ.",
         inputs={"γ, β, α": " ; ".join(number(float(value), 4) for value in constants)},
-        expected=f"une ATE sous {_metres(ALLOWED)}",
-        got=f"une ATE de {_metres(after)}",
+        expected=f"une ATE sous {metres(ALLOWED)}",
+        got=f"une ATE de {metres(after)}",
         figure=paths_figure(relative(truth[0], truth), added_up(steps), path),
     )
-
-
-def added_up(steps: Floats) -> Floats:
-    """The poses (n + 1, 3) that steps (n, 3) come to, from the zero pose."""
-    poses = [np.zeros(3)]
-    for step in steps:
-        poses.append(compose(poses[-1], step))
-    return np.array(poses)
-
-
-def _metres(value: float) -> str:
-    return f"{value:.2f} m".replace(".", ",")
 
 
 def _read(bench: Bench, function: str, value: Value, shape: tuple[int, ...]) -> Floats:

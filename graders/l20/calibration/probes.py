@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes
-from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
+from graders.core.code.probes import Probes, array_or_reason
+from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.calibration.cases import ROBOTS, drawn_journey, drawn_steps
 
@@ -15,15 +15,8 @@ JOURNEYS: tuple[Arguments, ...] = tuple(drawn_journey(STEADY, 5 + k, robot) for 
 CORRECTIONS: tuple[Arguments, ...] = tuple((drawn_steps(STEADY, 3), *robot) for robot in ROBOTS)
 
 
-def read_numbers(args: Arguments, value: Value) -> Value:
-    try:
-        return read_array(value)
-    except UnreadableError as error:
-        return str(error)
-
-
 PROBES = (
-    Probes(function="avance", calls=WAYS, kit=world.STILL, read=read_numbers),
-    Probes(function="etalonner", calls=JOURNEYS, kit=world.STILL, read=read_numbers),
-    Probes(function="corriger", calls=CORRECTIONS, kit=world.STILL, read=read_numbers),
+    Probes(function="avance", calls=WAYS, kit=world.STILL, read=array_or_reason),
+    Probes(function="etalonner", calls=JOURNEYS, kit=world.STILL, read=array_or_reason),
+    Probes(function="corriger", calls=CORRECTIONS, kit=world.STILL, read=array_or_reason),
 )

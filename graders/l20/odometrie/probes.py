@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_scalar
+from graders.core.code.probes import ProbeAnswer, ProbeResults, Probes, Rule, as_array, number_or_reason
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.odometrie.cases import pose, turn
 
@@ -43,13 +43,6 @@ def read(args: Arguments, value: Value) -> Value:
     except UnreadableError as error:
         return str(error)
     return found if found.shape == (3,) else f"forme {found.shape}"
-
-
-def read_number(args: Arguments, value: Value) -> Value:
-    try:
-        return read_scalar(value)
-    except UnreadableError as error:
-        return str(error)
 
 
 def position(args: Arguments, shown: ProbeAnswer) -> ProbeAnswer:
@@ -128,5 +121,5 @@ PROBES = (
         ),
         facet=position,
     ),
-    Probes(function="sigma_dtheta", calls=SPREADS, kit=world.STILL, read=read_number, rules=(constant_factor,)),
+    Probes(function="sigma_dtheta", calls=SPREADS, kit=world.STILL, read=number_or_reason, rules=(constant_factor,)),
 )

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.probes import ProbeResults, Probes, as_array
-from graders.core.contract.values import Arguments, UnreadableError, Value, read_array, read_scalar
+from graders.core.code.probes import ProbeResults, Probes, array_or_reason, as_array, number_or_reason
+from graders.core.contract.values import Arguments, UnreadableError, Value
 from graders.l20 import world
 from graders.l20.planifier import cases
 from graders.l20.planifier.cases import floor, grid
@@ -46,20 +46,6 @@ PLANS: tuple[Arguments, ...] = (
     (floor(".#", "#.", ".."), np.zeros((3, 2)), (0, 0), (1, 1)),
     (floor(".#.", ".#.", "..."), np.zeros((3, 3)), (0, 0), (0, 2)),
 )
-
-
-def read_cells(args: Arguments, value: Value) -> Value:
-    try:
-        return read_array(value)
-    except UnreadableError as error:
-        return str(error)
-
-
-def read_price(args: Arguments, value: Value) -> Value:
-    try:
-        return read_scalar(value)
-    except UnreadableError as error:
-        return str(error)
 
 
 def read_plan(args: Arguments, value: Value) -> Value:
@@ -104,7 +90,7 @@ def too_dear(shown: ProbeResults) -> str | None:
 
 
 PROBES = (
-    Probes(function="gonfler", calls=GRIDS, kit=world.STILL, read=read_cells),
-    Probes(function="cout", calls=PATHS, kit=world.STILL, read=read_price),
+    Probes(function="gonfler", calls=GRIDS, kit=world.STILL, read=array_or_reason),
+    Probes(function="cout", calls=PATHS, kit=world.STILL, read=number_or_reason),
     Probes(function="planifier", calls=PLANS, kit=world.STILL, read=read_plan, last_rules=(cuts_corners, too_dear)),
 )

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeAnswer, ProbeFault, ProbeResults, Probes, array_or_reason, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 
@@ -32,13 +32,6 @@ COMBED: tuple[Arguments, ...] = tuple(
 )
 STRANGE = "inconnue"
 AT = {"one": range(3), "uneven": range(3, 15), "equal": range(15, 21), "few": range(21, 27)}
-
-
-def read_number(args: Arguments, value: Value) -> Value:
-    try:
-        return read_array(value)
-    except UnreadableError as error:
-        return str(error)
 
 
 def read_copies(args: Arguments, value: Value) -> Value:
@@ -126,7 +119,7 @@ PROBES = (
         function="n_eff",
         calls=tuple((np.array(weights),) for weights in WEIGHTS),
         kit=world.STILL,
-        read=read_number,
+        read=array_or_reason,
     ),
     Probes(
         function="reechantillonner_systematique",

@@ -148,7 +148,6 @@ def change_groups(
             raise NotFound(UNKNOWN_ACTION)
     except InvalidFields as refused:
         roll_back_then_read(db)
-        roll_back_then_read(db)
         forms = GroupForms(action, groupe, nom, noms, combien, bool(presents), refused.problems)
         members = classes.load_members(db, school_class.id)
         view = _build_page(db, course, access, members, forms)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from starlette.datastructures import FormData, UploadFile
 
 from server.studio.drafts import (
+    CHECK_CHOICES,
     HINTS,
     MAX_CASES,
     MAX_CHECKS,
@@ -63,7 +64,7 @@ def _text(fields: FormData, name: str) -> str:
 def _checks(fields: FormData) -> Iterator[CheckDraft]:
     for at in range(ROOM * MAX_CHECKS):
         texts = {name: _text(fields, f"v-{at}-{field}") for name, field in _CHECK_TEXTS.items()}
-        texts["order"], texts["watched"] = texts["order"] or "oui", texts["watched"] or "valeur"
+        texts |= {name: texts[name] or usual for name, usual in CHECK_CHOICES.values()}
         flags = {name: _text(fields, f"v-{at}-{field}") == YES for name, field in _CHECK_FLAGS.items()}
         yield CheckDraft(**texts, **flags, cases=tuple(_cases(fields, at)))  # type: ignore[arg-type]
 

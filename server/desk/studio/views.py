@@ -66,16 +66,14 @@ def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> di
         }
         for exercise in exercises
     ]
-    modules = [(module.slug, module.label, module.title) for module in reader.course.latest]
-    return {"rows": rows, "modules": modules, "chosen": exercises[0].module if exercises else ""}
+    return {"rows": rows, "modules": _modules(reader.course), "chosen": exercises[0].module if exercises else ""}
 
 
 def build_import_page(
     reader: Reader, rows: Sequence[tuple[ImportedExercise, str]] = (), *, problem: str = ""
 ) -> dict[str, Any]:
     """Build the form of an import; `rows` are what came over, each with the address of its draft."""
-    modules = [(module.slug, module.label, module.title) for module in reader.course.latest]
-    return {"modules": modules, "rows": rows, "problem": problem}
+    return {"modules": _modules(reader.course), "rows": rows, "problem": problem}
 
 
 def build_bank_page(reader: Reader, exercises: Sequence[AuthoredExercise], query: str) -> dict[str, Any]:
@@ -91,6 +89,11 @@ def build_bank_page(reader: Reader, exercises: Sequence[AuthoredExercise], query
     return {"rows": rows, "query": query}
 
 
+def _modules(course: Course) -> list[tuple[str, str, str]]:
+    """Return name, label and title of the modules for which one may write exercises."""
+    return [(module.slug, module.label, module.title) for module in course.latest]
+
+
 def _module_label(course: Course, slug: str) -> str:
     module = course.modules.get(slug)
     return slug if module is None else module.label
@@ -99,8 +102,8 @@ def _module_label(course: Course, slug: str) -> str:
 def _state(exercise: AuthoredExercise) -> str:
     if not exercise.number:
         return "brouillon"
-    changed = (exercise.trial or {}).get("published") is not True or exercise.trial is None
-    is_current = not changed and exercise.trial is not None and exercise.trial.get("digest") == exercise.digest
+    trial = exercise.trial or {}
+    is_current = trial.get("published") is True and trial.get("digest") == exercise.digest
     return f"publié, version {exercise.number}" + ("" if is_current else " ; modifié depuis")
 
 
@@ -113,7 +116,7 @@ def build_edit_page(
         "module": _module_label(context.reader.course, exercise.module),
         "slug": exercise.module,
         "draft": draft,
-        "checks": [_with_rows(check, EXAMPLE_ROWS) for check in draft.checks] or [_with_rows(CheckDraft(), 3)],
+        "checks": [_with_rows(check, EXAMPLE_ROWS) for check in draft.checks or (CheckDraft(),)],
         "extra_check": _with_rows(CheckDraft(), EXAMPLE_ROWS),
         "mistakes": [*draft.mistakes, MistakeDraft()],
         "version": version_of(service.read_draft(exercise).texts),
