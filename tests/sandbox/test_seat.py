@@ -106,8 +106,9 @@ def test_a_program_that_begins_in_a_stopped_seat_is_stopped(sandbox: Sandbox) ->
             seat.go_on(job)
 
         threading.Timer(0.2, go_on).start()
-        with sandbox.open(PROGRAM):
-            assert goes_on.is_set()
+        with sandbox.open(PROGRAM) as session:
+            assert session.call("attendre", 0.0).value == 0.0
+            assert goes_on.is_set(), "a program may load before the signal stops it, but answers no call"
 
 
 def test_orders_for_another_job_are_not_obeyed(sandbox: Sandbox) -> None:
