@@ -68,7 +68,7 @@ class SchoolMarksTask:
         clock: Callable[[], datetime] = utc_now,
         monotonic: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._database, self._course, self._outgoing = database, course, outgoing
+        self._database, self._course = database, course
         self._clock, self._monotonic = clock, monotonic
         self._tokens = AccessTokens(database, outgoing)
         self.give_up = give_up
@@ -106,7 +106,7 @@ class SchoolMarksTask:
         with self._database.read() as db:
             rows = outbox_repository.load_line_items(db, context.id)
             waiting = outbox_repository.load_waiting_line_items(db, [item.id for item, _ in rows])
-        services, addresses = GradeServices(self._outgoing, self._tokens, provider), dict[UUID, str]()
+        services, addresses = GradeServices(self._tokens, provider), dict[UUID, str]()
         for item, assignment in rows:
             problem, url = "", item.url
             if item.id not in waiting:
@@ -134,16 +134,22 @@ class SchoolMarksTask:
 
     def _send(self, work: MarksRun, addresses: Mapping[UUID, str]) -> None:
         """Send what is due, in batches, until nothing is, the time is over, or the platform fails again and again."""
-        services = GradeServices(self._outgoing, self._tokens, work.provider)
+        services = GradeServices(self._tokens, work.provider)
         deadline, failures, addresses = self._monotonic() + RUN_SECONDS, 0, dict(addresses)
+        unanswered: list[OutgoingError] = []
 
         def post(sending: outbox.Sending) -> OutgoingError | None:
+            if len(unanswered) >= MAX_FAILURES:  # the others of the batch wait: other schools' marks do not
+                return unanswered[-1]
             try:
                 services.post_score(
                     addresses[sending.line_item_id], Score(sending.subject, sending.points, sending.told_at)
                 )
             except OutgoingError as error:
+                if error.retry and not error.status:
+                    unanswered.append(error)
                 return error
+            unanswered.clear()
             return None
 
         with ThreadPoolExecutor(THREADS, thread_name_prefix="marks") as threads:

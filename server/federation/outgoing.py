@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
@@ -26,7 +27,8 @@ MAX_ANSWER = 256 * 1024  # bytes; one page of a list of people has its own bound
 CONNECT_SECONDS, READ_SECONDS, TOTAL_SECONDS = 5.0, 8.0, 12.0
 MAX_URL = 2000  # characters
 MAX_RETRY_AFTER = 3600.0  # seconds
-THREADS, MAX_WAITING = 4, 40
+THREADS, SHARE = 16, 2  # of the web process, and of one provider at most
+MAX_CALLS, WAIT_SECONDS = 200, 10.0  # to one provider: in all, and for a thread of its share
 BUSY = "Trop de demandes attendent le système de l’établissement : réessayez dans quelques secondes."
 NAT64 = ip_network("64:ff9b::/96")
 Network = IPv4Network | IPv6Network
@@ -177,22 +179,54 @@ def _require_success(answer: HttpAnswer) -> HttpAnswer:
     raise OutgoingError(f"réponse {status}", status=status, retry=retry, retry_after=wait)
 
 
-class OutgoingThreads:
-    """A few threads of the web process for calls that a page waits for, with a bound on those that wait."""
+class _Share:
+    """The threads of one provider: how many may be taken, and how many calls there are."""
 
     def __init__(self) -> None:
-        self._waiting = 0
+        self.free, self.calls = asyncio.Semaphore(SHARE), 0
+
+
+class OutgoingThreads:
+    """Threads of the web process for calls that a page waits for.
+
+    Each provider has a share of them: one whose server hangs holds up nobody else's people. Calls that wait for a
+    thread are bounded, and take none.
+    """
+
+    def __init__(self) -> None:
+        self._shares: dict[Hashable, _Share] = {}
 
     @cached_property
     def _threads(self) -> ThreadPoolExecutor:
         return ThreadPoolExecutor(THREADS, thread_name_prefix="outgoing")
 
-    async def run(self, work: Callable[[], T]) -> T:
-        """Return the result of `work`. Raises Overloaded where too many wait, else as `work`."""
-        if self._waiting >= MAX_WAITING:
+    async def run(self, owner: Hashable, work: Callable[[], T]) -> T:
+        """Return the result of `work`, which asks the provider `owner`. Raises Overloaded where too many calls to it
+        wait, or for too long, else as `work`."""
+        share = self._shares.setdefault(owner, _Share())
+        if share.calls >= MAX_CALLS:
             raise Overloaded(BUSY, retry_after=5)
-        self._waiting += 1
+        share.calls += 1
         try:
-            return await asyncio.get_running_loop().run_in_executor(self._threads, work)
-        finally:
-            self._waiting -= 1
+            async with asyncio.timeout(WAIT_SECONDS):
+                await share.free.acquire()
+        except BaseException as error:
+            self._end(owner, share)
+            if isinstance(error, TimeoutError):
+                raise Overloaded(BUSY, retry_after=5) from None
+            raise
+        call, loop = self._threads.submit(work), asyncio.get_running_loop()
+
+        def release(_: object) -> None:  # also for a page whose browser has gone: the thread is busy until then
+            with suppress(RuntimeError):  # the loop has ended
+                loop.call_soon_threadsafe(self._end, owner, share, True)
+
+        call.add_done_callback(release)
+        return await asyncio.wrap_future(call)
+
+    def _end(self, owner: Hashable, share: _Share, has_thread: bool = False) -> None:
+        share.calls -= 1
+        if has_thread:
+            share.free.release()
+        if not share.calls:
+            self._shares.pop(owner, None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -38,28 +39,45 @@ class RemoteDocuments(Generic[T]):
         self._fresh_seconds, self._retry_seconds, self._most = fresh_seconds, retry_seconds, most
         self._cached: dict[str, _Cached[T]] = {}
         self._tried: dict[str, float] = {}
+        self._fetches: dict[str, Future[T]] = {}
         self._lock = threading.Lock()
 
     def find(self, address: str, suffices: Callable[[T], bool] = lambda _: True) -> T | None:
         """Return the document, fetched anew where it is old or does not suffice; None where there is none and it was
-        asked for lately. Raises OutgoingError where there is none, and none is got."""
+        asked for lately. Whoever comes while it is fetched waits for it, unless the earlier one suffices. Raises
+        OutgoingError where there is none, and none is got."""
+        fetch = own = None
         with self._lock:
             cached, now = self._cached.get(address), self._clock()
-            if cached is not None and now - cached.at < self._fresh_seconds and suffices(cached.document):
+            is_enough = cached is not None and suffices(cached.document)
+            if cached is not None and is_enough and now - cached.at < self._fresh_seconds:
                 return cached.document
-            may_ask = now - self._tried.get(address, -self._retry_seconds) >= self._retry_seconds
-            if may_ask:
+            if address in self._fetches:
+                fetch = None if is_enough else self._fetches[address]
+            elif now - self._tried.get(address, -self._retry_seconds) >= self._retry_seconds:
                 if len(self._tried) > self._most:
                     self._tried.clear()
                     self._cached.clear()
                 self._tried[address] = now
-        if may_ask:
+                fetch = own = self._fetches[address] = Future()
+        if own is not None:
+            self._fetch_for_all(address, own)
+        if fetch is not None:
             try:
-                return self.refresh(address)
+                return fetch.result()
             except OutgoingError:
                 if cached is None:
                     raise
         return None if cached is None else cached.document
+
+    def _fetch_for_all(self, address: str, fetch: Future[T]) -> None:
+        try:
+            fetch.set_result(self.refresh(address))
+        except BaseException as error:
+            fetch.set_exception(error)
+        finally:
+            with self._lock:
+                del self._fetches[address]
 
     def refresh(self, address: str) -> T:
         """Fetch the document. Raises OutgoingError."""

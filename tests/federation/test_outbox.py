@@ -18,10 +18,11 @@ from server.classes.models import ClassRole, Membership, SchoolClass
 from server.course import Course
 from server.database import Database, utc_now
 from server.federation import outbox_repository
+from server.federation.errors import OutgoingError
 from server.federation.lti import registration
 from server.federation.models import DeliveryState, LineItem, MarkDelivery, ProviderContext
 from server.federation.outbox import GONE
-from server.federation.outbox_task import NO_SERVICE, MarksRun, OutboxThread, SchoolMarksTask
+from server.federation.outbox_task import MAX_FAILURES, NO_SERVICE, THREADS, MarksRun, OutboxThread, SchoolMarksTask
 from server.federation.outgoing import Outgoing
 from server.identity.models import Account, FederatedIdentity, Role
 from server.marks.models import Override, StateDecision
@@ -174,6 +175,28 @@ def test_ten_thousand_marks_arrive_through_a_platform_that_fails(stage: Stage) -
     stage.run_until_nothing_waits(5000)
     assert len(stage.book.marks) == 10_000
     assert stage.book.marks == stage.expected()
+
+
+def test_a_platform_that_hangs_holds_up_no_other_school(stage: Stage) -> None:
+    """A call that nobody answers takes twelve seconds of the thread in which all schools' marks are sent."""
+    stage.build(students=40)
+    for student in range(40):
+        stage.mark(student, 0, 10)
+    stage.run_until_nothing_waits()
+    for student in range(40):
+        stage.mark(student, 0, 11)
+    asked = []
+
+    def hang(*_: Any) -> Any:
+        asked.append(1)
+        raise OutgoingError("pas de réponse à temps", retry=True)
+
+    stage.platform.handlers["/items"] = hang
+    stage.run()
+    assert len(asked) < MAX_FAILURES + THREADS
+    stage.platform.handlers["/items"] = stage.book.handle
+    stage.run_until_nothing_waits()
+    assert set(stage.book.marks.values()) == {11}
 
 
 def test_a_clock_that_was_ahead_is_overtaken(stage: Stage) -> None:

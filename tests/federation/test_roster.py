@@ -98,6 +98,22 @@ def test_a_list_that_changes_meanwhile_is_shown_again(site: Site) -> None:
     assert teacher.seats().keys() == {"t", "s1", "s2"}
 
 
+def test_an_access_token_that_is_refused_is_renewed_once(site: Site) -> None:
+    """Platforms forget tokens before their time: a restart of theirs, or a longer list than the token lasts."""
+    teacher = Teacher(site, listed("s1"), listed("s2"), listed("s3"))
+    answer, refused = teacher.people.handle, [2]
+
+    def forget(*request: Any) -> Any:
+        refused[0] -= 1
+        return (401, {}, b"{}") if refused[0] == 0 or teacher.people.next == "" else answer(*request)
+
+    teacher.platform.handlers["/members"] = forget
+    assert "3 personnes entrent" in teacher.ask().text
+    teacher.people.next, before = "", len(teacher.platform.requests)
+    assert "réponse 401" in teacher.ask().text
+    assert teacher.platform.requests[before:] == [("POST", "/token.php"), ("GET", "/members")] * 2
+
+
 @pytest.mark.parametrize("case", ["next page elsewhere", "no list", "no service", "without end"])
 def test_a_list_that_cannot_be_read_gives_no_seat(site: Site, case: str) -> None:
     teacher = Teacher(site, listed("s1"), listed("s2"), listed("s3"))

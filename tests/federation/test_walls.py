@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import threading
 from base64 import urlsafe_b64encode
@@ -16,12 +17,14 @@ import pytest
 from sqlalchemy import update
 from sqlalchemy.orm import Session
 
+from server.base.errors import Overloaded
 from server.database import Database, utc_now
-from server.federation import pending, providers, signing
+from server.federation import outgoing, pending, providers, signing
 from server.federation.errors import OutgoingError, Refused
 from server.federation.models import IdentityProvider, PendingSignIn, Protocol, SigningKey
-from server.federation.outgoing import Outgoing, check_url, is_allowed_address, parse_networks
+from server.federation.outgoing import Outgoing, OutgoingThreads, check_url, is_allowed_address, parse_networks
 from server.federation.remote_keys import RemoteKeys, parse_keys
+from tests.support.coroutines import run_apart
 from tests.support.tables import folded
 
 pytest.importorskip("joserfc", reason="the extra `federation` is not installed")
@@ -193,6 +196,63 @@ def test_a_new_key_is_fetched_seldom_and_an_earlier_list_survives_a_failure() ->
     lists.keys = None
     assert keys.find("u", "a")
     assert lists.asked == 3
+
+
+def test_who_comes_while_keys_are_fetched_waits_for_them() -> None:
+    """A class that opens an exercise together, after a start of ours, enters together."""
+    is_asked, may_answer, lists = threading.Event(), threading.Event(), Lists()
+    lists.keys = [rsa("a")]
+
+    class Slow(Lists):
+        def get_json(self, url: str, **options: Any) -> Any:
+            is_asked.set()
+            assert may_answer.wait(300)
+            return lists.get_json(url, **options)
+
+    keys = RemoteKeys(Slow())
+    with ThreadPoolExecutor(8) as threads:
+        first = threads.submit(keys.find, "u", "a")
+        assert is_asked.wait(300)
+        others = [threads.submit(keys.find, "u", "a") for _ in range(7)]
+        may_answer.set()
+        assert {id(key.result()) for key in (first, *others)} == {id(first.result())}
+    assert lists.asked == 1
+    lists.keys = None
+    with pytest.raises(OutgoingError, match="pas de réponse"):
+        keys.find("v", "a")
+
+
+def test_a_server_that_hangs_holds_up_its_own_people_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads, may_answer, hung = OutgoingThreads(), threading.Event(), threading.Semaphore(0)
+    dead = range(outgoing.THREADS // outgoing.SHARE - 1)
+
+    def hang() -> str:
+        hung.release()
+        assert may_answer.wait(300)
+        return "late"
+
+    async def visit() -> None:
+        held = [asyncio.ensure_future(threads.run(school, hang)) for school in dead for _ in range(outgoing.SHARE + 1)]
+        for _ in range(len(dead) * outgoing.SHARE):
+            assert await asyncio.to_thread(hung.acquire, timeout=300)
+        assert not hung.acquire(blocking=False), "a school has more than its share"
+        assert await threads.run("alive", lambda: "at once") == "at once"
+        gone = held.pop(0)
+        gone.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await gone
+        monkeypatch.setattr(outgoing, "WAIT_SECONDS", 0)
+        with pytest.raises(Overloaded):  # the thread of a browser that has gone is busy still
+            await threads.run(0, lambda: "at once")
+        monkeypatch.setattr(outgoing, "MAX_CALLS", 1)
+        with pytest.raises(Overloaded):
+            await threads.run(1, lambda: "at once")
+        may_answer.set()
+        assert set(await asyncio.gather(*held)) == {"late"}
+        monkeypatch.undo()
+        assert await threads.run(0, lambda: "at once") == "at once"
+
+    run_apart(visit())
 
 
 def test_our_keys_are_published_before_they_sign_and_go_in_time(sqlite: Database) -> None:

@@ -50,7 +50,7 @@ async def import_roster(
 ) -> Response:
     """Shows what the list would change; with `attendu`, the digest of what was shown, gives the seats."""
     context, provider = await run_in_threadpool(_require_course, database, account, class_id, cours)
-    people, problem = await federation.threads.run(lambda: _ask(database, federation, provider, context))
+    people, problem = await federation.threads.run(provider.id, lambda: _ask(database, federation, provider, context))
 
     def answer() -> Response:
         if attendu and not problem:
@@ -89,7 +89,7 @@ def _ask(
     """Return the people of a course, or the reason why the platform does not list them."""
     people, problem = list[SignedPerson](), ""
     try:
-        people = list(load_people(federation.outgoing, AccessTokens(database, federation.outgoing), provider, context))
+        people = list(load_people(AccessTokens(database, federation.outgoing), provider, context))
     except OutgoingError as error:
         problem = error.reason
     with database.write() as db:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 from urllib.parse import urlencode
 from uuid import UUID, uuid4
@@ -14,7 +14,7 @@ from server.federation import signing
 from server.federation.errors import OutgoingError
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider
-from server.federation.outgoing import Outgoing
+from server.federation.outgoing import HttpAnswer, Outgoing
 
 AGS = "https://purl.imsglobal.org/spec/lti-ags/scope/"
 LINE_ITEM_SCOPE, SCORE_SCOPE = f"{AGS}lineitem", f"{AGS}score"
@@ -45,6 +45,31 @@ class AccessTokens:
         with self._lock:
             for key in [key for key in self._cached if key[0] == provider.id]:
                 del self._cached[key]
+
+    def request(
+        self,
+        provider: IdentityProvider,
+        scopes: Sequence[str],
+        method: str,
+        url: str,
+        *,
+        headers: Mapping[str, str] | None = None,
+        **options: Any,
+    ) -> HttpAnswer:
+        """Ask a service of the platform with a token; one that is refused is renewed once. `options` are those of
+        `Outgoing.request`. Raises OutgoingError."""
+
+        def ask() -> HttpAnswer:
+            bearer = {"Authorization": f"Bearer {self.get(provider, scopes)}"}
+            return self._outgoing.request(method, url, headers={**bearer, **(headers or {})}, **options)
+
+        try:
+            return ask()
+        except OutgoingError as error:
+            if error.status != 401:
+                raise
+        self.forget(provider)
+        return ask()
 
     def renew(self, provider: IdentityProvider, scopes: Sequence[str]) -> str:
         """Return a new token. Raises OutgoingError."""

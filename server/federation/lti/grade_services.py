@@ -19,7 +19,7 @@ from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, SCORE_SCOPE, Ac
 from server.federation.lti.launch import is_of_platform
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider
-from server.federation.outgoing import HttpAnswer, Outgoing, with_query
+from server.federation.outgoing import HttpAnswer, with_query
 
 LINE_ITEM_TYPE = "application/vnd.ims.lis.v2.lineitem+json"
 LINE_ITEMS_TYPE = "application/vnd.ims.lis.v2.lineitemcontainer+json"
@@ -55,8 +55,8 @@ class Score:
 class GradeServices:
     """The services of one platform. Methods block, and raise OutgoingError."""
 
-    def __init__(self, outgoing: Outgoing, tokens: AccessTokens, provider: IdentityProvider) -> None:
-        self._outgoing, self._tokens, self._provider = outgoing, tokens, provider
+    def __init__(self, tokens: AccessTokens, provider: IdentityProvider) -> None:
+        self._tokens, self._provider = tokens, provider
         self._settings = lti_settings(provider)
 
     def find_or_create_line_item(self, line_items_url: str, resource_id: str, label: str) -> str:
@@ -104,22 +104,17 @@ class GradeServices:
     def _request(
         self, method: str, address: str, scope: str, *, content: Any = None, kind: str = "", accept: str = ""
     ) -> HttpAnswer:
-        """Ask with an access token; a token that is refused is renewed once."""
+        """Ask with an access token."""
         self._require_own(address)
-        body = b"" if content is None else json.dumps(content).encode()
-        for is_last in (False, True):
-            headers = {"Authorization": f"Bearer {self._tokens.get(self._provider, [scope])}"}
-            if kind:
-                headers["Content-Type"] = kind
-            try:
-                return self._outgoing.request(
-                    method, address, headers=headers, content=body, accept=accept or "application/json"
-                )
-            except OutgoingError as error:
-                if error.status != 401 or is_last:
-                    raise
-                self._tokens.forget(self._provider)
-        raise AssertionError("the last try returns or raises")
+        return self._tokens.request(
+            self._provider,
+            [scope],
+            method,
+            address,
+            headers={"Content-Type": kind} if kind else None,
+            content=b"" if content is None else json.dumps(content).encode(),
+            accept=accept or "application/json",
+        )
 
 
 def under(address: str, name: str) -> str:

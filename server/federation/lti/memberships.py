@@ -12,7 +12,7 @@ from server.federation.lti.grade_services import OTHER_SITE, next_page
 from server.federation.lti.launch import course_role, is_of_platform
 from server.federation.lti.schemas import lti_settings
 from server.federation.models import IdentityProvider, ProviderContext
-from server.federation.outgoing import Outgoing, with_query
+from server.federation.outgoing import with_query
 from server.federation.schemas import CourseRole, SignedPerson
 
 LIST_TYPE = "application/vnd.ims.lti-nrps.v2.membershipcontainer+json"
@@ -26,14 +26,12 @@ TOO_MANY = "la liste est trop longue"
 SUBJECT = re.compile(r"[\x21-\x7e]{1,255}")
 
 
-def load_people(
-    outgoing: Outgoing, tokens: AccessTokens, provider: IdentityProvider, context: ProviderContext
-) -> Sequence[SignedPerson]:
+def load_people(tokens: AccessTokens, provider: IdentityProvider, context: ProviderContext) -> Sequence[SignedPerson]:
     """Return the active people of a course who have a role there, each once. Raises OutgoingError."""
     if not context.roster_url:
         raise OutgoingError(NO_SERVICE)
     people: dict[str, SignedPerson] = {}
-    for page in _pages(outgoing, tokens, provider, context.roster_url):
+    for page in _pages(tokens, provider, context.roster_url):
         members = page.get("members")
         if not isinstance(members, list):
             raise OutgoingError(NO_LIST)
@@ -46,15 +44,12 @@ def load_people(
     return list(people.values())
 
 
-def _pages(
-    outgoing: Outgoing, tokens: AccessTokens, provider: IdentityProvider, address: str
-) -> Iterator[Mapping[str, Any]]:
+def _pages(tokens: AccessTokens, provider: IdentityProvider, address: str) -> Iterator[Mapping[str, Any]]:
     settings, address = lti_settings(provider), with_query(address, {"limit": str(PAGE_SIZE)})
     for _ in range(MAX_PAGES):
         if not is_of_platform(address, provider, settings):
             raise OutgoingError(OTHER_SITE)
-        headers = {"Authorization": f"Bearer {tokens.get(provider, [ROSTER_SCOPE])}"}
-        answer = outgoing.request("GET", address, headers=headers, accept=LIST_TYPE, most=MAX_PAGE_BYTES)
+        answer = tokens.request(provider, [ROSTER_SCOPE], "GET", address, accept=LIST_TYPE, most=MAX_PAGE_BYTES)
         page = answer.json()
         if not isinstance(page, dict):
             raise OutgoingError(NO_LIST)

@@ -73,7 +73,7 @@ async def ask_system(
     """Return the result of `work`, which asks a system; its failures are written to the activity. Raises Refused or
     Unavailable."""
     try:
-        return await federation.threads.run(work)
+        return await federation.threads.run(provider.id, work)
     except Refused as refused:
         await run_in_threadpool(entries.record_failure, database, provider.id, kind, refused.code)
         raise
@@ -254,7 +254,7 @@ async def end_by_token(
                 arrivals.end_person_sessions(db, provider, ended.subject, ended.issued_at)
 
     try:
-        await federation.threads.run(end)
+        await federation.threads.run(provider.id, end)
     except Refused as refused:
         log.info("a logout token was refused: %s", refused.code)
         document = {"error": "invalid_request", "error_description": refused.code}

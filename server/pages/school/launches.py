@@ -144,7 +144,7 @@ async def arrive(
         if not id_token:
             raise Refused("platform", NO_TOKEN.format(error=error[:60] or "sans dire pourquoi"))
         launch = await federation.threads.run(
-            lambda: sign_in.read_launch(begun, provider, id_token, federation.keys, service)
+            provider.id, lambda: sign_in.read_launch(begun, provider, id_token, federation.keys, service)
         )
         response = await run_in_threadpool(_open, request, database, accounts, visitor, state, launch)
     except Refused as refused:

@@ -215,7 +215,7 @@ async def _test(
             )
         return result, problem
 
-    result, problem = await federation.threads.run(check)
+    result, problem = await federation.threads.run(provider_id, check)
     return await run_in_threadpool(
         platform_page, request, account, database, provider_id, result=result, problem=problem
     )

@@ -62,7 +62,7 @@ async def begin_registration(
         raise Refused("registration", NOT_A_PLATFORM)
     try:
         found = await federation.threads.run(
-            lambda: dynamic.read_configuration(federation.outgoing, openid_configuration)
+            REGISTRATION_PATH, lambda: dynamic.read_configuration(federation.outgoing, openid_configuration)
         )
     except OutgoingError as error:
         raise Refused("registration", f"L’inscription est impossible : {error.reason}.") from error
@@ -108,7 +108,7 @@ async def register(
         return found.issuer, bool(tool.deployments)
 
     try:
-        issuer, is_complete = await federation.threads.run(work)
+        issuer, is_complete = await federation.threads.run(REGISTRATION_PATH, work)
     except OutgoingError as error:
         reason = f"L’inscription a échoué : {error.reason}. Faites une autre adresse, et recommencez."
         raise Refused("registration", reason) from error
