@@ -19,6 +19,9 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 API = "/api/"
 #: Who asks there watches the service, and is no visitor.
 MONITORING_PATHS = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
+#: Where platforms of schools have a browser send a form of theirs, which proves itself (LTI).
+LTI_BEGIN_PATH, LTI_LAUNCH_PATH = "/lti/connexion", "/lti/lancement"
+LAUNCH_PATHS = frozenset({LTI_BEGIN_PATH, LTI_LAUNCH_PATH})
 SESSION_COOKIE = "balise_session"
 DEVICE_COOKIE = "balise_device"
 #: The session of a page that another site's page shows in a frame, where a browser does not send the other one.

@@ -23,6 +23,7 @@ from server.base.http import (
     API,
     DEVICE_COOKIE,
     FRAMED_COOKIE,
+    LAUNCH_PATHS,
     MONITORING_PATHS,
     SAFE_METHODS,
     SESSION_COOKIE,
@@ -185,10 +186,6 @@ class SessionCookie:
         if not secure:
             return cookie + lax
         return f"{cookie}{lax}; Secure" if name == SESSION_COOKIE else f"{cookie}; Secure{lax}"
-
-
-#: Where platforms of schools have a browser send a form of theirs, which proves itself (LTI).
-LAUNCH_PATHS = frozenset({"/lti/connexion", "/lti/lancement"})
 
 
 class SameOrigin:

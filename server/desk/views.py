@@ -32,6 +32,7 @@ from server.database import utc_now
 from server.desk.guide.chapters import chapter_href
 from server.desk.schemas import ClassHead, JoinCodeView
 from server.desk.tabs import visible_tabs
+from server.federation import waiting
 from server.identity.models import Account
 from server.identity.secrets import format_code as format_slip_code
 from server.marks.repository import load_marking
@@ -75,7 +76,7 @@ def build_classes_page(db: Session, course: Course, account: Account | None) -> 
     asking = comments.count_open_questions_by_class(db, taught) if taught else {}
     rows: list[dict[str, Any]] = []
     for school_class, seat in seats:
-        students, waiting = counts[school_class.id]
+        students, asking_in = counts[school_class.id]
         rows.append(
             {
                 "listed": school_class,
@@ -85,11 +86,13 @@ def build_classes_page(db: Session, course: Course, account: Account | None) -> 
                 "is_staff": _is_staff(seat),
                 "pending": seat is not None and seat.status == Status.pending,
                 "students": students,
-                "waiting": waiting if _is_staff(seat) else 0,
+                "waiting": asking_in if _is_staff(seat) else 0,
                 "asking": asking.get(school_class.id, 0),
             }
         )
+    courses = [] if account is None else waiting.load_taught_contexts(db, account.id)
     return {
+        "school_courses": [(course, students) for course, _, students in courses if course.class_id is None],
         "news": [] if account is None else comments.load_unread_threads(db, account.id),
         "taught": [row for row in rows if row["listed"].archived_at is None and row["is_staff"]],
         "attended": [row for row in rows if row["listed"].archived_at is None and not row["is_staff"]],

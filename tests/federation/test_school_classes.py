@@ -80,7 +80,10 @@ def test_a_teacher_of_several_classes_chooses_among_them(site: Site) -> None:
     assert page.startswith("/etablissement/cours?")
     shown = emmy.get(page).text
     assert ("2NDE5" in shown, "1SPE" in shown, "1 élève déjà venu<" in shown) == (True, True, True)
+    asked = emmy.get("/classes").text.replace("\xa0", " ")
+    assert ("/etablissement/cours?suite=/classes" in asked, "1 élève déjà venu." in asked) == (True, True)
     ada, _ = come(site, provider, cas, "u1", **pupil("Ada Lovelace"))
+    assert "/etablissement/cours" not in ada.get("/classes").text
     assert "2NDE5" not in ada.get("/etablissement/cours").text
     assert ada.get(f"/etablissement/cours/{contexts(site)['2NDE5']}").status_code == 404
     come(site, provider, cas, "t1", **TEACHER, ENTAuxEnsClasses=CLASSES["1SPE"])

@@ -14,12 +14,12 @@ from sqlalchemy.orm import Session
 
 from server.audit import service as audit
 from server.audit.models import AuditAction
+from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH
 from server.database import utc_now
 from server.federation import repository
 from server.federation.errors import OutgoingError, Refused
 from server.federation.lti import registration
 from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, ROSTER_SCOPE, SCORE_SCOPE
-from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH
 from server.federation.lti.schemas import LtiSettings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, IdentityProvider, RegistrationLink
 from server.federation.outgoing import Outgoing, is_url, origin_of
@@ -108,12 +108,12 @@ def read_configuration(outgoing: Outgoing, address: str) -> PlatformConfiguratio
 
 def tool_document(service: str, keys_url: str) -> Mapping[str, Any]:
     """Return our registration, as Moodle among others wants it: lists where lists are meant, names among the claims."""
-    launch = service + LAUNCH_PATH
+    launch = service + LTI_LAUNCH_PATH
     return {
         "application_type": "web",
         "response_types": ["id_token"],
         "grant_types": ["implicit", "client_credentials"],
-        "initiate_login_uri": service + BEGIN_PATH,
+        "initiate_login_uri": service + LTI_BEGIN_PATH,
         "redirect_uris": [launch],
         "client_name": "Balise",
         "jwks_uri": keys_url,

@@ -36,7 +36,6 @@ NO_COURSE_ROLE = (
 ALGORITHMS = ("RS256",)
 #: Pages to which no launch leads.
 NO_TARGETS = ("/lti/", "/api/", "/compte", "/connexion", "/deconnexion", "/administration")
-BEGIN_PATH, LAUNCH_PATH = "/lti/connexion", "/lti/lancement"
 UNREADABLE = "Le lancement de la plateforme n’est pas complet : {why}."
 
 Text = Annotated[str, BeforeValidator(lambda text: "" if text is None else text), Field(max_length=2000)]

@@ -11,10 +11,11 @@ from urllib.parse import urlencode
 
 from sqlalchemy.orm import Session
 
+from server.base.http import LTI_LAUNCH_PATH
 from server.federation import pending, providers, repository
 from server.federation.errors import Refused
 from server.federation.lti import registration
-from server.federation.lti.launch import LAUNCH_PATH, Launch, target_path, verify_launch
+from server.federation.lti.launch import Launch, target_path, verify_launch
 from server.federation.lti.schemas import LtiSettings, lti_settings
 from server.federation.models import IdentityProvider, PendingSignIn
 from server.federation.outgoing import with_query
@@ -79,7 +80,7 @@ def authorization_url(db: Session, begun: PendingSignIn, provider: IdentityProvi
         "response_mode": "form_post",
         "prompt": "none",
         "client_id": provider.client_id,
-        "redirect_uri": service + LAUNCH_PATH,
+        "redirect_uri": service + LTI_LAUNCH_PATH,
         "login_hint": str(begun.details.get("login_hint", "")),
         "state": state,
         "nonce": pending.draw_nonce(db, begun, begun.details),

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import SettingsOf
-from server.base.http import client_address
+from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH, client_address
 from server.base.root_path import service_url
 from server.base.security_headers import FRAMES_STATE
 from server.database import Database
@@ -24,7 +24,7 @@ from server.federation.dependencies import FederationOf
 from server.federation.entries import record_failure
 from server.federation.errors import Refused
 from server.federation.lti import deep_linking, sign_in
-from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH, Launch
+from server.federation.lti.launch import Launch
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.sign_in import Initiation
 from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn
@@ -73,7 +73,7 @@ def _from_form(
     return Initiation(*fields)
 
 
-@router.get(BEGIN_PATH)
+@router.get(LTI_BEGIN_PATH)
 def begin_by_query(
     request: Request,
     database: DatabaseOf,
@@ -83,7 +83,7 @@ def begin_by_query(
     return _begin(request, database, settings, initiation)
 
 
-@router.post(BEGIN_PATH)
+@router.post(LTI_BEGIN_PATH)
 def begin_by_form(
     request: Request, database: DatabaseOf, settings: SettingsOf, initiation: Annotated[Initiation, Depends(_from_form)]
 ) -> Response:
@@ -110,7 +110,7 @@ def go_on(request: Request, database: DatabaseOf, state: State = "") -> Response
             pending.require_browser(begun, browser)
             return redirect(sign_in.authorization_url(db, begun, provider, state, service_url(request)))
         query = sign_in.resume_query(begun.details, provider, service_url(request) + begun.target)
-    return _without_cookies(request, provider, f"{BEGIN_PATH}?{query}")
+    return _without_cookies(request, provider, f"{LTI_BEGIN_PATH}?{query}")
 
 
 def _without_cookies(request: Request, provider: IdentityProvider, again: str) -> HTMLResponse:
@@ -120,13 +120,13 @@ def _without_cookies(request: Request, provider: IdentityProvider, again: str) -
     )
 
 
-@router.get(LAUNCH_PATH)
+@router.get(LTI_LAUNCH_PATH)
 def explain(request: Request, account: OptionalAccount) -> HTMLResponse:
     """Say to whoever opens the address of a tool by hand how one enters."""
     return render_page(request, "platforms/from_platform.html", account)
 
 
-@router.post(LAUNCH_PATH)
+@router.post(LTI_LAUNCH_PATH)
 async def arrive(
     request: Request,
     database: DatabaseOf,

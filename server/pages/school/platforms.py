@@ -16,6 +16,7 @@ from starlette.concurrency import run_in_threadpool
 from server.audit import repository as audit
 from server.audit.models import ACTION_LABELS
 from server.base.errors import Invalid, InvalidFields, ServiceError
+from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH
 from server.base.root_path import service_url
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
@@ -26,7 +27,6 @@ from server.federation.dependencies import FederationOf
 from server.federation.errors import OutgoingError
 from server.federation.extra import MISSING, is_installed
 from server.federation.lti import registration
-from server.federation.lti.launch import BEGIN_PATH, LAUNCH_PATH
 from server.federation.lti.schemas import lti_settings
 from server.federation.lti.testing import check_platform
 from server.federation.models import ActivityKind, IdentityProvider, Protocol
@@ -154,11 +154,11 @@ def our_addresses(request: Request) -> Mapping[str, str]:
     """Return our own addresses, which a platform's administrator types there."""
     service = service_url(request)
     return {
-        "Adresse de l’outil (Tool URL, Target link URI)": f"{service}{LAUNCH_PATH}",
-        "Adresse de début de connexion (Initiate login URL)": f"{service}{BEGIN_PATH}",
-        "Adresse de retour (Redirection URI)": f"{service}{LAUNCH_PATH}",
+        "Adresse de l’outil (Tool URL, Target link URI)": f"{service}{LTI_LAUNCH_PATH}",
+        "Adresse de début de connexion (Initiate login URL)": f"{service}{LTI_BEGIN_PATH}",
+        "Adresse de retour (Redirection URI)": f"{service}{LTI_LAUNCH_PATH}",
         "Adresse de nos clés (Public keyset URL)": f"{service}{KEYS_PATH}",
-        "Adresse du choix de contenu (Content selection URL)": f"{service}{LAUNCH_PATH}",
+        "Adresse du choix de contenu (Content selection URL)": f"{service}{LTI_LAUNCH_PATH}",
     }
 
 
