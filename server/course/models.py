@@ -13,6 +13,7 @@ from graders.core.contract.kits import scenario_kit
 from server.course.editions import edition_of, latest
 from server.course.exercises import ExerciseTable
 from server.course.families import NO_FILING, FamilyFiling, MisconceptionFamily
+from server.course.functions import FunctionSpec
 from server.course.kinds import LessonKind
 from server.course.objectives import Objective
 from server.sandbox.policy import Policy
@@ -54,27 +55,6 @@ class CourseFault(Exception):
     def __init__(self, problem: Problem) -> None:
         super().__init__(str(problem))
         self.problem = problem
-
-
-@dataclass(frozen=True)
-class FunctionSpec:
-    """A function (or class) that the student writes. `signature` is shown as it stands.
-
-    `parts` are the names of the values of the tuple that it returns, if that is what it does. `example` is a call to
-    begin from, or empty. `promises` are what its contract says, as labels and texts in French.
-    """
-
-    name: str
-    signature: str
-    returns: str
-    doc: str
-    parts: tuple[str, ...] = ()
-    example: str = ""
-    promises: tuple[tuple[str, str], ...] = ()
-
-    @property
-    def is_class(self) -> bool:
-        return self.signature.startswith("class ")
 
 
 @dataclass(frozen=True, eq=False)

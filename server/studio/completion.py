@@ -5,6 +5,7 @@ Nothing of the author's runs here; `ExerciseTrial` asks the sandbox what the sol
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,8 +13,12 @@ from typing import Any
 
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared import proposals
+from graders.core.declared.case_reading import parse_scenario
+from graders.core.declared.declaration import is_whole_program
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial import ExerciseTrial
+from graders.core.declared.wording import describe_case
 from graders.typography import unaccented
 from server.studio.drafts import (
     CHECK_CHOICES,
@@ -21,6 +26,7 @@ from server.studio.drafts import (
     CHECK_NUMBERS,
     CHECK_TEXTS,
     EXAMPLES_TITLE,
+    CaseDraft,
     CheckDraft,
     ExerciseDraft,
     MistakeDraft,
@@ -30,8 +36,9 @@ DRAWN_TITLE = "D’autres entrées, tirées au hasard"
 #: The share of the points that proposed draws take from the examples.
 DRAWN_POINTS = 8.0
 FILE_LINE = re.compile(r"^===[ \t]*(\S.*?)[ \t]*$", re.M)
-#: Examples that are added below a statement.
+#: Examples that are added below a statement, and characters of what one of them gives.
 SHOWN_EXAMPLES = 3
+MAX_SHOWN = 200
 NOT_A_WORD = re.compile(r"[^a-z0-9]+")
 
 
@@ -74,7 +81,8 @@ def complete_draft(draft: ExerciseDraft, trial: ExerciseTrial) -> CompletedExerc
     _drop_empty_lists(checks)
     return CompletedExercise(
         title=draft.title.strip() or ", ".join(functions) or "Sans titre",
-        summary=draft.summary.strip() or f"Écrire {', '.join(functions)}.",
+        summary=draft.summary.strip()
+        or ("Écrire un programme." if is_whole_program(functions) else f"Écrire {', '.join(functions)}."),
         statement=_statement(draft, functions, answers),
         starter=_lines(draft.starter) if draft.starter.strip() else proposals.propose_starter(solution, functions),
         signatures=proposals.propose_signatures(solution, functions),
@@ -192,13 +200,30 @@ def _drop_empty_lists(checks: list[dict[str, Any]]) -> None:
 
 def _statement(draft: ExerciseDraft, functions: Sequence[str], answers: list[list[str]] | None) -> str:
     """Return the statement, with the first check's examples below where it shows no code."""
-    text = _lines(draft.statement).strip() or f"Écrivez {', '.join(f'`{name}`' for name in functions)}."
+    is_program = is_whole_program(functions)
+    named = "un programme" if is_program else ", ".join(f"`{name}`" for name in functions)
+    text = _lines(draft.statement).strip() or f"Écrivez {named}."
     examples = draft.checks[0].written
-    if "```" in text or answers is None or draft.checks[0].watched != "valeur" or not examples:
+    if "```" in text or answers is None or not examples:
+        return text + "\n"
+    if is_program:
+        return text + "\n" + _runs(examples, answers[0])
+    if draft.checks[0].watched != "valeur":
         return text + "\n"
     shown = [
         "\n".join([f">>> {line}" for line in _lines(case.call).strip().split("\n")] + [answer])
         for case, answer in zip(examples[:SHOWN_EXAMPLES], answers[0], strict=False)
-        if answer and len(answer) <= 200
+        if answer and len(answer) <= MAX_SHOWN
     ]
     return f"{text}\n\n```python\n" + "\n".join(shown) + "\n```\n" if shown else text + "\n"
+
+
+def _runs(examples: Sequence[CaseDraft], printed: Sequence[str]) -> str:
+    """Return what the program displays in the first examples, each below what is typed."""
+    blocks = []
+    for case, text in zip(examples[:SHOWN_EXAMPLES], printed, strict=False):
+        words = describe_case(Scenario(parse_scenario(case.call, [PROGRAM])))
+        if text[:1] in ("'", '"') and len(text) <= MAX_SHOWN:
+            shown = str(ast.literal_eval(text))
+            blocks.append(f"\n{words}, le programme affiche :\n\n```text\n{shown.rstrip()}\n```\n")
+    return "".join(blocks)

@@ -17,9 +17,9 @@ from xml.etree import ElementTree
 
 from graders.core.compare.python_values import python_text
 from graders.core.contract.verdict import MAX_POINTS
+from graders.core.declared.case_reading import parse_expected, parse_scenario
 from graders.core.declared.declaration import MAX_CASES, MAX_CHECKS
 from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.scenarios import parse_expected, parse_scenario
 
 #: Bytes of a file; nested values of one; nested elements.
 MAX_FILE, MAX_NESTING = 4 << 20, 60

@@ -10,6 +10,7 @@ import contextlib
 import io
 import itertools
 import math
+import os
 import sys
 import types
 from typing import Any
@@ -18,84 +19,173 @@ import numpy as np
 
 __all__ = ["np", "rng"]
 
-#: Items taken of a value, characters kept of what is printed, and levels of a value.
-MAX_GENERATED, MAX_PRINTED, MAX_DEPTH = 10_000, 20_000, 20
+#: Items taken of a value, characters kept of what is printed or written, levels of a value, and files.
+MAX_GENERATED, MAX_PRINTED, MAX_DEPTH, MAX_FILES = 10_000, 20_000, 20, 10
 
 
-def configurer(seed: int | None = None, functions: tuple[str, ...] = ()) -> dict[str, object]:
-    """Les noms que le code de l'élève trouve, pour une graine ; `functions` sont jouées par le meneur."""
+def configurer(seed: int | None = None, functions: tuple[str, ...] = (), whole_program: str = "") -> dict[str, object]:
+    """Les noms que le code de l'élève trouve, pour une graine ; `functions` sont jouées par le meneur.
+
+    `whole_program` est le nom sous lequel le fichier entier est joué, s'il est un programme.
+    """
     names: dict[str, object] = {"np": np, "rng": np.random.default_rng(seed)}
+    names |= {"__whole_program__": whole_program} if whole_program else {}
     return {**names, "__drivers__": dict.fromkeys(functions, play)} if functions else names
 
 
-def play(target: Any, steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any], str]:
-    """Play the steps of a scenario on the student's file; return the value of each, encoded, and what was printed.
+def play(target: Any, steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any], str, str, list[Any]]:
+    """Play the steps of a scenario on the student's file.
 
-    An exception of the student's own class is a value; any other one passes.
+    Return the value of each, encoded; what was printed; the same with the prompts of `input` and what was typed, empty
+    where it is the same; names and texts of the files that were written. An exception of the student's own class is a
+    value; any other one passes.
     """
     names: dict[str, object] = {}
-    printed, world = io.StringIO(), sys.modules["solution"].__dict__
+    desk, world = _Desk(lines or (), dict(files)), sys.modules["solution"].__dict__
     values = []
+    reads = lines is not None or files or any(kind in ("type", "file", "program") for kind, *_ in steps)
     with contextlib.ExitStack() as stack:
-        if lines is not None or files:
-            stack.enter_context(_inputs(lines or (), dict(files)))
-        stack.enter_context(contextlib.redirect_stdout(_Twice(printed, sys.stdout)))
+        if reads:
+            stack.enter_context(desk.replaces_input())
+        stack.enter_context(contextlib.redirect_stdout(desk.screen))
         for kind, *parts in steps:
             try:
-                value = _play_step(kind, parts, names, world)
+                value = _play_step(kind, parts, names, world, desk)
             except BaseException as error:
                 if type(error).__module__ == "builtins":
                     raise
                 values.append(("e", [base.__name__ for base in type(error).__mro__]))
                 break
             values.append(_encode(value))
-    return values, printed.getvalue()[:MAX_PRINTED]
+    printed, shown = desk.screen.texts()
+    return values, printed, "" if shown == printed else shown, desk.written()
 
 
-class _Twice(io.TextIOBase):
-    """Writes what is printed to both: what is judged, and what the student is shown."""
+class _Screen(io.TextIOBase):
+    """Writes what is printed to the student's output too; what `input` shows and reads is not printed."""
 
-    def __init__(self, kept: Any, shown: Any) -> None:
-        self._kept, self._shown = kept, shown
+    def __init__(self, shown: Any) -> None:
+        self._printed, self._whole, self._shown = io.StringIO(), io.StringIO(), shown
 
     def write(self, text: str) -> int:
-        if self._kept.tell() <= MAX_PRINTED:
-            self._kept.write(text)
+        if self._printed.tell() <= MAX_PRINTED:
+            self._printed.write(text)
+        return self.echo(text)
+
+    def echo(self, text: str) -> int:
+        """Write what is not judged."""
+        if self._whole.tell() <= MAX_PRINTED:
+            self._whole.write(text)
         self._shown.write(text)
         return len(text)
 
+    def texts(self) -> tuple[str, str]:
+        return self._printed.getvalue()[:MAX_PRINTED], self._whole.getvalue()[:MAX_PRINTED]
 
-@contextlib.contextmanager
-def _inputs(lines: Any, files: Any) -> Any:
-    """Have `input` read these lines, and `open` these files."""
-    remaining, real_input, real_open = iter(lines), builtins.input, builtins.open
 
-    def read_line(prompt: object = "") -> str:
-        if prompt:
-            print(prompt, end="")
+class _Desk:
+    """What `input` and `open` give a program, and what it writes."""
+
+    def __init__(self, lines: Any, files: Any) -> None:
+        self.screen, self._files, self._open = _Screen(sys.stdout), files, list[Any]()
+        self._stdin, self._new = io.StringIO(), dict[str, str]()
+        self.type_lines(lines)
+
+    def type_lines(self, lines: Any) -> None:
+        self._stdin.seek(0)
+        self._stdin.truncate()
+        self._stdin.write("".join(f"{line}\n" for line in lines))
+        self._stdin.seek(0)
+
+    def put_file(self, name: str, text: str) -> None:
+        self._files[name] = text
+
+    def written(self) -> list[Any]:
+        """Return names and texts of the files that were written, also of those that were not closed."""
+        for file in self._open:
+            file.close()
+        return [(name, text[:MAX_PRINTED]) for name, text in list(self._new.items())[:MAX_FILES]]
+
+    @contextlib.contextmanager
+    def replaces_input(self) -> Any:
+        """Have `input` read the lines, and `open` the files."""
+        before = builtins.input, builtins.open, io.open, sys.stdin
+        vars(builtins).update(input=self._read_line, open=self._open_file)
+        vars(io).update(open=self._open_file)
+        sys.stdin, self._real_open = self._stdin, before[1]
         try:
-            return str(next(remaining))
-        except StopIteration:
-            raise EOFError("il n’y a plus de ligne à lire") from None
+            yield
+        finally:
+            vars(builtins).update(input=before[0], open=before[1])
+            vars(io).update(open=before[2])
+            sys.stdin = before[3]
 
-    def open_file(name: Any, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
-        if name not in files:
-            return real_open(name, mode, *args, **kwargs)
-        if "r" not in mode or "+" in mode:
-            raise PermissionError(f"« {name} » ne peut qu’être lu ici")
-        return io.BytesIO(files[name].encode()) if "b" in mode else io.StringIO(files[name])
+    def _read_line(self, prompt: object = "") -> str:
+        self.screen.echo(str(prompt))
+        line = self._stdin.readline()
+        if not line:
+            raise EOFError("il n’y a plus de ligne à lire")
+        self.screen.echo(line)
+        return line.removesuffix("\n")
 
-    real_stdin = sys.stdin
-    vars(builtins).update(input=read_line, open=open_file)
-    sys.stdin = io.StringIO("".join(line + "\n" for line in lines))
-    try:
-        yield
-    finally:
-        vars(builtins).update(input=real_input, open=real_open)
-        sys.stdin = real_stdin
+    def _open_file(self, name: Any, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
+        path = name if isinstance(name, (str, int)) else os.fspath(name)
+        if isinstance(path, str) and mode[:1] in ("w", "a", "x"):
+            start = self._files.get(path, "") if mode[0] == "a" else ""
+            file = (_WrittenBytes if "b" in mode else _WrittenText)(self, path, start)
+            self._open.append(file)
+            return file
+        if path not in self._files:
+            return self._real_open(name, mode, *args, **kwargs)
+        if "+" in mode:
+            raise PermissionError(f"« {path} » ne peut ici qu’être lu, ou écrit")
+        return io.BytesIO(self._files[path].encode()) if "b" in mode else io.StringIO(self._files[path])
+
+    def store(self, name: str, text: str) -> None:
+        self._files[name] = self._new[name] = text
 
 
-def _play_step(kind: Any, parts: Any, names: Any, world: Any) -> Any:
+class _WrittenText(io.StringIO):
+    def __init__(self, desk: Any, name: str, start: str) -> None:
+        super().__init__()
+        self._desk, self.name = desk, name
+        self.write(start)
+
+    def flush(self) -> None:
+        self._desk.store(self.name, self.getvalue())
+
+    def close(self) -> None:
+        if not self.closed:
+            self.flush()
+            super().close()
+
+
+class _WrittenBytes(io.BytesIO):
+    def __init__(self, desk: Any, name: str, start: str) -> None:
+        super().__init__()
+        self._desk, self.name = desk, name
+        self.write(start.encode())
+
+    def flush(self) -> None:
+        self._desk.store(self.name, self.getvalue().decode("utf-8", "replace"))
+
+    def close(self) -> None:
+        if not self.closed:
+            self.flush()
+            super().close()
+
+
+def _play_step(kind: Any, parts: Any, names: Any, world: Any, desk: Any) -> Any:
+    if kind in ("type", "file"):
+        (desk.type_lines if kind == "type" else desk.put_file)(*parts)
+        return None
+    if kind == "program":
+        desk.type_lines(parts[1])
+        return world[parts[0]]()
+    return _call_or_show(kind, parts, names, world)
+
+
+def _call_or_show(kind: Any, parts: Any, names: Any, world: Any) -> Any:
     if kind == "let":
         name, value = parts
         names[name] = _decode(value, names, world)

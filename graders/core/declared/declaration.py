@@ -16,18 +16,19 @@ from graders.core.compare.comparison import TOLERANCE
 from graders.core.compare.plain_values import SamePlainValue
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
+from graders.core.declared.case_reading import parse_expected, parse_scenario
 from graders.core.declared.draws_reading import parse_draws
 from graders.core.declared.generators import Draws, Variables
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.rules import Rule
-from graders.core.declared.scenarios import Scenario, parse_expected, parse_scenario
+from graders.core.declared.scenarios import PROGRAM, Scenario
 
 FUNCTION = re.compile(r"[^\W\d]\w*")
 IDENTITY = re.compile(r"[a-z0-9_]+")
 #: Bounds of a declaration: checks, cases of one, draws of one, mistakes, characters of a program, of a text.
 MAX_CHECKS, MAX_CASES, MAX_DRAWS, MAX_MISTAKES, MAX_PROGRAM, MAX_WORDS = 12, 60, 60, 20, 20_000, 2000
 DEFAULT_DRAWS = 12
-Watched = Literal["value", "printed"]
+Watched = Literal["value", "printed", "written"]
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,11 @@ class Declaration:
     solution: str
     mistakes: tuple[DeclaredMistake, ...]
     data: Mapping[str, Any] = field(compare=False)
+
+    @property
+    def is_program(self) -> bool:
+        """Whether the student writes a whole program."""
+        return is_whole_program(self.functions)
 
 
 class _TableReader:
@@ -166,7 +172,12 @@ class _TableReader:
 
 
 _ORDERS = {"oui": "same", "non": "any", "ensemble": "set"}
-_WATCHED: dict[str, Watched] = {"valeur": "value", "affichage": "printed"}
+_WATCHED: dict[str, Watched] = {"valeur": "value", "affichage": "printed", "fichiers": "written"}
+
+
+def is_whole_program(functions: Sequence[str]) -> bool:
+    """Whether a student's file is run whole, and none of its functions is called."""
+    return tuple(functions) == (PROGRAM,)
 
 
 def read_declaration(data: Mapping[str, Any]) -> Declaration:
@@ -194,6 +205,8 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
+        watched = table.choice("regarder", _WATCHED, "affichage" if is_whole_program(functions) else "valeur")
+        lines = () if lines is None and watched == "written" else lines
         written = table.texts("cas", most=MAX_CASES)
         expected = table.texts("attendus", most=MAX_CASES) or ("",) * len(written)
         if len(expected) != len(written):
@@ -201,7 +214,7 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
         cases = tuple(
             Scenario(
                 _read_case(text, functions, f"{place}.cas[{index}]"), lines, files,
-                _read_expected(answer, f"{place}.attendus[{index}]"),
+                _read_expected(answer, watched, f"{place}.attendus[{index}]"),
             )
             for index, (text, answer) in enumerate(zip(written, expected, strict=True))
         )  # fmt: skip
@@ -215,7 +228,6 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
             strict=table.flag("types_stricts", False),
             spaces=table.flag("espaces", True),
         )
-        watched = table.choice("regarder", _WATCHED, "valeur")
         points = table.number("points", MAX_POINTS)
         return DeclaredCheck(
             identity, table.text("titre"), points, table.text("indice", ""), cases, drawn, comparator, watched
@@ -246,12 +258,20 @@ def _read_case(text: str, functions: tuple[str, ...], place: str) -> Any:
         raise error.at(place) from error
 
 
-def _read_expected(text: str, place: str) -> tuple[Value, ...]:
-    """Return what a case must give, where it is said: none for an empty text."""
+def _read_expected(text: str, watched: Watched, place: str) -> tuple[Value, ...]:
+    """Return what a case must give, where it is said: none for an empty text.
+
+    Of what is printed, a text need not be quoted.
+    """
+    if not text.strip():
+        return ()
     try:
-        return (parse_expected(text),) if text.strip() else ()
+        expected = parse_expected(text)
     except MalformedDeclaration as error:
+        if watched == "printed":
+            return (text,)
         raise error.at(place) from error
+    return (expected if watched != "printed" or isinstance(expected, str) else text,)
 
 
 def _rules(words: Sequence[str], place: str, *, required: bool) -> Iterator[Rule]:

@@ -28,11 +28,11 @@ from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Diagnosis
 from graders.core.declared.declaration import Declaration, DeclaredCheck
-from graders.core.declared.judging import Case, Failure, agrees, fails_alike, is_answered, judge, observed
+from graders.core.declared.judging import Case, Failure, expected_is_given, fails_alike, is_answered, judge, observed
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
-from graders.core.declared.wording import failed_finding, fault_finding, slip_diagnosis
+from graders.core.declared.wording import describe_case, failed_finding, fault_finding, slip_diagnosis
 
 #: Bounds of the search for a simpler counterexample: scenarios in one exchange, in all, and seconds.
 SIMPLER_AT_ONCE, MAX_SIMPLER, SIMPLER_SECONDS = 12, 72, 0.25
@@ -72,7 +72,8 @@ class DeclaredGrader:
     def kit(self, seed: int) -> KitSettings:
         """Return the kit of a program: the driver plays the calls of the exercise's functions."""
         drawn = int(stream(seed, "kit").integers(2**62))
-        return KitSettings(SCENARIOS, {"seed": drawn, "functions": self.functions})
+        whole: dict[str, Value] = {"whole_program": self.functions[0]} if self.declaration.is_program else {}
+        return KitSettings(SCENARIOS, {"seed": drawn, "functions": self.functions, **whole})
 
     def grade(
         self,
@@ -153,8 +154,9 @@ class DeclaredGrader:
         for (check, scenario), played in zip(pairs, right, strict=True):
             if not is_answered(played):
                 raise SolutionFault(f"{scenario.text()} : {played.fault.message if played.fault else ''}")
-            given = observed(check, played, len(scenario.statements) - 1)
-            if scenario.expected and not agrees(check, scenario.expected[0], given):
+            last = len(scenario.statements) - 1
+            if scenario.expected and not expected_is_given(check, scenario.expected[0], played, last):
+                given = observed(check, played, last)
                 wanted, obtained = python_pair(scenario.expected[0], given)
                 raise SolutionFault(f"{scenario.text()} : la solution donne {obtained}, et « attendus » dit {wanted}")
         return right
@@ -193,8 +195,12 @@ class DeclaredGrader:
             return fault_finding(check, fault, inputs=inputs, expected=expected, text=scenario.text())
         got = observed(check, failure.got, failure.step)
         texts = python_pair(expected, got)
-        if check.watched == "printed":
-            message = f"Avec {scenario.text()}, on attend l’affichage {texts[0]}, et c’est {texts[1]}."
+        if check.watched != "value":
+            what = "l’affichage " if check.watched == "printed" else "les fichiers "
+            verb = "c’est" if check.watched == "printed" else "ce sont"
+            if failure.got.raised or failure.right.raised:
+                what, verb = "", "c’est"
+            message = f"{describe_case(scenario)}, on attend {what}{texts[0]}, et {verb} {texts[1]}."
         elif len(scenario.statements) == 1:
             verb = "lève" if failure.got.raised else "renvoie"
             message = f"Pour {scenario.text()}, on attend {texts[0]} et {scenario.function} {verb} {texts[1]}."
@@ -215,11 +221,13 @@ class DeclaredGrader:
         given: dict[str, Value] = {}
         first = scenario.statements[0]
         names = self._parameters.get(first.callee, ())
-        if len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
+        if scenario.runs_program:
+            given = {"ce que l’on tape": list(scenario.typed or ())}
+        elif len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
             given = dict(zip(names, first.arguments, strict=False))
         else:
             given = {"cas": Reference(scenario.text())}
-        if scenario.lines is not None:
+        if scenario.lines:
             given["lignes lues"] = list(scenario.lines)
         given |= {f"fichier {name}": text for name, text in scenario.files}
         return given
@@ -311,7 +319,8 @@ class DeclaredGrader:
 def _probe_answer(played: Played) -> str:
     if played.fault is not None:
         return f"{played.fault.outcome.value} {played.fault.exception or ''}"
-    return python_text(_typeless([*played.values, played.printed]), PROBE_DIGITS)
+    written = [dict(played.written)] if played.written else []
+    return python_text(_typeless([*played.values, played.printed, *written]), PROBE_DIGITS)
 
 
 def _typeless(value: Value) -> Value:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from graders.core.compare.comparison import Mismatch
 from graders.core.compare.python_values import Raised
@@ -71,8 +72,13 @@ def _judge_values(check: DeclaredCheck, case: Case, right: Played, got: Played) 
     """Judge a scenario that no exception ended."""
     last = len(case.scenario.statements) - 1
     if check.watched == "printed":
+        if _printed_mismatch(check, right.screen, got.screen) is None:
+            return None
         printed = _printed_mismatch(check, right.printed, got.printed)
         return Failure(case, right, got, printed, last) if printed else None
+    if check.watched == "written":
+        files = _written_mismatch(check, right.written, got.written)
+        return Failure(case, right, got, files, last) if files else None
     for step, statement in enumerate(case.scenario.statements):
         wanted = _value_at(right, step)
         if not statement.is_shown or (wanted is None and step != last):
@@ -85,10 +91,24 @@ def _judge_values(check: DeclaredCheck, case: Case, right: Played, got: Played) 
 
 def _printed_mismatch(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
     """Compare what was printed; spaces at the end of lines and empty lines at the end never count."""
-    wanted, obtained = ("\n".join(line.rstrip() for line in it.rstrip().split("\n")) for it in (expected, got))
     if not got.strip() and expected.strip():
         return Mismatch("Rien n’est affiché : il manque sans doute un « print ».")
+    return _text_mismatch(check, expected, got)
+
+
+def _text_mismatch(check: DeclaredCheck, expected: str, got: str) -> Mismatch | None:
+    wanted, obtained = ("\n".join(line.rstrip() for line in it.rstrip().split("\n")) for it in (expected, got))
     return check.comparator(wanted, obtained)
+
+
+def _written_mismatch(check: DeclaredCheck, expected: Mapping[str, str], got: Mapping[str, str]) -> Mismatch | None:
+    """Compare the files that were written, each as what is printed."""
+    missing = next((name for name in expected if name not in got), None)
+    if missing is not None:
+        return Mismatch(f"Le fichier « {missing} » n’est pas écrit.")
+    mismatches = ((name, _text_mismatch(check, text, got[name])) for name, text in expected.items())
+    first = next(((name, found) for name, found in mismatches if found), None)
+    return first and replace(first[1], words=f"Dans « {first[0]} » : {first[1].message}")
 
 
 def _value_at(played: Played, step: int) -> Value:
@@ -99,7 +119,16 @@ def observed(check: DeclaredCheck, played: Played, step: int) -> Value:
     """Return what a check looks at in one step: an exception, what was printed, or a value."""
     if played.raised is not None:
         return played.raised
-    return played.printed if check.watched == "printed" else _value_at(played, step)
+    if check.watched == "value":
+        return _value_at(played, step)
+    return played.printed if check.watched == "printed" else dict(played.written)
+
+
+def expected_is_given(check: DeclaredCheck, expected: Value, played: Played, step: int) -> bool:
+    """Whether a program gives what the author expects; of what is printed, with or without what is typed."""
+    if agrees(check, expected, observed(check, played, step)):
+        return True
+    return check.watched == "printed" and played.raised is None and agrees(check, expected, played.screen)
 
 
 def is_answered(right: Played) -> bool:

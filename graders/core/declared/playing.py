@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import builtins
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from graders.core.compare.python_values import Raised
 from graders.core.contract.outcomes import Outcome
@@ -21,11 +21,16 @@ UNREADABLE = StudentFault(Outcome.INVALID_OUTPUT, "la fonction renvoie une valeu
 
 @dataclass(frozen=True)
 class Played:
-    """What a program did in one scenario: the values of its statements, what it printed; `fault` where it stopped."""
+    """What a program did in one scenario: the values of its statements, what it printed; `fault` where it stopped.
+
+    `screen` is what was printed with the prompts of `input` and what was typed; `written` are the files it wrote.
+    """
 
     values: tuple[Value, ...] = ()
     printed: str = ""
     fault: StudentFault | None = None
+    screen: str = ""
+    written: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def raised(self) -> Raised | None:
@@ -122,8 +127,10 @@ def _played(answer: Reply | StudentFault) -> Played:
     if isinstance(answer, StudentFault):
         return Played(fault=answer)
     try:
-        values, printed = answer.value
-        decoded = tuple(decode_values(values))
+        values, printed, screen, written = answer.value
+        decoded, files = tuple(decode_values(values)), dict(written)
     except (TypeError, ValueError):
         return Played(fault=UNREADABLE)
-    return Played(decoded, printed) if isinstance(printed, str) else Played(fault=UNREADABLE)
+    if not all(isinstance(text, str) for text in (printed, screen, *files, *files.values())):
+        return Played(fault=UNREADABLE)
+    return Played(decoded, printed, None, screen or printed, files)

@@ -7,20 +7,27 @@ from __future__ import annotations
 
 import ast
 import itertools
+import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from graders.core.compare.python_values import python_text
 from graders.core.contract.values import Value
+from graders.core.declared.case_reading import parse_scenario
+from graders.core.declared.declaration import is_whole_program
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenario_values import FunctionSource, Reference
-from graders.core.declared.scenarios import Statement, parse_scenario
+from graders.core.declared.scenarios import PROGRAM, Statement
 
 #: Different characters of a proposed alphabet.
 MAX_ALPHABET = 20
 TO_DO = "# À vous de jouer."
+#: The signature of a student's file that is run whole.
+WHOLE_PROGRAM = "un programme entier"
+_INTEGER = re.compile(r"0|-?[1-9][0-9]{0,8}")
 
 
 def parse_solution(source: str) -> ast.Module | None:
@@ -38,12 +45,16 @@ def propose_functions(solution: str, cases: Sequence[str]) -> list[str]:
     trees = filter(None, map(parse_solution, cases))
     called = {node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name)}
     names = dict.fromkeys(defined)
+    if tree and tree.body and PROGRAM not in names and (PROGRAM in called or not (names or called)):
+        return [PROGRAM]
     return [name for name in names if name in called] or [name for name in names if not name.startswith("_")]
 
 
 def propose_signatures(solution: str, functions: Sequence[str]) -> dict[str, str]:
     """Return each function's signature as the solution writes it: « f(x, n=2) », « class Pile »."""
     tree = parse_solution(solution)
+    if is_whole_program(functions):
+        return {PROGRAM: WHOLE_PROGRAM}
     signatures = {name: f"{name}(…)" for name in functions}
     for node in tree.body if tree else ():
         if isinstance(node, ast.FunctionDef) and node.name in signatures:
@@ -55,6 +66,8 @@ def propose_signatures(solution: str, functions: Sequence[str]) -> dict[str, str
 
 def propose_starter(solution: str, functions: Sequence[str]) -> str:
     """Return the file that a student begins from: the headers of the solution, with nothing in them."""
+    if is_whole_program(functions):
+        return f"{TO_DO}\n"
     tree = parse_solution(solution)
     nodes = [node for node in tree.body if getattr(node, "name", None) in functions] if tree else []
     return "\n\n".join("\n".join(_header(node, "")) + "\n" for node in nodes)
@@ -84,12 +97,20 @@ def propose_draws(cases: Sequence[str], functions: Sequence[str]) -> tuple[str, 
         statements = [parse_scenario(case, functions) for case in cases]
     except MalformedDeclaration:
         return "", ""
-    calls = [each[0] for each in statements if len(each) == 1 and each[0].kind == "call" and not each[0].named]
+    calls = [_with_numbers(each[0]) for each in statements if len(each) == 1 and each[0].callee and not each[0].named]
     alike = [call for call in calls if calls and call.callee == calls[0].callee]
     widths = {len(call.arguments) for call in alike}
     if len(alike) < 2 or len(widths) != 1 or "." in alike[0].callee:
         return "", ""
     return _draws_of_calls(alike)
+
+
+def _with_numbers(call: Statement) -> Statement:
+    """Return a run of a program in which lines that write integers are integers."""
+    if call.kind != "program":
+        return call
+    lines = (int(line) if _INTEGER.fullmatch(str(line)) else line for line in call.arguments)
+    return replace(call, arguments=tuple(lines))
 
 
 def _draws_of_calls(calls: Sequence[Statement]) -> tuple[str, str]:

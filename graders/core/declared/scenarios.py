@@ -2,36 +2,35 @@
 
 A case is a few statements separated by « ; » or lines: `compter_mots("a b")`, or `p = Pile(); p.empiler(3);
 p.depiler()`. Arguments are literals, arrays `np.array(…)`, earlier names, and functions `lambda x: …`, whose source is
-compiled in the student's process alone.
+compiled in the student's process alone. `clavier("3", "4"); somme()` types two lines, `fichier("a.txt", "12"); lire()`
+puts a file there; `programme("3", "4")` runs a whole program that reads these lines.
 """
 
 from __future__ import annotations
 
-import ast
-import builtins
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
-from graders.core.declared.malformed import MalformedDeclaration
-from graders.core.declared.notation import parse_python, refusal
-from graders.core.declared.scenario_values import FunctionSource, Reference, encode_value, value_text
+from graders.core.declared.scenario_values import encode_value, value_text
 
-#: Bounds of a case as it is written: characters, statements, nested brackets.
-MAX_CASE, MAX_STATEMENTS, MAX_NESTING = 4000, 60, 40
-#: The names of functions that make a value.
-_MAKERS = ("set", "array", "float", "bytes", "dict", "range", "list", "tuple")
+#: What a case may call besides functions: lines that are typed, a file that may be read; the whole program.
+TYPE, FILE, PROGRAM = "clavier", "fichier", "programme"
 #: A step as the driver reads it (see `contract.scenario_kit`).
 Step = tuple[Any, ...]
 
 
+#: Kinds of the statements that prepare a case, by what they call; kinds of those that run the program.
+PREPARATIONS = {TYPE: "type", FILE: "file"}
+RUNS = ("call", "program")
+
+
 @dataclass(frozen=True)
 class Statement:
-    """One statement: a call, an assigned value or a value to show; `into` is the assigned name."""
+    """One statement: a call, a run of the whole program, an assigned value or a value to show, typed lines or a file.
+
+    `into` is the assigned name.
+    """
 
     kind: str
     into: str = ""
@@ -42,10 +41,21 @@ class Statement:
 
     @property
     def is_shown(self) -> bool:
-        return not self.into
+        return not self.into and self.kind not in PREPARATIONS.values()
+
+    @property
+    def typed(self) -> tuple[str, ...]:
+        """The arguments as lines of text, as they are typed."""
+        return tuple(value if isinstance(value, str) else value_text(value) for value in self.arguments)
 
     def encode(self) -> Step:
         """Return the step as plain data."""
+        if self.kind == "type":
+            return "type", self.typed
+        if self.kind == "file":
+            return "file", *self.typed
+        if self.kind == "program":
+            return "program", self.callee, self.typed
         if self.kind == "call":
             named = tuple((name, encode_value(value)) for name, value in self.named)
             return "call", self.into, self.callee, tuple(map(encode_value, self.arguments)), named
@@ -53,7 +63,7 @@ class Statement:
 
     def text(self) -> str:
         """Return the statement as Python writes it."""
-        if self.kind == "call":
+        if self.callee:
             arguments = [*map(value_text, self.arguments), *(f"{name}={value_text(it)}" for name, it in self.named)]
             line = f"{self.callee}({', '.join(arguments)})"
         else:
@@ -76,7 +86,17 @@ class Scenario:
     @property
     def function(self) -> str:
         """The first name of the program that is called."""
-        return next(statement.callee.partition(".")[0] for statement in self.statements if statement.kind == "call")
+        return next(step.callee.partition(".")[0] for step in self.statements if step.kind in RUNS)
+
+    @property
+    def typed(self) -> tuple[str, ...] | None:
+        """The lines that are typed, in order; None where the case says none."""
+        steps = [step for step in self.statements if step.kind in ("type", "program")]
+        return tuple(line for step in steps for line in step.typed) if steps else self.lines
+
+    @property
+    def runs_program(self) -> bool:
+        return any(step.kind == "program" for step in self.statements)
 
     def arguments(self) -> tuple[Value, ...]:
         """Return the arguments of the driver."""
@@ -85,218 +105,3 @@ class Scenario:
     def text(self) -> str:
         """Return the case as Python writes it."""
         return "; ".join(statement.text() for statement in self.statements)
-
-
-def parse_scenario(
-    text: str, functions: Sequence[str], *, variables: Mapping[str, Value] | None = None
-) -> tuple[Statement, ...]:
-    """Read the statements of a case that calls some of `functions`; `variables` are values that stand for names.
-
-    Raises MalformedDeclaration.
-    """
-    tree = _parse(text)
-    reader = _CaseReader(frozenset(functions), dict(variables or {}))
-    try:
-        statements = tuple(reader.statement(node) for node in tree.body)
-    except RecursionError as error:
-        raise MalformedDeclaration("ce cas est trop imbriqué") from error
-    if not any(statement.kind == "call" for statement in statements):
-        raise MalformedDeclaration(
-            f"« {text.strip()[:80]} » n’appelle aucune de vos fonctions : {', '.join(functions)}"
-        )
-    return statements
-
-
-def parse_expected(text: str) -> Value:
-    """Read a literal, or the name of an exception of Python, which is expected. Raises MalformedDeclaration."""
-    kind = getattr(builtins, text.strip(), None)
-    if isinstance(kind, type) and issubclass(kind, BaseException):
-        return Raised(text.strip())
-    tree = _parse(text)
-    if len(tree.body) != 1 or not isinstance(tree.body[0], ast.Expr):
-        raise MalformedDeclaration(f"« {text.strip()[:80]} » n’est pas une valeur")
-    return _CaseReader(frozenset(), {}).value(tree.body[0].value)
-
-
-def _parse(text: str) -> ast.Module:
-    if len(text) > MAX_CASE:
-        raise MalformedDeclaration(f"ce cas a {len(text)} caractères ; {MAX_CASE} au plus")
-    if _nesting(text) > MAX_NESTING:
-        raise MalformedDeclaration(f"ce cas a plus de {MAX_NESTING} parenthèses imbriquées")
-    tree = parse_python(text, described=" n’est pas du Python")
-    if not 0 < len(tree.body) <= MAX_STATEMENTS:
-        raise MalformedDeclaration(f"un cas a de 1 à {MAX_STATEMENTS} instructions")
-    return tree
-
-
-def _nesting(text: str) -> int:
-    depth = deepest = 0
-    for character in text:
-        depth += (character in "([{") - (character in ")]}")
-        deepest = max(deepest, depth)
-    return deepest
-
-
-class _CaseReader:
-    """Reads the syntax tree of a case."""
-
-    def __init__(self, functions: frozenset[str], variables: dict[str, Value]) -> None:
-        self._functions, self._variables, self._assigned = functions, variables, set[str]()
-
-    def statement(self, node: ast.stmt) -> Statement:
-        into = ""
-        if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
-            into, expression = node.targets[0].id, node.value
-        elif isinstance(node, ast.Expr):
-            expression = node.value
-        else:
-            raise refusal(node, "écrivez des appels, ou « nom = … »")
-        read = self._read(expression, into)
-        if into:
-            self._assigned.add(into)
-            self._variables.pop(into, None)
-        return read
-
-    def _read(self, node: ast.expr, into: str) -> Statement:
-        callee = self._callee(node.func) if isinstance(node, ast.Call) else None
-        if callee is None:
-            return Statement("value", into, value=self.value(node))
-        assert isinstance(node, ast.Call)
-        if any(isinstance(argument, ast.Starred) for argument in node.args) or any(
-            not key.arg for key in node.keywords
-        ):
-            raise refusal(node, "« * » et « ** » ne se lisent pas ici")
-        named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
-        return Statement("call", into, callee, tuple(map(self.value, node.args)), named)
-
-    def _callee(self, node: ast.expr) -> str | None:
-        """Return what is called, where it is of the program: « Pile », « p.empiler »."""
-        path: list[str] = []
-        while isinstance(node, ast.Attribute):
-            path.insert(0, node.attr)
-            node = node.value
-        if not isinstance(node, ast.Name) or (not path and node.id in _MAKERS and node.id not in self._functions):
-            return None
-        if node.id == "np" and node.id not in self._assigned:
-            return None
-        if node.id not in self._functions and node.id not in self._assigned:
-            known = ", ".join(sorted(self._functions))
-            raise refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
-        if any(name.startswith("__") for name in path):
-            raise refusal(node, "pas de nom qui commence par deux soulignés")
-        return ".".join([node.id, *path])
-
-    def value(self, node: ast.expr) -> Value:
-        """Return the value that an expression writes."""
-        readers: dict[type[ast.expr], Callable[[Any], Value]] = {
-            ast.Constant: self._constant,
-            ast.List: self._items,
-            ast.Tuple: self._items,
-            ast.Set: self._items,
-            ast.Dict: self._dict,
-            ast.Lambda: lambda function: FunctionSource(ast.unparse(function)),
-            ast.UnaryOp: self._number,
-            ast.BinOp: self._number,
-            ast.Name: self._name,
-            ast.Attribute: self._name,
-            ast.Call: self._made,
-        }
-        reader = readers.get(type(node))
-        if reader is None:
-            raise refusal(node, "ce n’est ni un nombre, ni un texte, ni une liste, ni une fonction « lambda »")
-        return reader(node)
-
-    def _constant(self, node: ast.Constant) -> Value:
-        if node.value is ...:
-            raise refusal(node, "« ... » n’est pas une valeur")
-        return node.value
-
-    def _dict(self, node: ast.Dict) -> Value:
-        if None in node.keys:
-            raise refusal(node, "« ** » ne se lit pas ici")
-        pairs = zip(node.keys, node.values, strict=True)
-        return {_hashable(node, self.value(key)): self.value(item) for key, item in pairs if key is not None}
-
-    def _items(self, node: ast.List | ast.Tuple | ast.Set) -> Value:
-        items = [self.value(item) for item in node.elts]
-        if isinstance(node, ast.Set):
-            return {_hashable(node, item) for item in items}
-        return tuple(items) if isinstance(node, ast.Tuple) else items
-
-    def _number(self, node: ast.UnaryOp | ast.BinOp) -> Value:
-        """Return -3, 1 + 2j, 2 ** 0.5 or 3 / 4: arithmetic of two small numbers."""
-        if isinstance(node, ast.UnaryOp):
-            operand = self.value(node.operand)
-            if isinstance(node.op, ast.USub) and _is_number(operand):
-                return -operand
-            raise refusal(node, "seul le signe « - » se lit devant un nombre")
-        left, right = self.value(node.left), self.value(node.right)
-        if not (_is_number(left) and _is_number(right)):
-            raise refusal(node, "un calcul n’a ici que des nombres")
-        if isinstance(node.op, ast.Add):
-            return left + right
-        if isinstance(node.op, ast.Sub):
-            return left - right
-        if isinstance(node.op, ast.Mult):
-            return left * right
-        if isinstance(node.op, ast.Div) and right != 0:
-            return left / right
-        raise refusal(node, "de calcul, seuls +, -, * et / se lisent ici")
-
-    def _name(self, node: ast.Name | ast.Attribute) -> Value:
-        text = ast.unparse(node)
-        if text in ("np.pi", "pi", "math.pi"):
-            return float(np.pi)
-        if text in ("np.nan", "np.inf"):
-            return float(text.removeprefix("np."))
-        first = text.partition(".")[0]
-        if text in self._variables:
-            return self._variables[text]
-        if first in self._assigned or (text in self._functions):
-            if "__" in text:
-                raise refusal(node, "pas de nom qui contient deux soulignés")
-            return Reference(text)
-        raise refusal(node, f"« {text} » n’est pas connu ici ; un texte s’écrit entre guillemets")
-
-    def _made(self, node: ast.Call) -> Value:
-        """Return set(…), np.array(…), float("nan")…: a function of Python that makes a value."""
-        maker = ast.unparse(node.func).removeprefix("np.")
-        arguments = [self.value(argument) for argument in node.args]
-        try:
-            if maker == "set" and len(arguments) <= 1:
-                return set(*arguments)
-            if maker == "array" and len(arguments) == 1:
-                return np.array(arguments[0], dtype=_dtype(node))
-            if maker in ("zeros", "ones") and len(arguments) == 1 and np.prod(arguments[0]) <= MAX_CASE:
-                return np.full(arguments[0], float(maker == "ones"))
-            if maker == "float" and arguments in (["nan"], ["inf"], ["-inf"]):
-                return float(arguments[0])
-            if maker == "bytes" and len(arguments) == 1 and isinstance(arguments[0], list):
-                return bytes(arguments[0])
-        except (TypeError, ValueError) as error:
-            raise refusal(node, str(error)) from error
-        raise refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
-
-
-def _dtype(node: ast.Call) -> Any:
-    named = {key.arg: ast.unparse(key.value) for key in node.keywords}
-    if not named:
-        return None
-    kinds = {"float": float, "int": int, "bool": bool, "complex": complex}
-    if set(named) != {"dtype"} or named["dtype"] not in kinds:
-        raise refusal(node, "dtype=float, int, bool ou complex")
-    return kinds[named["dtype"]]
-
-
-def _is_number(value: Value) -> bool:
-    return isinstance(value, int | float | complex) and not isinstance(value, bool) and abs(value) < 1e300
-
-
-def _hashable(node: ast.expr, value: Value) -> Value:
-    try:
-        hash(value)
-    except TypeError:
-        raise refusal(
-            node, "une liste, un ensemble ou un dictionnaire ne peut pas être ici : prenez un n-uplet"
-        ) from None
-    return value

@@ -19,10 +19,10 @@ from graders.core.contract.values import Value
 from graders.core.contract.verdict import MAX_POINTS
 from graders.core.declared.declaration import Declaration, DeclaredCheck, read_declaration
 from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionFault
-from graders.core.declared.judging import Case, agrees, is_answered, judge, observed
+from graders.core.declared.judging import Case, expected_is_given, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
-from graders.core.declared.scenarios import Scenario
+from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.variations import vary_cases
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
@@ -134,7 +134,7 @@ class ExerciseTrial:
         try:
             declaration = read_declaration(data)
         except MalformedDeclaration as error:
-            fault = self._load_fault(str(data.get("solution", "")))
+            fault = self._load_fault(str(data.get("solution", "")), data.get("fonctions"))
             return TrialReport(solution=fault) if fault else TrialReport(error.place, error.message)
         grader = DeclaredGrader(self._exercise, declaration)
         cases, fault = self._try_cases(grader)
@@ -154,10 +154,11 @@ class ExerciseTrial:
             is_whole=self._clock() <= until,
         )  # fmt: skip
 
-    def _load_fault(self, solution: str) -> str:
+    def _load_fault(self, solution: str, functions: object) -> str:
         """Return why a solution does not load; empty where it does."""
+        whole: dict[str, Value] = {"whole_program": PROGRAM} if functions == [PROGRAM] else {}
         try:
-            self._start().open(solution.encode(), KitSettings(SCENARIOS, {"seed": 0, "functions": ()})).close()
+            self._start().open(solution.encode(), KitSettings(SCENARIOS, {"seed": 0, "functions": (), **whole})).close()
         except StudentFault as fault:
             return _message(fault)
         return ""
@@ -288,7 +289,7 @@ def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got:
     if not is_answered(got):
         return TriedCase(at, number, "", agrees=False, fault=_message(got.fault) if got.fault else "")
     given: Value = observed(check, got, len(case.statements) - 1)
-    as_expected = not case.expected or agrees(check, case.expected[0], given)
+    as_expected = not case.expected or expected_is_given(check, case.expected[0], got, len(case.statements) - 1)
     text = str(given) if isinstance(given, Raised) else python_text(given, None)
     return TriedCase(at, number, text[:MAX_MESSAGE], agrees=as_expected)
 

@@ -30,7 +30,7 @@ def vary_cases(check: DeclaredCheck) -> list[Scenario]:
 
 def _vary(case: Scenario) -> Iterator[Scenario]:
     for at, statement in enumerate(case.statements):
-        if statement.kind == "call":
+        if statement.callee:
             for changed in _vary_call(statement):
                 statements = (*case.statements[:at], changed, *case.statements[at + 1 :])
                 yield replace(case, statements=statements, expected=())
@@ -51,6 +51,8 @@ def vary_value(value: Value) -> Iterator[Value]:
     elif isinstance(value, float):
         yield from (value + 0.5, -value, 0.0, value / 3)
     elif isinstance(value, str):
+        if value.strip().lstrip("-").isdecimal():
+            yield from map(str, vary_value(int(value)))
         yield from (f"{value} {value}", value[::-1], value[:1], f" {value}", f"{value} ", value.upper(), "", value * 2)
         yield from ("a", "a b", "ab a b", "Aa1")
     elif isinstance(value, list):

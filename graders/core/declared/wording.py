@@ -16,6 +16,7 @@ from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 from graders.core.declared.declaration import DeclaredCheck
 from graders.core.declared.scenario_values import FunctionSource, Reference, value_text
+from graders.core.declared.scenarios import Scenario
 
 
 def _shown(value: Value) -> Value:
@@ -28,6 +29,18 @@ def _shown_container(value: Value) -> Value:
     kept = in_counterexample(value)
     holds_function = isinstance(value, list | tuple) and any(isinstance(item, FunctionSource) for item in value)
     return ", ".join(map(value_text, value)) if holds_function else kept
+
+
+def describe_case(scenario: Scenario) -> str:
+    """Return with which input a program is run: « Quand on tape « 3 », puis « 4 » », « Avec somme() »."""
+    if not scenario.runs_program:
+        return f"Avec {scenario.text()}"
+    lines = [f"« {line} »" for line in scenario.typed or ()]
+    typed = ", puis ".join(lines) if len(lines) < 4 else ", ".join(lines)
+    files = [f"« {step.typed[0]} »" for step in scenario.statements if step.kind == "file"]
+    files += [f"« {name} »" for name, _ in scenario.files]
+    with_files = f" avec {', '.join(files)}" if files else ""
+    return f"Quand on tape {typed}{with_files}" if lines else f"Quand on lance le programme{with_files}"
 
 
 def failed_finding(

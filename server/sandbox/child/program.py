@@ -22,10 +22,12 @@ from .frames import FAULT_LIMITS
 from .kits import KitModules, expose_kit
 from .notebook_text import Note, clean_notebook_text
 from .tracer import Tracer
+from .whole_program import make_whole_program
 
 MODULE = "solution"
-#: Among a kit's names: functions that call some functions of the file, by the names of these.
-DRIVERS = "__drivers__"
+#: Among a kit's names: functions that call some functions of the file, by the names of these; the name by which the
+#: whole file is called, where it is not run before.
+DRIVERS, WHOLE_PROGRAM = "__drivers__", "__whole_program__"
 #: Kinds of notes on what was let through, besides those of `notebook_text`.
 EXIT, DRAWING = "exit", "drawing"
 MAX_NAMES, MAX_NAME = 1000, 120
@@ -54,6 +56,7 @@ class Program:
         self._filename = ""
         self._injected: dict[str, object] = {}
         self._drivers: Mapping[str, Callable[..., Any]] = {}
+        self._whole_program = ""
         self._globals: dict[str, Any] = {}
         self._functions: frozenset[str] = frozenset()
         self._deferred_code: list[CodeType] = []
@@ -93,7 +96,9 @@ class Program:
         library.install_library(library.EarlierFunctions(library_files, self._injected, course_functions, ask))
         self._globals = module.__dict__
         self._deferred_code = codes
-        if not deferred:
+        if self._whole_program:
+            self._globals[self._whole_program] = make_whole_program(codes, self._injected, filename)
+        elif not deferred:
             self._run_student_code(self._run_top_level)
         if drawing.is_loaded():
             self._globals[drawing.FIGURES] = drawing.figures
@@ -209,6 +214,7 @@ class Program:
             module = self._kits[kit][kit]
             names = dict(module.configurer(**parameters))
             self._drivers = names.pop(DRIVERS, {})
+            self._whole_program = names.pop(WHOLE_PROGRAM, "")
             self._injected = names
             if without:
                 self._remove_kit_names(without)
