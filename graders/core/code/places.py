@@ -13,10 +13,13 @@ from typing import Any
 import numpy as np
 
 from graders.core.code.changes import ProgramChange
+from graders.core.code.checks import Check
 from graders.core.code.diagnosis import combine_diagnoses, tell_remainder
+from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
 from graders.core.code.mending import Mending, MendingSearch, MendingStep
 from graders.core.code.probes import explains_itself
+from graders.core.code.seen_facts import SeenFact
 from graders.core.compare import words as render
 from graders.core.compare.slips import Slip
 from graders.core.contract.program import Programs
@@ -24,8 +27,9 @@ from graders.core.contract.values import Arguments
 from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 
 PLACE, LOOK = "lieu", "Regardez-y"
-#: Characters of a line that is quoted; lines of one mistake, and values, that are told.
-MAX_LINE, MAX_LINES, MAX_VALUES = 90, 3, 2
+EXPERIMENT, SEEN_ALSO = "essais", "Ce que montrent d’autres essais"
+#: Characters of a line that is quoted; lines of one mistake, values, and facts beside the first, that are told.
+MAX_LINE, MAX_LINES, MAX_VALUES, MAX_FACTS = 90, 3, 2, 2
 
 
 @dataclass(frozen=True)
@@ -118,10 +122,11 @@ def find_place(
     """Search the places of a failed program's mistakes; None where it is not worth it, or none is found."""
     if not is_worth_searching(verdict):
         return None
+    facts = Experimenter(grader, programs, verdict.seed, spent).find_facts(source, _unexplained(grader, verdict))
     search = MendingSearch(grader, programs, verdict.seed, spent)
     mending = search.search(source)
     if mending is None:
-        return None
+        return FoundPlace(describe_facts(facts, grader.checks, verdict.checks), "") if facts else None
     values = {}
     call = _example_call(grader, verdict)
     if call is not None:
@@ -129,7 +134,33 @@ def find_place(
         if words := _value_words(search.values_at(source, line, function, arguments)):
             values[line] = f"Dans l'exemple de « {title} », {words}."
     operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps)
-    return FoundPlace(describe_mending(mending, source, verdict.checks, values), operators)
+    found = describe_mending(mending, source, verdict.checks, values)
+    mended = {name for check in grader.checks if check.id in mending.mended - mending.left for name in check.functions}
+    return FoundPlace(_with_facts(found, [fact for fact in facts if fact.function not in mended]), operators)
+
+
+def _unexplained(grader: CodeGrader, verdict: Verdict) -> list[str]:
+    """Return the functions of the failed checks that no certain name explains."""
+    named = verdict.diagnosis
+    explained = {check for checks in named.explains for check in checks} if named is not None and named.certain else ()
+    failed = {check.id for check in verdict.checks if not (check.passed or check.neutral or check.id in explained)}
+    blamed = {name for check in grader.checks if check.id in failed for name in check.functions}
+    return [function for function in grader.functions if function in blamed]
+
+
+def describe_facts(facts: Sequence[SeenFact], checks: Sequence[Check], results: Sequence[CheckResult]) -> Diagnosis:
+    """Return the diagnosis of what experiments have established, where no place is known."""
+    first, *others = facts
+    found = Diagnosis(EXPERIMENT, first.title, f"{first.proof}\n\n{first.question}")
+    failed = {result.id for result in results if not result.passed}
+    shown = {fact.function for fact in facts}
+    explains = tuple(check.id for check in checks if check.id in failed and shown.intersection(check.functions))
+    return replace(_with_facts(found, others), explains=(explains,))
+
+
+def _with_facts(found: Diagnosis, facts: Sequence[SeenFact]) -> Diagnosis:
+    told = [f"{SEEN_ALSO} : {fact.title}. {fact.proof}" for fact in facts[:MAX_FACTS]]
+    return replace(found, explanation="\n\n".join([found.explanation, *told]))
 
 
 def _example_call(grader: CodeGrader, verdict: Verdict) -> tuple[str, str, Arguments] | None:
@@ -164,6 +195,8 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
     if diagnosis is None or _is_disproved(diagnosis, place):
         return place
     where = place.explanation.partition("\n\n")[0].partition(LOOK)[0].strip()
+    if place.id == EXPERIMENT:
+        return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{SEEN_ALSO} : {place.title}. {where}")
     told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {where}"
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
 

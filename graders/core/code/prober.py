@@ -107,8 +107,7 @@ class Prober:
                     consequences.append(self.probes[index].function)
                     fallback += self._fallback_names(index, sequence)
                     continue
-                names, is_certain = self._name_mistakes(index, sequence, functions)
-                names = self._borne_out(names, self.probes[index].function, named)
+                names, is_certain = self._name_borne_out(index, sequence, functions, named)
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
@@ -119,6 +118,18 @@ class Prober:
                 mistakes += [SHARED] if SHARED not in mistakes else []
                 certain = False
         return RecognisedMistakes(tuple(mistakes), tuple(fallback), tuple(consequences), certain and bool(mistakes))
+
+    def _name_borne_out(
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str], named: Mapping[str, AbstractSet[str]]
+    ) -> tuple[Sequence[str], bool]:
+        """Return `_name_mistakes`, but those of another function that has answered otherwise; then without these."""
+        function = self.probes[index].function
+        names, is_certain = self._name_mistakes(index, sequence, blamed)
+        left = self._borne_out(names, function, named)
+        if len(left) == len(names):
+            return names, is_certain
+        others, is_certain = self._name_mistakes(index, sequence, blamed, frozenset(names).difference(left))
+        return (others, is_certain) if self._borne_out(others, function, named) == others != [] else (left, False)
 
     def _borne_out(self, names: Sequence[str], function: str, named: Mapping[str, AbstractSet[str]]) -> Sequence[str]:
         """Return the names but those of a mistake in another function whose own answers have shown another one."""
@@ -220,9 +231,9 @@ class Prober:
         ]
 
     def _name_mistakes(
-        self, index: int, sequence: AnswerSequence, blamed: Collection[str]
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str], disproved: AbstractSet[str] = frozenset()
     ) -> tuple[Sequence[str], bool]:
-        """Return the mistakes of a function, and whether it answers as a mutant with these alone does."""
+        """Return the mistakes of a function, none `disproved`, and whether it answers as a mutant with these alone."""
         probes, answers = self.probes[index], sequence.answers
         right = self._right_answers(index, sequence)
         if right is None:
@@ -235,7 +246,8 @@ class Prober:
         for mistakes, rows in enumerate(self._candidates(index, answers) if wrong else (), 1):
             if fails and mistakes > 1:
                 break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
-            fits = self._mutants.matching(index, (row for row in rows if row.mutant.applies_to(blamed)), sequence)
+            fitting = (r for r in rows if r.mutant.applies_to(blamed) and disproved.isdisjoint(r.mutant.ids))
+            fits = self._mutants.matching(index, fitting, sequence)
             if fits and (common := _common_mistakes(fits)):
                 return common, any(set(row.mutant.ids) == set(common) for row in fits)
             if fits:

@@ -1,0 +1,229 @@
+"""Experiments on a failed program for which nothing was found: what its answers have in common, in all calls tried.
+
+A method unlike the model's, or a mistake that no catalogue holds, still shows itself: in a relation between its answers
+and the right ones, as one argument read for another, in what they should feel and do not. Each is tried on the probes,
+in which the exercise's solution answers beside the program, and told with one call as it came out. The words state
+what was seen, never a cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from graders.core.code.checks import Cases
+from graders.core.code.grading import CodeGrader
+from graders.core.code.seen_facts import (
+    FELT,
+    NOT_FELT,
+    FunctionTrial,
+    ReturnedValue,
+    SeenFact,
+    Variation,
+    VariedAnswers,
+    columns_of,
+    felt_fact,
+    is_strong,
+    related_fact,
+    replaced_fact,
+)
+from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
+from graders.core.compare.compound_forms import TupleForm
+from graders.core.compare.series import MIN_WRONG, same
+from graders.core.contract.program import KitSettings, PlannedCalls, Programs, Reply, StudentFault, flatten_blocks
+from graders.core.contract.streams import stream
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+
+#: Calls of a function; calls in one launch; facts that are told of a function.
+MAX_CALLS, SLICE, MAX_FACTS = 12, 120, 2
+#: Calls in which a result must feel an argument, and does not, or the other way round.
+MIN_FELT = 2
+
+
+class Experimenter:
+    """Tries a program and the solution of its exercise on the same calls, until the time is `spent`."""
+
+    def __init__(self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool]) -> None:
+        self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
+
+    def find_facts(self, source: str, functions: Sequence[str]) -> list[SeenFact]:
+        """Return facts on the answers of these functions, the most telling first; [] where nothing is established."""
+        facts = []
+        for function in functions:
+            trial = None if self._spent() else self._trial(source, function)
+            if trial is not None:
+                facts += self._facts_of(source, trial)[:MAX_FACTS]
+        return facts
+
+    def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
+        views = trial.wrong_views()
+        related = [fact for view in views for fact in self._related(trial, view)]
+        replaced = list(self._replaced(trial, views))
+        strong = [fact for fact in related if is_strong(fact)]
+        felt = [] if strong or replaced else list(self._felt(source, trial, views))
+        return [*replaced, *strong, *felt, *(fact for fact in related if not is_strong(fact))]
+
+    def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
+        """The first relation of a value with the right one; of its columns, where these tell more."""
+        whole = related_fact(trial, view)
+        if whole is not None and is_strong(whole):
+            return [whole]
+        columns = [fact for column in columns_of(trial, view) if (fact := related_fact(trial, column)) is not None]
+        return [fact for fact in columns if is_strong(fact)] or ([whole] if whole is not None else columns)
+
+    def _replaced(self, trial: FunctionTrial, views: Sequence[ReturnedValue]) -> Iterator[SeenFact]:
+        """An argument for which the program reads another value: the solution answers likewise when given that one."""
+        if not views:
+            return
+        pivot = trial.plainest(k for k, wrong in enumerate(trial.series(views[0]).wrong) if wrong)
+        changes = list(replacements(trial.names, trial.calls[pivot]))
+        asked = [change.apply(trial.calls[pivot]) for change in changes]
+        answers = iter(self._solution(trial, [call for call in asked if call is not None]))
+        seen = [None if call is None else next(answers, None) for call in asked]
+        for view in views:
+            series = trial.series(view)
+            for change, call, answer in zip(changes, asked, seen, strict=True):
+                if call is None or answer is None or len(answer) != len(trial.got[pivot]) or not series.wrong[pivot]:
+                    continue
+                if not same(view.read(answer), series.got[pivot]) or not self._holds_everywhere(trial, view, change):
+                    continue
+                yield replaced_fact(trial, view, pivot, change, call)
+                break
+
+    def _holds_everywhere(self, trial: FunctionTrial, view: ReturnedValue, change: ArgumentChange) -> bool:
+        asked = [change.apply(call) or call for call in trial.calls]
+        answers = self._solution(trial, asked)
+        return len(answers) == len(asked) and all(
+            answer is not None and len(answer) == len(got) and same(view.read(answer), view.read(got))
+            for answer, got in zip(answers, trial.got, strict=True)
+        )
+
+    def _felt(self, source: str, trial: FunctionTrial, views: Sequence[ReturnedValue]) -> Iterator[SeenFact]:
+        """An argument that a result must feel and does not, or must not feel and does."""
+        if not views:
+            return
+        asked = [
+            Variation(index, change, k, call)
+            for index, change in variations(trial.names, trial.calls[0])
+            for k, old in enumerate(trial.calls)
+            if (call := change.apply(old)) is not None
+        ]
+        calls = [variation.call for variation in asked]
+        answers, wanted = self._answers(source, trial, calls), self._solution(trial, calls)
+        if len(answers) < len(calls) or len(wanted) < len(calls):
+            return
+        for view in views:
+            told: set[int] = set()
+            for index, change in dict.fromkeys((variation.index, variation.change) for variation in asked):
+                rows = [
+                    VariedAnswers(
+                        variation, view.read(trial.got[k]), view.read(mine), view.read(trial.right[k]), view.read(its)
+                    )
+                    for variation, mine, its in zip(asked, answers, wanted, strict=True)
+                    if variation.change is change and mine is not None and its is not None
+                    if len(mine) == len(its) == len(trial.got[k := variation.number])
+                ]
+                felt = [not same(row.wanted, row.right) for row in rows]
+                moved = [not same(row.mine, row.got) for row in rows]
+                if sum(felt) >= MIN_FELT and not any(moved) and index not in told:
+                    told.add(index)
+                    yield felt_fact(trial, view, _plainest(trial, rows, felt), "ne change pas", "il devrait", FELT)
+                elif len(rows) > MIN_FELT and sum(moved) >= MIN_FELT and not any(felt):
+                    yield felt_fact(trial, view, _plainest(trial, rows, moved), "change", "il ne devrait pas", NOT_FELT)
+                    break
+
+    def _trial(self, source: str, function: str) -> FunctionTrial | None:
+        """Return a function's answers beside the right ones, as numbers; None where they are not comparable."""
+        kit, calls = self._questions(function)
+        if not calls:
+            return None
+        names = self._names(function, calls[0])
+        bare = FunctionTrial(function, names, (), kit, calls, (), ())
+        right = self._solution(bare, calls)
+        got = self._answers(source, bare, (*calls, calls[0]))
+        if len(got) != len(calls) + 1 or len(right) != len(calls) or not _alike(got[0], got[-1]):
+            return None
+        pairs = zip(calls, got[:-1], right, strict=True)
+        both = [(call, g, r) for call, g, r in pairs if g is not None and r is not None]
+        sizes = {len(values) for _, g, r in both for values in (g, r)}
+        if len(both) <= MIN_WRONG or len(sizes) != 1:
+            return None
+        size, parts = sizes.pop(), self._parts(function)
+        parts = parts if len(parts) == size else tuple(f"valeur {k + 1}" for k in range(size))
+        mine = [r if self._is_right(function, call, g, r) else g for call, g, r in both]
+        calls, right_ones = [call for call, _, _ in both], [r for _, _, r in both]
+        return FunctionTrial(function, names, parts if size > 1 else (), kit, calls, mine, right_ones)
+
+    def _is_right(self, function: str, call: Arguments, got: Sequence[Floats], right: Sequence[Floats]) -> bool:
+        """Whether an answer is a right one, though another than the solution's."""
+        for probes in self._grader.prober.probes if self._grader.prober else ():
+            if probes.function == function:
+                mine, its = (tuple(values) if len(values) > 1 else values[0] for values in (got, right))
+                return probes.same(probes.read(call, mine), probes.read(call, its))
+        return False
+
+    def _questions(self, function: str) -> tuple[KitSettings, Sequence[Arguments]]:
+        """Return the calls of the probes of a function, of those that its failed checks draw where it has none."""
+        prober = self._grader.prober
+        for probes in prober.probes if prober else ():
+            if probes.function == function:
+                return probes.kit, () if probes.random else probes.calls[: probes.compared][:MAX_CALLS]
+        kit = self._grader.kit(stream(self._seed, "kit"))
+        for check in self._grader.checks:
+            if isinstance(check, Cases) and check.functions == (function,):
+                return kit, tuple(check.cases(stream(self._seed, check.id)))[:MAX_CALLS]
+        return kit, ()
+
+    def _names(self, function: str, call: Arguments) -> tuple[str, ...]:
+        for contract in self._grader.contracts:
+            if contract.function == function:
+                return tuple(contract.takes)
+        for check in self._grader.checks:
+            if isinstance(check, Cases) and check.functions == (function,):
+                return check.names
+        return tuple(f"argument {k + 1}" for k in range(len(call)))
+
+    def _parts(self, function: str) -> tuple[str, ...]:
+        forms = [contract.returns for contract in self._grader.contracts if contract.function == function]
+        return tuple(forms[0].parts) if forms and isinstance(forms[0], TupleForm) else ()
+
+    def _solution(self, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
+        return self._answers(self._grader.solution, trial, calls)
+
+    def _answers(self, source: str, trial: FunctionTrial, calls: Sequence[Arguments]) -> list[list[Floats] | None]:
+        """Return the numbers of each answer, None for a fault or other values; fewer where the program died."""
+        answers: list[list[Floats] | None] = []
+        for begin in range(0, len(calls), SLICE):
+            if self._spent():
+                break
+            try:
+                program = self._programs.open(source.encode(), trial.kit)
+            except StudentFault:
+                break
+            try:
+                batch = PlannedCalls(trial.function, tuple(calls[begin : begin + SLICE]))
+                for _, answer in flatten_blocks(program.call_batches([batch])):
+                    answers.append(_numbers(answer.value) if isinstance(answer, Reply) else None)
+            finally:
+                program.close()
+        return answers
+
+
+def _plainest(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:
+    by_number = {row.variation.number: row for row, is_chosen in zip(rows, chosen, strict=True) if is_chosen}
+    return by_number[trial.plainest(by_number)]
+
+
+def _numbers(value: Value) -> list[Floats] | None:
+    """Return the arrays of an answer: one, or each of a tuple's; None where something else is among them."""
+    try:
+        if isinstance(value, tuple):
+            return [read_array(part) for part in value]
+        return [read_array(value)]
+    except UnreadableError:
+        return None
+
+
+def _alike(first: list[Floats] | None, second: list[Floats] | None) -> bool:
+    if first is None or second is None:
+        return first is second
+    return len(first) == len(second) and all(map(same, first, second))

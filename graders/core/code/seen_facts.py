@@ -1,0 +1,178 @@
+"""Facts that experiments establish on the answers of one function, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from graders.core.compare import words as render
+from graders.core.compare.changed_arguments import ArgumentChange
+from graders.core.compare.series import MIN_WRONG, Series, same, tell_relations
+from graders.core.contract.program import KitSettings
+from graders.core.contract.values import Arguments, Floats, Value
+
+#: Characters of a value that is shown.
+MAX_SHOWN = 120
+
+
+@dataclass(frozen=True)
+class SeenFact:
+    """A fact on the answers of one function: a title, the sentences that prove it, and a question."""
+
+    function: str
+    title: str
+    proof: str
+    question: str
+
+
+@dataclass(frozen=True)
+class ReturnedValue:
+    """A value among those that a function returns, or a row or a column of it, with its name in French."""
+
+    words: str
+    read: Callable[[Sequence[Floats]], Floats]
+
+
+@dataclass(frozen=True)
+class FunctionTrial:
+    """One function under trial: its calls with their kit, and the answers of both programs."""
+
+    function: str
+    names: tuple[str, ...]
+    parts: tuple[str, ...]
+    kit: KitSettings
+    calls: Sequence[Arguments]
+    got: Sequence[Sequence[Floats]]
+    right: Sequence[Sequence[Floats]]
+
+    def series(self, view: ReturnedValue) -> Series:
+        got, right = [view.read(row) for row in self.got], [view.read(row) for row in self.right]
+        wrong = [not same(mine, its) for mine, its in zip(got, right, strict=True)]
+        return Series(self.names, self.calls, got, right, wrong)
+
+    def plainest(self, numbers: Iterable[int]) -> int:
+        """Return the number of the call with the fewest numbers in its arguments."""
+        return min(numbers, key=lambda k: sum(np.size(value) for value in self.calls[k]))
+
+    def wrong_views(self) -> list[ReturnedValue]:
+        """Return the values that are wrong in several calls."""
+        views = [ReturnedValue(self._subject(part), partial(_part, part)) for part in range(len(self.right[0]))]
+        return [view for view in views if sum(self.series(view).wrong) >= MIN_WRONG]
+
+    def _subject(self, part: int) -> str:
+        return f"« {self.parts[part]} », que renvoie {self.function}," if self.parts else self.function
+
+    def shown(self, call: Arguments) -> str:
+        return " ; ".join(f"{name} = {shown_value(value)}" for name, value in zip(self.names, call, strict=False))
+
+
+def _part(part: int, values: Sequence[Floats]) -> Floats:
+    return values[part]
+
+
+def columns_of(trial: FunctionTrial, view: ReturnedValue) -> Iterator[ReturnedValue]:
+    """Yield the columns of a table of two or three, where each is wrong or right by itself."""
+    series = trial.series(view)
+    counts = {array.shape[1:] for arrays in (series.got, series.right) for array in arrays}
+    if len(counts) != 1 or (count := counts.pop()) not in ((2,), (3,)) or series.right[0].ndim != 2:
+        return
+    for column in range(count[0]):
+        words = f"dans ce que renvoie {trial.function}, la colonne {column}"
+        yield ReturnedValue(words, partial(_column, view, column))
+
+
+def _column(view: ReturnedValue, column: int, values: Sequence[Floats]) -> Floats:
+    return view.read(values)[:, column]
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A call with one argument varied: the argument's index, the change, the number of the call, its new arguments."""
+
+    index: int
+    change: ArgumentChange
+    number: int
+    call: Arguments
+
+
+class VariedAnswers(NamedTuple):
+    """A variation, and a value that both programs return before and after."""
+
+    variation: Variation
+    got: Floats
+    mine: Floats
+    right: Floats
+    wanted: Floats
+
+
+_QUESTION = "Quelle ligne de votre fonction peut donner cela ?"
+REPLACED = "À quelles lignes cet argument entre-t-il dans le calcul, et sous quelle forme ?"
+FELT = "Où votre fonction se sert-elle de cet argument, et ce qu’elle en fait arrive-t-il jusqu’au résultat ?"
+NOT_FELT = "Que faudrait-il retrancher, diviser ou ramener, pour que cela ne compte plus ?"
+_STRONG = (
+    " partout ",
+    " toujours ",
+    "que quand",
+    "bonnes valeurs",
+    "aucun argument",
+    "tours près",
+    "converti",
+    "à peu près",
+)
+
+
+def is_strong(fact: SeenFact) -> bool:
+    """Whether a fact says what the answers are, and not only where they are wrong."""
+    return any(words in fact.title for words in _STRONG)
+
+
+def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:
+    series = trial.series(view)
+    told = next(tell_relations(series), None)
+    if told is None:
+        return None
+    k = trial.plainest(number for number, wrong in enumerate(series.wrong) if wrong)
+    proof = (
+        f"C’est ainsi dans les {len(trial.calls)} essais. Par exemple, pour {trial.shown(trial.calls[k])}, on attend "
+        f"{shown_value(series.right[k])} et on obtient {shown_value(series.got[k])}."
+    )
+    return SeenFact(trial.function, f"{capital_subject(view.words)} {told}", proof, _QUESTION)
+
+
+def replaced_fact(
+    trial: FunctionTrial, view: ReturnedValue, number: int, change: ArgumentChange, call: Arguments
+) -> SeenFact:
+    """Return the fact that a value is what is awaited for changed arguments, as in this call."""
+    series = trial.series(view)
+    proof = (
+        f"C’est ainsi dans les {len(trial.calls)} essais. Pour {trial.shown(trial.calls[number])}, on attend "
+        f"{shown_value(series.right[number])} et on obtient {shown_value(series.got[number])} : ce que l’on attend "
+        f"pour {trial.shown(call)}."
+    )
+    title = f"{capital_subject(view.words)} est ce que l’on attend si {change.words}"
+    return SeenFact(trial.function, title, proof, REPLACED)
+
+
+def felt_fact(
+    trial: FunctionTrial, view: ReturnedValue, row: VariedAnswers, does: str, should: str, question: str
+) -> SeenFact:
+    title = f"{capital_subject(view.words)} {does} quand {row.variation.change.words} : {should}"
+    before, after = trial.shown(trial.calls[row.variation.number]), trial.shown(row.variation.call)
+    proof = (
+        f"Pour {before}, on attend {shown_value(row.right)} et on obtient {shown_value(row.got)} ; pour {after}, on "
+        f"attend {shown_value(row.wanted)} et on obtient {shown_value(row.mine)}."
+    )
+    return SeenFact(trial.function, title, proof, question)
+
+
+def capital_subject(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:]}" if " " in words else f"Le résultat de {words}"
+
+
+def shown_value(value: Value) -> str:
+    text = render.text(value, digits=5)
+    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 1]}…"

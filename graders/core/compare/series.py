@@ -1,0 +1,270 @@
+"""What the answers of a program have to do with the right ones in all calls: a factor, a shift, where they are wrong.
+
+Each sentence states what holds in every call that was made, and no cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graders.core.compare.words import number
+from graders.core.contract.values import Arguments, Floats
+
+EXACT = 1e-7
+#: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
+NEARLY, MIN_WRONG, MIN_RIGHT = 0.03, 2, 2
+
+
+@dataclass(frozen=True)
+class Series:
+    """The answers of a program to some calls, the right ones beside them, and which are wrong."""
+
+    names: tuple[str, ...]
+    calls: Sequence[Arguments]
+    got: Sequence[Floats]
+    right: Sequence[Floats]
+    wrong: Sequence[bool]
+
+
+def same(a: Floats, b: Floats) -> bool:
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=EXACT, atol=EXACT))
+
+
+def tell_relations(series: Series) -> Iterator[str]:
+    """Yield French predicates of an answer: « est partout le double de ce qui est attendu »."""
+    if sum(series.wrong) < MIN_WRONG:
+        return
+    with np.errstate(all="ignore"):
+        if all(got.shape == right.shape for got, right in zip(series.got, series.right, strict=True)):
+            for find in (_functions, _factors, _offsets, _orders, _arguments, _nearness, _conditions, _lines):
+                yield from find(series)
+        else:
+            yield from _conditions(series)
+
+
+def _everywhere(series: Series, function: Callable[[Floats], Floats]) -> bool:
+    """Whether each answer is this function of the right one."""
+    return all(same(got, np.asarray(function(right))) for got, right in zip(series.got, series.right, strict=True))
+
+
+def _functions(series: Series) -> Iterator[str]:
+    found: tuple[tuple[str, Callable[[Floats], Floats]], ...] = (
+        ("l’opposé de", np.negative), ("le double de", lambda x: 2.0 * x), ("la moitié de", lambda x: x / 2.0),
+        ("le carré de", np.square), ("la racine carrée de", np.sqrt), ("l’inverse de", np.reciprocal),
+        ("la valeur absolue de", np.abs), ("le logarithme de", np.log), ("l’exponentielle de", np.exp),
+        ("le complément à 1 de", lambda x: 1.0 - x), ("la partie entière de", np.floor),
+    )  # fmt: skip
+    for words, function in found:
+        if _everywhere(series, function):
+            yield f"est partout {words} ce qui est attendu"
+            return
+    if _everywhere(series, np.degrees):
+        yield "est ce qui est attendu, converti en degrés"
+    if all(right.ndim == 2 for right in series.right) and _everywhere(series, np.transpose):
+        yield "est partout la transposée de ce qui est attendu"
+
+
+def _ratio(got: Floats, right: Floats) -> float | None:
+    """Return the one factor between two arrays; None where there is none."""
+    there = np.abs(right) > 1e-12
+    if not there.any() or not same(got[~there], right[~there]):
+        return None
+    ratios = got[there] / right[there]
+    return float(ratios[0]) if np.allclose(ratios, ratios[0], rtol=EXACT) else None
+
+
+def _factors(series: Series) -> Iterator[str]:
+    """The same factor in all calls, or one that an argument gives."""
+    if not any(np.abs(right).max(initial=0.0) > 1e-12 for right in series.right):
+        return
+    ratios = [_ratio(got, right) for got, right in zip(series.got, series.right, strict=True)]
+    known = [k for k, right in enumerate(series.right) if np.abs(right).max(initial=0.0) > 1e-12]
+    if any(ratios[k] is None or not ratios[k] for k in known) or any(
+        not same(series.got[k], series.right[k]) for k in range(len(ratios)) if k not in known
+    ):
+        return
+    factors = np.array([ratios[k] for k in known], dtype=float)
+    if np.allclose(factors, factors[0], rtol=EXACT):
+        if abs(factors[0] - 1.0) > EXACT and not np.isclose(abs(np.log2(abs(factors[0]))), 1.0):
+            yield f"est partout {number(float(factors[0]), 5)} fois ce qui est attendu"
+        return
+    for words, values in _quantities(series, known):
+        for told, factor in ((f"multiplié par {words}", values), (f"divisé par {words}", 1.0 / values)):
+            if np.allclose(factors, factor, rtol=EXACT):
+                yield f"est partout ce qui est attendu, {told}"
+                return
+
+
+def _quantities(series: Series, known: Sequence[int]) -> Iterator[tuple[str, Floats]]:
+    """Yield numbers that the arguments of these calls give, with their words."""
+    for index, name in enumerate(series.names):
+        values = [series.calls[k][index] for k in known if index < len(series.calls[k])]
+        if len(values) < len(known):
+            continue
+        if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+            numbers = np.array(values, dtype=float)
+            yield name, numbers
+            yield f"le carré de {name}", numbers**2
+            yield f"la racine de {name}", np.sqrt(numbers)
+        elif all(isinstance(value, np.ndarray) and value.ndim and value.size for value in values):
+            noun = "lignes" if values[0].ndim == 2 else "valeurs"
+            count = np.array([len(value) for value in values], dtype=float)
+            yield f"le nombre de {noun} de {name}", count
+            yield f"la racine du nombre de {noun} de {name}", np.sqrt(count)
+            yield f"la somme de {name}", np.array([value.sum() for value in values], dtype=float)
+
+
+def _offsets(series: Series) -> Iterator[str]:
+    """The same number too much in all calls, or an argument; or whole turns."""
+    gaps = [got - right for got, right in zip(series.got, series.right, strict=True)]
+    flat = np.concatenate([gap.ravel() for gap in gaps])
+    turns = flat / (2.0 * np.pi)
+    if flat.size and np.abs(turns).max() > 0.5 and np.allclose(turns, np.round(turns), atol=EXACT):
+        yield "est juste à un nombre entier de tours près"
+        return
+    if flat.size and np.ptp(flat) < EXACT and abs(flat[0]) > EXACT and len(gaps) > MIN_WRONG:
+        yield f"a partout {number(float(abs(flat[0])), 5)} de {'trop' if flat[0] > 0 else 'moins'}"
+        return
+    for index, name in enumerate(series.names):
+        values = [call[index] if index < len(call) else None for call in series.calls]
+        if not all(isinstance(value, int | float | np.ndarray) and not isinstance(value, bool) for value in values):
+            continue
+        arrays = [np.asarray(value, dtype=float) for value in values]
+        if any(array.shape not in ((), gap.shape) for array, gap in zip(arrays, gaps, strict=True)):
+            continue
+        for sign, words in ((1.0, f"a partout {name} de trop"), (-1.0, f"a partout {name} de moins")):
+            pairs = zip(gaps, arrays, strict=True)
+            if all(same(gap, sign * np.broadcast_to(array, gap.shape)) for gap, array in pairs):
+                yield words
+                return
+
+
+def _orders(series: Series) -> Iterator[str]:
+    """The right numbers at other places."""
+    if any(right.ndim == 0 or right.shape[0] < 2 for right in series.right):
+        return
+    if _everywhere(series, lambda x: x[::-1]):
+        yield "a les bonnes valeurs, dans l’ordre inverse"
+        return
+    pairs = [pair for pair in zip(series.got, series.right, strict=True) if len(pair[0]) > 2]
+    if len(pairs) < MIN_WRONG:
+        return
+    if all(same(np.sort(got, axis=0), np.sort(right, axis=0)) for got, right in pairs):
+        yield "a les bonnes valeurs, dans un autre ordre"
+    elif all(same(got[1:], right[:-1]) for got, right in pairs):
+        yield "a les bonnes valeurs, décalées d’un rang : la première est de trop"
+    elif all(same(got[:-1], right[1:]) for got, right in pairs):
+        yield "a les bonnes valeurs, décalées d’un rang : la première manque"
+
+
+def _arguments(series: Series) -> Iterator[str]:
+    """An argument, as it was given, or the same answer to everything."""
+    first = series.got[0]
+    if all(got.shape == first.shape and same(got, first) for got in series.got):
+        yield "ne dépend d’aucun argument : c’est chaque fois la même valeur"
+        return
+    for index, name in enumerate(series.names):
+        if all(
+            index < len(call)
+            and isinstance(call[index], int | float | np.ndarray)
+            and same(got, np.asarray(call[index], dtype=float))
+            for call, got in zip(series.calls, series.got, strict=True)
+        ):
+            yield f"est toujours {name}, tel que donné"
+            return
+
+
+def _lines(series: Series) -> Iterator[str]:
+    """The first rows are right and all that follow are not, or one row, or one column alone is wrong."""
+    pairs = [
+        (got, right) for got, right, bad in zip(series.got, series.right, series.wrong, strict=True) if bad and got.ndim
+    ]
+    if len(pairs) < max(MIN_WRONG, sum(series.wrong)):
+        return
+    wrong_rows = [np.flatnonzero(_differs(got, right)) for got, right in pairs]
+    lengths = [len(got) for got, _ in pairs]
+    noun = "ligne" if pairs[0][0].ndim == 2 else "valeur"
+    if all(length > 1 for length in lengths):
+        begins = {int(rows[0]) for rows in wrong_rows if len(rows)}
+        if begins == {1} and all(len(rows) == length - 1 for rows, length in zip(wrong_rows, lengths, strict=True)):
+            yield f"commence bien : sa première {noun} est toujours juste, et plus aucune ensuite"
+            return
+        if all(list(rows) == [length - 1] for rows, length in zip(wrong_rows, lengths, strict=True)):
+            yield f"n’est faux qu’à sa dernière {noun}"
+            return
+        if all(list(rows) == [0] for rows in wrong_rows):
+            yield f"n’est faux qu’à sa première {noun}"
+            return
+    if all(got.ndim == 2 for got, _ in pairs):
+        columns = {tuple(np.flatnonzero(_differs(got.T, right.T)).tolist()) for got, right in pairs}
+        if len(columns) == 1 and 0 < len(only := columns.pop()) < pairs[0][0].shape[1]:
+            told = _listed(only)
+            yield f"n’est faux que dans {'la colonne' if len(only) == 1 else 'les colonnes'} {told}"
+    elif len(set(lengths)) == 1 and 1 < lengths[0] <= 6:
+        places = {tuple(rows.tolist()) for rows in wrong_rows}
+        if len(places) == 1 and 0 < len(only := places.pop()) < lengths[0]:
+            told = _listed(only)
+            yield f"n’est faux qu’{'à l’indice' if len(only) == 1 else 'aux indices'} {told}"
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    *first, last = map(str, numbers)
+    return f"{', '.join(first)} et {last}" if first else last
+
+
+def _differs(got: Floats, right: Floats) -> np.ndarray:
+    """Return which rows differ."""
+    off = ~np.isclose(got, right, rtol=EXACT, atol=EXACT)
+    return np.asarray(off.reshape(len(off), -1).any(axis=1))
+
+
+def _conditions(series: Series) -> Iterator[str]:
+    """A property of the arguments that the wrong calls have, and they alone."""
+    wrong = list(series.wrong)
+    if sum(wrong) < MIN_WRONG or len(wrong) - sum(wrong) < MIN_RIGHT:
+        return
+    for words, holds in _properties(series):
+        if holds == wrong:
+            yield f"n’est faux que quand {words}"
+            return
+        if [not held for held in holds] == wrong:
+            yield f"n’est juste que quand {words}"
+            return
+
+
+def _properties(series: Series) -> Iterator[tuple[str, list[bool]]]:
+    for index, name in enumerate(series.names):
+        values = [call[index] if index < len(call) else None for call in series.calls]
+        numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+        arrays = [value for value in values if isinstance(value, np.ndarray) and value.ndim and value.size]
+        if len(numbers) == len(values):
+            yield f"{name} est nul", [number == 0 for number in numbers]
+            yield f"{name} est négatif", [number < 0 for number in numbers]
+        elif len(arrays) == len(values):
+            noun = "ligne" if arrays[0].ndim == 2 else "valeur"
+            yield f"{name} n’a qu’une {noun}", [len(array) == 1 for array in arrays]
+            yield f"{name} n’a que deux {noun}s", [len(array) == 2 for array in arrays]
+            yield f"{name} contient un nombre négatif", [bool((array < 0).any()) for array in arrays]
+            yield f"{name} contient un 0", [bool((array == 0).any()) for array in arrays]
+            yield f"{name} ne contient que des 0", [bool((array == 0).all()) for array in arrays]
+            if arrays[0].ndim == 2:
+                yield f"{name} a plus de deux colonnes", [array.ndim == 2 and array.shape[1] > 2 for array in arrays]
+            else:
+                yield f"deux valeurs de {name} sont égales", [len(np.unique(array)) < array.size for array in arrays]
+    yield "le résultat attendu est négatif", [right.ndim == 0 and bool(right < 0) for right in series.right]
+    yield "le résultat attendu est nul", [bool((right == 0).all()) for right in series.right]
+
+
+def _nearness(series: Series) -> Iterator[str]:
+    """Answers that are nearly right in all calls."""
+    errors = [
+        float(np.abs(got - right).max(initial=0.0) / max(float(np.abs(right).max(initial=0.0)), 1e-3))
+        for got, right in zip(series.got, series.right, strict=True)
+    ]
+    worst = max(errors)
+    if np.isfinite(worst) and 0.0 < worst < NEARLY and len(errors) > MIN_WRONG:
+        percent = number(float(f"{100.0 * worst:.1g}"))
+        yield f"n’est juste qu’à peu près : à {percent} % de la plus grande valeur attendue"

@@ -1,0 +1,112 @@
+"""What experiments on a failed program establish: relations, an argument read as another value, what is not felt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from graders.core.code.experiments import Experimenter
+from graders.core.code.places import EXPERIMENT, SEEN_ALSO, describe_facts, join_place
+from graders.core.compare.changed_arguments import replacements, variations
+from graders.core.compare.series import Series, tell_relations
+from graders.core.contract.local import LOCAL
+from graders.core.contract.values import Floats
+from graders.core.contract.verdict import Diagnosis
+from tests.support.shipped import CODE
+
+TABLES = [np.array([[1.0, 2.0], [3.0, 5.0], [4.0, 9.0]]), np.array([[2.0, 7.0], [5.0, 6.0], [8.0, 3.0]])]
+ROWS = [np.array([1.0, 4.0, 2.5]), np.array([3.0, 5.0, 7.5]), np.array([0.5, 9.0, 2.0])]
+
+
+def told(got: list[Floats], right: list[Floats], calls: list[tuple[object, ...]] | None = None) -> list[str]:
+    calls = calls or [(float(k),) for k in range(len(got))]
+    wrong = [not np.array_equal(mine, its) for mine, its in zip(got, right, strict=True)]
+    return list(tell_relations(Series(("x",) * len(calls[0]), calls, got, right, wrong)))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda x: 2.0 * x, "est partout le double de ce qui est attendu"),
+        (lambda x: -x, "est partout l’opposé de ce qui est attendu"),
+        (np.square, "est partout le carré de ce qui est attendu"),
+        (lambda x: 3.0 * x, "est partout 3 fois ce qui est attendu"),
+        (lambda x: x + 0.5, "a partout 0,5 de trop"),
+        (lambda x: x - 2.0 * np.pi, "est juste à un nombre entier de tours près"),
+        (lambda x: x[::-1], "a les bonnes valeurs, dans l’ordre inverse"),
+        (lambda x: np.roll(x, 1), "a les bonnes valeurs, dans un autre ordre"),
+        (lambda x: np.concatenate([[7.0], x[:-1]]), "décalées d’un rang : la première est de trop"),
+        (lambda x: 0.0 * x + 1.0, "ne dépend d’aucun argument"),
+        (lambda x: x * [1.0, 1.01, 0.99], "n’est juste qu’à peu près : à 1 %"),
+        (lambda x: x * [1.0, 3.0, -4.0], "commence bien : sa première valeur est toujours juste"),
+        (lambda x: x * [1.0, 1.0, -4.0], "n’est faux qu’à sa dernière valeur"),
+    ],
+)
+def test_a_relation_that_holds_in_all_calls_is_told(change: object, words: str) -> None:
+    assert callable(change)
+    assert words in told([np.asarray(change(row)) for row in ROWS], ROWS)[0]
+
+
+def test_what_does_not_hold_in_every_call_is_not_told() -> None:
+    got = [2.0 * ROWS[0], 2.0 * ROWS[1], 2.1 * ROWS[2]]
+    assert not any("double" in words for words in told(got, ROWS))
+    assert told([ROWS[0], 2.0 * ROWS[1], ROWS[2]], ROWS) == []  # one wrong call establishes nothing
+
+
+def test_a_factor_may_be_given_by_an_argument_and_a_column_be_wrong_alone() -> None:
+    calls: list[tuple[object, ...]] = [(np.ones(2),), (np.ones(3),), (np.ones(5),)]
+    got = [row * len(args[0]) for row, args in zip(ROWS, calls, strict=True)]  # type: ignore[arg-type]
+    assert told(got, ROWS, calls) == ["est partout ce qui est attendu, multiplié par le nombre de valeurs de x"]
+    assert told([table * [1.0, 3.0] ** np.array([1, 2]) for table in TABLES], TABLES)[-1] == (
+        "n’est faux que dans la colonne 1"
+    )
+
+
+def test_the_calls_that_alone_are_wrong_are_told_by_what_they_have_in_common() -> None:
+    calls: list[tuple[object, ...]] = [(0.0,), (1.0,), (2.0,), (0.0,)]
+    got = [np.array(7.0), np.array(1.0), np.array(2.0), np.array(8.0)]
+    right = [np.array(1.0), np.array(1.0), np.array(2.0), np.array(3.0)]
+    assert told(got, right, calls) == ["n’est faux que quand x est nul"]
+
+
+def test_a_change_that_leaves_a_call_as_it_is_or_makes_no_number_is_none() -> None:
+    call = (0.0, np.array([1.0, 4.0]))
+    by_words = {change.words: change.apply(call) for change in replacements(("r", "z"), call)}
+    assert by_words["r valait 0"] is None
+    assert by_words["r était remplacé par son inverse"] is None
+    changed = by_words["chaque nombre de z était remplacé par sa racine carrée"]
+    assert changed is not None
+    assert changed[1].tolist() == [1.0, 2.0]
+    assert call[1].tolist() == [1.0, 4.0]
+    assert {index for index, _ in variations(("r", "z"), call)} == {0, 1}
+
+
+@pytest.mark.parametrize(
+    ("exercise", "old", "new", "words"),
+    [
+        ("l19/gain", "def fusionner(mesures, variances):", "def fusionner(mesures, variances):\n    variances = "
+         "np.asarray(variances)**3 / np.asarray(variances)", "« moyenne », que renvoie fusionner, est ce que l’on "
+         "attend si chaque nombre de variances était élevé au carré"),
+        ("l20/kabsch", "q_moyen = np.mean(Q, axis=0)", "p_moyen, q_moyen = (np.full(len(X[0]), "
+         "np.mean(X)) for X in (P, Q))", "« R », que renvoie kabsch, change quand on ajoute un même "
+         "vecteur à toutes les lignes de P : il ne devrait pas"),
+        ("l19/predire_corriger", "def predire(m, v, u, q):", "def predire(m, v, u, q):\n    q = 0.37", "« variance », "
+         "que renvoie predire, ne change pas quand q change : il devrait"),
+    ],
+)  # fmt: skip
+def test_experiments_on_a_program(exercise: str, old: str, new: str, words: str) -> None:
+    grader = CODE[exercise]
+    assert old in grader.solution
+    source = grader.solution.replace(old, new)
+    facts = Experimenter(grader, LOCAL, 3, lambda: False).find_facts(source, grader.functions)
+    assert facts[0].title == words
+    assert " on attend " in facts[0].proof
+    assert not Experimenter(grader, LOCAL, 3, lambda: False).find_facts(grader.solution, grader.functions)
+    assert not Experimenter(grader, LOCAL, 3, lambda: True).find_facts(source, grader.functions)
+    verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
+    seen = describe_facts(facts, grader.checks, verdict.checks)
+    assert seen.id == EXPERIMENT
+    assert seen.explains[0]
+    joined = join_place(Diagnosis("x", "Un nom", "Pourquoi."), seen)
+    assert joined.title == "Un nom"
+    assert f"{SEEN_ALSO} : {words}." in joined.explanation
