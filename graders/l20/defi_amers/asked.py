@@ -78,6 +78,17 @@ def systems(rng: np.random.Generator) -> Iterable[Map]:
     )
 
 
+@cache
+def _linked_systems() -> tuple[Map, ...]:
+    first = Map(rows((0, 0, 0), (1, 0, 0)), rows((2, 1)), (edge(0, 1, (3, 1, 0)),), (sight(0, 0, (2, 1)),))
+    return first, small_system(telling("systems"), 3, 2)
+
+
+def linked_systems(rng: np.random.Generator) -> Sequence[Map]:
+    """The same ones always: one edge, then edges of any weights."""
+    return _linked_systems()
+
+
 @cached
 def random_systems(rng: np.random.Generator) -> Iterable[Map]:
     """Any point, any weights, sightings of which the information is not diagonal, pairs seen twice."""

@@ -14,7 +14,7 @@ from graders.l20.defi_amers import asked
 from graders.l20.defi_amers.contract import CONTRACTS
 from graders.l20.defi_amers.optimum import Optimum
 from graders.l20.defi_amers.probes import PROBES
-from graders.l20.defi_amers.system import Systems
+from graders.l20.defi_amers.system import Systems, judge_links
 
 SYSTEM, SLAM = ("systeme",), ("slam_amers",)
 NAMES = ("poses", "amers", "aretes", "observations")
@@ -27,9 +27,18 @@ def arguments_to_keep(rng: np.random.Generator, number: int = 2) -> dict[str, Ar
 
 CHECKS = (
     Systems(
+        id="systeme_aretes",
+        title="H : les blocs entre deux poses, où n'entrent que les arêtes",
+        points=2,
+        functions=SYSTEM,
+        maps=asked.linked_systems,
+        judge=judge_links,
+        hint="Une arête relie deux poses : quels blocs de H change-t-elle, et avec quelles jacobiennes ?",
+    ),
+    Systems(
         id="systeme_exemples",
         title="H et b : deux poses, une balise, des nombres entiers",
-        points=3,
+        points=2,
         functions=SYSTEM,
         maps=asked.systems,
         hint="Une observation touche la pose qui voit et l'amer qui est vu : quels blocs de H changent ?",
@@ -37,7 +46,7 @@ CHECKS = (
     Systems(
         id="systeme_hasard",
         title="H et b : des poses, des balises et des poids quelconques",
-        points=4,
+        points=3,
         functions=SYSTEM,
         maps=asked.random_systems,
         hint="Vos jacobiennes sont-elles égales aux différences finies, colonne par colonne ? Et où Ω entre-t-elle ?",

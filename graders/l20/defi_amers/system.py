@@ -31,6 +31,7 @@ SIDE = 1e-3
 COARSE = 1e4
 #: What is not drawn beside the right numbers.
 HUGE = 1e9
+Judge = Callable[[Map, Value], Mismatch | None]
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,18 @@ def judge(one: Map, got: Value) -> Mismatch | None:
     if isinstance(answer, Mismatch):
         return answer
     return _matrix(one, answer.H) or _side(one, answer.b)
+
+
+def judge_links(one: Map, got: Value) -> Mismatch | None:
+    """What is wrong with the blocks of H between two poses, to which observations add nothing; or None."""
+    answer = read_system(one, got)
+    if isinstance(answer, Mismatch):
+        return answer
+    poses = 3 * len(one.poses)
+    of_one_pose = np.kron(np.eye(len(one.poses)), np.ones((3, 3))) > 0.0
+    kept = one.system[0].copy()
+    kept[:poses, :poses] = np.where(of_one_pose, kept[:poses, :poses], answer.H[:poses, :poses])
+    return _matrix(one, kept)
 
 
 def _matrix(one: Map, got: Floats) -> Mismatch | None:
@@ -122,13 +135,14 @@ class Systems(Check):
     """`systeme` at every point, simplest first; the simplest failing one is shown, shrunk."""
 
     maps: Callable[[np.random.Generator], Sequence[Map]]
+    judge: Judge = judge
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         maps = self.maps(bench.rng)
         calls = [tuple(one.at.values()) for one in maps]
         for one, (_, answer) in zip(maps, bench.call_many(FUNCTION, calls, faults=MAX_FAULTS), strict=False):
-            failure = failure_of(one, answer)
+            failure = failure_of(one, answer, self.judge)
             if isinstance(answer, StudentFault):
                 bench.observe(FUNCTION, None, ok=False, fault=answer)
             else:
@@ -137,19 +151,19 @@ class Systems(Check):
         if first is not None:
             if bench.runner.reenacting:
                 raise Rejection("")
-            _reject(bench, first)
+            _reject(bench, first, self.judge)
 
 
-def failure_of(one: Map, answer: Answer) -> Failure | None:
+def failure_of(one: Map, answer: Answer, judge: Judge) -> Failure | None:
     if isinstance(answer, StudentFault):
         return Failure(one, None, None, answer)
     mismatch = judge(one, answer.value)
     return Failure(one, answer.value, mismatch, None) if mismatch else None
 
 
-def _reject(bench: Bench, failure: Failure) -> NoReturn:
+def _reject(bench: Bench, failure: Failure, judge: Judge) -> NoReturn:
     def judged(one: Map, answer: Answer) -> Failure | None:
-        simpler = failure_of(one, answer)
+        simpler = failure_of(one, answer, judge)
         return simpler if simpler is not None and fails_alike(failure, simpler) else None
 
     shrink_and_reject(

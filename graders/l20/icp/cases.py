@@ -114,11 +114,16 @@ MANY = Kind((328, LONGEST, 23, 115, 159, 165, 234, 337), n=12, n_iter=None, leas
 SHORT = Kind((0, 3, 4, 10, 11, 12, 14, 16, 17), n=8, n_iter=2, noise=0.1, least=4)
 
 
-def few_iterations(rng: Rng) -> Iterator[Registration]:
-    """One iteration, two, three: from nowhere, then from a start."""
+def one_iteration(rng: Rng) -> Iterator[Registration]:
+    """One iteration, from nowhere."""
     yield example(1)
+    yield from ONE.some(rng)
+
+
+def few_iterations(rng: Rng) -> Iterator[Registration]:
+    """Two iterations from nowhere, then one or three from a start."""
     yield example(2)
-    for kind in (ONE, TWO, ONE_FROM, THREE_FROM):
+    for kind in (TWO, ONE_FROM, THREE_FROM):
         yield from kind.some(rng)
 
 

@@ -28,13 +28,21 @@ def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
 
 CHECKS = (
     Registrations(
-        id="iterations",
-        title="Une itération, puis deux ou trois",
-        points=4,
+        id="une_iteration",
+        title="Une seule itération, sans départ",
+        points=2,
         functions=FUNCTIONS,
-        cases=cases.few_iterations,
+        cases=cases.one_iteration,
         hint="Faites la première itération à la main : qui est le plus proche de chaque point, et où mène le meilleur "
         "mouvement pour ces paires ?",
+    ),
+    Registrations(
+        id="iterations",
+        title="Deux itérations, puis trois, et depuis un départ",
+        points=2,
+        functions=FUNCTIONS,
+        cases=cases.few_iterations,
+        hint="Après la première itération, de quel endroit part la deuxième, et que deviennent R et t ?",
     ),
     Registrations(
         id="jusqu_au_bout",

@@ -69,6 +69,11 @@ TALL = plan("""
 """)
 #: Rays (x, y, angle) that cut a corner of a wall of `ROOM`, and go through it for a fifth or two fifths of a cell.
 CUT = ((1.2, 3.94, -QUARTER / 2), (1.2, 4.08, -QUARTER / 2), (5.3, 2.18, QUARTER / 2))
+#: Rays that meet their first wall so squarely that steps of half a cell do not jump it.
+NEAR_WALLS = (
+    (2.3, 3.7, 0.0), (2.3, 3.7, QUARTER), (5.8, 1.4, math.pi), (7.6, 4.8, -QUARTER), (4.4, 3.3, 2.0), (4.4, 3.3, -0.3),
+    (1.7, 4.6, 1.2), (7.3, 1.6, -1.1), (8.6, 4.8, 2.8), (8.6, 4.8, -2.2),
+)  # fmt: skip
 #: A corridor longer than any range that is asked, and than the kit's map is wide.
 CORRIDOR = np.pad(np.ones((2, 30), dtype=bool), 1)
 
@@ -115,6 +120,12 @@ def judged(args: Arguments) -> bool:
 def telling_then(rng: Rng) -> tuple[Rng, Rng]:
     """The generator of what is always drawn, then this one."""
     return np.random.default_rng(TELLING), rng
+
+
+def near_walls(rng: Rng) -> Iterator[Arguments]:
+    """Rays that enter their first wall for more than a coarse step, always the same ones."""
+    for x, y, angle in NEAR_WALLS:
+        yield ROOM, x, y, angle, 12.0
 
 
 def along_x(rng: Rng) -> Iterator[Arguments]:

@@ -23,7 +23,10 @@ JUST_BEYOND = 1e-6
 
 @dataclass(frozen=True)
 class SameDistance:
-    """One number, at most `ACCEPTED` away from the right distance."""
+    """One number, at most `accepted` away from the right distance; within `stated`, says the message."""
+
+    accepted: float = ACCEPTED
+    stated: str = "0,1 case d’écart"
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         try:
@@ -32,13 +35,13 @@ class SameDistance:
             return unreadable(error)
         if math.isnan(value):
             return Mismatch("« nan » n’est pas une distance.", "nan")
-        if abs(value - expected) <= ACCEPTED:
+        if abs(value - expected) <= self.accepted:
             return None
         if math.isinf(value):
             return Mismatch("Une distance infinie n’est jamais lue : au pire, le lidar lit sa portée.")
         gap = render.number(abs(value - expected), 3)
         side = "trop loin" if value > expected else "trop près"
-        return Mismatch(f"C’est {gap} {_cells(abs(value - expected))} {side} ; on accepte 0,1 case d’écart.")
+        return Mismatch(f"C’est {gap} {_cells(abs(value - expected))} {side} ; on accepte {self.stated}.")
 
 
 @dataclass(frozen=True, kw_only=True)

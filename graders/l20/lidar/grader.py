@@ -28,7 +28,9 @@ def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
     return {"lancer_rayon": (cases.ROOM.copy(), 2.3, 3.7, 0.7, 12.0)}
 
 
-def _rays(check: str, title: str, points: float, draw: cases.Drawing, hint: str) -> Rays:
+def _rays(
+    check: str, title: str, points: float, draw: cases.Drawing, hint: str, *, near: SameDistance | None = None
+) -> Rays:
     return Rays(
         id=check,
         title=title,
@@ -37,7 +39,7 @@ def _rays(check: str, title: str, points: float, draw: cases.Drawing, hint: str)
         names=NAMES,
         cases=draw,
         expected=expected_distance,
-        compare=SameDistance(),
+        compare=near or SameDistance(),
         shrinkers=(cases.shrink_map, cases.shrink_place, cases.shrink_place, cases.shrink_angle, cases.keep_range),
         valid=cases.judged,
         figure=ray_figure,
@@ -46,13 +48,16 @@ def _rays(check: str, title: str, points: float, draw: cases.Drawing, hint: str)
 
 
 CHECKS = (
+    _rays("approche", "Le bon mur, à une case près", 2, cases.near_walls,
+          "Votre rayon s’arrête-t-il à la première case qui n’est pas libre, ou la dépasse-t-il ?",
+          near=SameDistance(1.0, "ici une case d’écart")),
     _rays("axe_x", "Vers la droite et vers la gauche, dans une salle fermée", 2, cases.along_x,
           "Quand l’angle vaut π, laquelle des deux coordonnées change, et dans quel sens ?"),
     _rays("axe_y", "Vers le haut et vers le bas, dans une salle fermée", 2, cases.along_y,
           "Quand l’angle vaut π/2, laquelle des deux coordonnées change, et dans quel sens ?"),
-    _rays("obliques", "En biais, dans les quatre quarts du plan", 5, cases.oblique,
+    _rays("obliques", "En biais, dans les quatre quarts du plan", 4, cases.oblique,
           "Prenez un rayon qui part vers la gauche et vers le haut : quelles cases traverse-t-il, dans quel ordre ?"),
-    _rays("portee", "La portée : ni plus, ni moins", 3, cases.within_range,
+    _rays("portee", "La portée : ni plus, ni moins", 2, cases.within_range,
           "Que renvoie votre fonction quand le premier mur est plus loin que portee_max ?"),
     _rays("bord", "Des cartes sans murs au bord : hors de la grille, tout est mur", 4, cases.over_the_edge,
           "Que vaut libres[ligne, colonne] pour colonne = −1 ? Et que vaut int(−0.3) ?"),

@@ -22,7 +22,7 @@ GRADER = CODE["l20/defi_amers"]
 graded = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
 
-SYSTEM_CHECKS = {"systeme_exemples", "systeme_hasard", "systeme_tours"}
+SYSTEM_CHECKS = {"systeme_aretes", "systeme_exemples", "systeme_hasard", "systeme_tours"}
 SPECIMENS = {one.path.stem: one.path.read_text(encoding="utf-8") for one in GRADER.specimens()}
 HONEST = sorted(one.path.stem for one in GRADER.specimens() if one.outcome is Outcome.OK)
 #: Quick, and as unlike as can be: numeric, recursive, in the other convention.

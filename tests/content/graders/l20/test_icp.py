@@ -70,8 +70,8 @@ def test_kept_seeds_make_clouds_where_all_honest_programs_agree(name: str) -> No
         assert all(np.min(np.abs(stairs - error)) < 1e-6 for error in found.errors[:-1])
 
 
-DRAWS = (cases.few_iterations, cases.to_the_end, cases.from_a_start, cases.of_unequal_sizes, cases.mirrored,
-         cases.without_count)  # fmt: skip
+DRAWS = (cases.one_iteration, cases.few_iterations, cases.to_the_end, cases.from_a_start, cases.of_unequal_sizes,
+         cases.mirrored, cases.without_count)  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -137,9 +137,9 @@ def test_honest_styles_pass(path: Path) -> None:
         (edited("return R, t, erreurs", "return R, t, [0.0]"), "erreurs"),
         (edited("return R, t, erreurs", "return R, t, []"), "erreurs"),
         (edited("return R, t, erreurs", "return R, t, erreurs + [0.0] * 40"), "erreurs"),
-        (edited("return R, t, erreurs", "return np.round(R, 3), t, erreurs"), "iterations"),
-        (edited("return R, t, erreurs", "return R, t[None], erreurs"), "iterations"),
-        (edited("return R, t, erreurs", "return R, t"), "iterations"),
+        (edited("return R, t, erreurs", "return np.round(R, 3), t, erreurs"), "une_iteration"),
+        (edited("return R, t, erreurs", "return R, t[None], erreurs"), "une_iteration"),
+        (edited("return R, t, erreurs", "return R, t"), "une_iteration"),
         (edited("n_iter=30", "n_iter=12"), "defaut"),
         (edited("R, t, erreurs = R0, t0, []", "R, t, erreurs = np.round(R0), t0, []"), "depart"),
         (edited("np.sign(np.linalg.det(U @ Vt))", "1"), "miroir"),
@@ -177,11 +177,11 @@ def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> Non
 
 def test_the_first_counterexample_is_that_of_the_statement_or_simpler() -> None:
     source = edited("fit(P, Q[j])", "fit(A, Q[j])")
-    found = checked(GRADER.exercise, source, 3, simplified=True).verdict.checks[0]
+    found = checked(GRADER.exercise, source, 3, simplified=True).verdict.checks[1]
     assert found.counterexample is not None
     assert found.counterexample.inputs["n_iter"] == 2
     assert len(found.counterexample.inputs["P"]) <= 4
-    one = checked(GRADER.exercise, edited("range(n_iter)", "range(1)"), 3).verdict.checks[0]
+    one = checked(GRADER.exercise, edited("range(n_iter)", "range(1)"), 3).verdict.checks[1]
     assert "une seule itération" in one.message
 
 
