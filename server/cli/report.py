@@ -52,6 +52,8 @@ def _check(check: CheckResult, messages: set[str]) -> Iterator[str]:
     mark = "✓" if check.passed else "–" if check.neutral else "✗"
     yield f"  {mark} {check.title}  ({number(check.points)}/{number(check.max_points)})"
     if check.passed:
+        if check.message:
+            yield from paragraph(check.message)
         return
     if check.message in messages:  # a file that does not load fails every check for one reason
         return

@@ -44,3 +44,10 @@ def test_what_can_be_replayed_is_offered_under_its_counterexample(which: tuple[s
     view = verdicts.verdict_view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
     html = jinja_environment().from_string(SHOW).render(verdict=view)
     assert html.count(f'data-steps="/soumissions/1/pas" data-check="{check.id}"') == buttons
+
+
+def test_what_a_right_program_measured_is_read_without_a_click() -> None:
+    check = CheckResult("a", "Le graphe", True, 20, 20, "L’ATE passe de 0,19 m à 0,10 m.")
+    view = verdicts.verdict_view(Verdict("m9/a", "abc", Outcome.OK, 1, [check]), "/figures")
+    html = jinja_environment().from_string(SHOW).render(verdict=view)
+    assert '</div><p class="check-why small">L’ATE passe de' in html

@@ -40,6 +40,8 @@ class Bench:
     last_call: tuple[str, Arguments] | None = None
     #: The calls that the check announced before it ran.
     planned_calls: Sequence[PlannedCalls] = ()
+    #: What the check measured of a right program, in a sentence for its author; "" where points say it all.
+    measured: str = ""
     _count: list[int] = field(default_factory=lambda: [0])
     _prefetched: dict[Key, deque[Answer]] = field(default_factory=dict)
     _unindexed: list[tuple[PlannedCalls, Sequence[Answer]]] = field(default_factory=list)

@@ -129,7 +129,7 @@ def _finding_of_run(check: Check, run: Callable[[], None], bench: Bench) -> Find
         if bench.last_call is not None:
             inputs = {f"argument {i + 1}": value for i, value in enumerate(bench.last_call[1])}
         return _finding(check, fault_rejection(fault, inputs=inputs))
-    return Finding(CheckResult(check.id, check.title, True, check.points, check.points))
+    return Finding(CheckResult(check.id, check.title, True, check.points, check.points, bench.measured))
 
 
 def _finding(check: Check, rejection: Rejection) -> Finding:

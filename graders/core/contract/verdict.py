@@ -44,6 +44,8 @@ class Counterexample:
 class CheckResult:
     """One check's line of the verdict. `figure` names a drawing that can be asked for.
 
+    `message` says why it failed, or what it measured of a program that is right.
+
     `cause` is the outcome of a failed check, where it is no wrong answer; `repeats`, the id of an earlier check that
     failed for the same reason, which is told there; `neutral` is a check without a fault, whose points wait for
     another one; `kit`, the map, range and seed of a check that ran on another map than the others. JSON has these only

@@ -136,6 +136,7 @@ def matching(bench: Bench) -> None:
             expected="0,93 en moyenne, jamais moins de 0,7",
             got=[round(min(parts), 3), round(max(parts), 3)],
         )
+    bench.measured = f"Vos {len(found)} recalages, mis bout à bout, ont une ATE de {metres(error)}."
     chain.own.matches = found
 
 
@@ -187,6 +188,7 @@ def closing(bench: Bench) -> None:
             f"{len(loops)} fermeture(s) seulement : le robot refait pourtant toute une boucle.", chain, loops,
             f"au moins {LEAST_LOOPS}, 71 d’après le TP",
         )  # fmt: skip
+    bench.measured = f"{len(loops)} fermetures, et aucune fausse."
     chain.own.loops = loops
 
 
@@ -235,6 +237,7 @@ def solving(bench: Bench) -> None:
             expected=f"une ATE sous {metres(SOLVED)}",
             got=f"une ATE de {metres(after)}",
         )
+    bench.measured = f"L’ATE passe de {metres(before)} à {metres(after)}."
     chain.own.poses = got
 
 

@@ -59,6 +59,8 @@ def _check(check: dict[str, Json]) -> Iterator[str]:
     mark = "✓" if check["passed"] else "–" if check.get("neutral") else "✗"
     yield f"  {mark} {check['title']}  ({number(check['points'])}/{number(check['max_points'])})"
     if check["passed"]:
+        if check["message"]:
+            yield from _paragraph(check["message"], 6)
         return
     yield from _paragraph(check["message"], 6)
     example = check.get("counterexample")

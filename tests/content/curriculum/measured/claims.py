@@ -41,6 +41,7 @@ BY_HAND = {
     ("exercices/association/enonce", ""): "by hand: tests/content/graders/l20/test_association.py",
     ("exercices/calibration/enonce", "compté"): "by hand: tests/content/graders/l20/test_calibration.py",
     ("exercices/tp_slam/enonce", "arêtes"): "what the exercise supposes",
+    ("exercices/tp_slam/enonce", "d'où viennent les poses"): "the same figures as those of the page of the TP",
     (
         "exercices/noeud_ros/enonce",
         "`distance_min`",

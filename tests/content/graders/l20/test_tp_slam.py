@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import cache, partial
 
@@ -67,6 +68,10 @@ def test_some_proposed_loops_are_false_and_the_others_outvote_them() -> None:
 @pytest.mark.parametrize("name", ["sans_rien_reprendre", "chemin_et_signature_autres"])
 def test_honest_styles_pass(name: str) -> None:
     assert judged(name).score == 1.0
+    measured = {check.id: check.message for check in judged(name).checks}
+    assert measured["fermetures"].endswith("fermetures, et aucune fausse.")
+    assert re.fullmatch(r"L’ATE passe de 0,\d\d m à 0,[01]\d m\.", measured["graphe"])
+    assert measured["intel"].startswith("Vos ATE : 0,8")
 
 
 @pytest.mark.slow
