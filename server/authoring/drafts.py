@@ -6,9 +6,11 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+from graders.core.declared.declaration import is_whole_program
+from graders.core.declared.proposals import WHOLE_PROGRAM, propose_starter
 from server.authoring.new import write_skeleton
 from server.course.toml_writing import write_table, write_value
-from server.studio.imports import NO_SOLUTION, Draft
+from server.studio.import_drafts import NO_SOLUTION, Draft
 
 DECLARED = "declared"
 
@@ -34,9 +36,7 @@ def _write(draft: Draft, name: str, course: Path) -> list[Path]:
     texts = {
         "exercise.toml": _card(draft, order),
         "enonce.md": draft.statement or f"Écrivez {', '.join(f'`{name}`' for name in draft.functions)}.\n",
-        "starter.py": "".join(
-            f"{_header(draft, name)}\n    # À vous de jouer.\n    pass\n\n\n" for name in draft.functions
-        ),
+        "starter.py": _starter(draft),
         "solution.py": draft.solution or NO_SOLUTION,
         "declaration.toml": "".join(write_table(draft.declaration())),
     }
@@ -46,10 +46,18 @@ def _write(draft: Draft, name: str, course: Path) -> list[Path]:
     return [path for path in files if path.exists()]
 
 
+def _starter(draft: Draft) -> str:
+    if is_whole_program(draft.functions):
+        return propose_starter("", draft.functions)
+    return "".join(f"{_header(draft, name)}\n    # À vous de jouer.\n    pass\n\n\n" for name in draft.functions)
+
+
 def _card(draft: Draft, order: str) -> str:
     lines = [f"title = {write_value(draft.title)}", f"summary = {write_value(draft.title)}", order]
     for name in draft.functions:
         signature = _header(draft, name).removeprefix("def ").rstrip(":")
+        if is_whole_program(draft.functions):
+            signature = WHOLE_PROGRAM
         lines += ["", "[[functions]]", f"name = {write_value(name)}", f"signature = {write_value(signature)}"]
     return "\n".join(lines)
 

@@ -9,7 +9,8 @@ from server.authoring import editions, new
 from server.authoring.drafts import DECLARED, write_drafts
 from server.cli import CannotRun
 from server.cli.authors import EDITION
-from server.studio.imports import ImportRefused, read_drafts
+from server.studio.import_drafts import ImportRefused
+from server.studio.imports import read_drafts
 
 
 def run(arguments: Namespace) -> int:

@@ -8,7 +8,8 @@ from typing import Any
 
 from server.studio.archive import ArchiveRefused, read_archive, read_check
 from server.studio.drafts import MAX_CASES, MAX_CHECKS, CaseDraft, CheckDraft, ExerciseDraft
-from server.studio.imports import NO_SOLUTION, Draft, ImportRefused, read_drafts
+from server.studio.import_drafts import NO_SOLUTION, Draft, ImportRefused
+from server.studio.imports import read_drafts
 
 #: Exercises made of one file.
 MAX_IMPORTED = 20

@@ -12,7 +12,8 @@ from server.cli import main
 from server.course import load
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import Sandbox
-from server.studio.imports import Draft, ImportRefused, read_drafts
+from server.studio.import_drafts import Draft, ImportRefused
+from server.studio.imports import read_drafts
 from tests.support.outside import taken_in
 
 EXERCISM = {
@@ -81,8 +82,78 @@ def test_questions_of_coderunner(tmp_path: Path) -> None:
     assert values["cas"] == ["carre(-3)", "x = carre(2)\nx"]
     assert printed["regarder"] == "affichage"
     assert (printed["cas"][0], printed["attendus"][0]) == ("table(2)", "'0 0\\n1 1'")
-    assert any("programme entier" in line for line in draft.left)
+    assert [line.partition(" : ")[0] for line in draft.left] == ["question 1, test 3", "question 1, test 5"]
     assert "c_function" in other.left[0]
+
+
+PROGRAM = (
+    '<quiz><question type="coderunner"><name><text>Nom</text></name><coderunnertype>python3</coderunnertype>'
+    "<questiontext><text><![CDATA[<p>Demandez un <b>nom</b>&nbsp;:</p><pre>nom ? Ada</pre>"
+    "<ul><li>un</li></ul>]]></text></questiontext>"
+    "<answer>print('Bonjour', input('nom ? '))</answer><testcases><testcase><testcode><text></text></testcode>"
+    "<stdin><text>Ada</text></stdin><expected><text>nom ? Ada\nBonjour Ada</text></expected></testcase></testcases>"
+    "</question></quiz>"
+)
+SUITE = """
+tabs:
+- tab: Compteur
+  contexts:
+  - testcases:
+    - statement: "c: compteur = Compteur()"
+    - expression: c.ajouter().valeur()
+      return: 1
+    - statement: c.pas = 2
+    - expression: c.ajouter().valeur()
+      return: !expression "3"
+    - expression: c.choisir()
+      return: !oracle {oracle: custom_check, file: evaluator.py, value: 3}
+- tab: Textes
+  testcases:
+  - expression: {python: submission.dire("a"), java: Submission.dire("a")}
+    stdout: "A\\n"
+  - expression: dire(1)
+    exception: {types: {python: TypeError}}
+  - expression: copier("a.txt", "b.txt")
+    input_files: [{path: a.txt, content: bon}]
+    output_files: [{path: b.txt, content: BON}]
+"""
+WHOLE = """
+- tab: Programme
+  testcases:
+  - stdin: "3\\n4"
+    arguments: [-v]
+    stdout: "7"
+  - expression: "TOTAL # le total"
+    return: 0
+"""
+
+
+def test_a_whole_program_of_coderunner(tmp_path: Path) -> None:
+    (draft,) = drafts(tmp_path, "nom.xml", PROGRAM)
+    assert draft.functions == ["programme"]
+    assert draft.checks[0]["cas"] == ["programme('Ada')"]
+    assert draft.statement == "Demandez un **nom** :\n\n```text\nnom ? Ada\n```\n\n- un"
+
+
+def test_a_suite_of_tested(tmp_path: Path) -> None:
+    (draft,) = drafts(tmp_path, "suite.yaml", SUITE)
+    values, printed, dire, written = draft.checks
+    assert values["cas"][1].split("\n")[2:] == ["c.pas = 2", "c.ajouter().valeur()"]
+    assert values["attendus"] == ["1", "3"]
+    assert (printed["cas"], printed["attendus"], printed["regarder"]) == (["dire('a')"], ["'A\\n'"], "affichage")
+    assert dire["attendus"] == ["TypeError"]
+    assert (written["cas"], written["attendus"]) == (
+        ["fichier('a.txt', 'bon')\ncopier('a.txt', 'b.txt')"], ["{'b.txt': 'BON'}"],
+    )  # fmt: skip
+    assert draft.left == ["onglet 1, contexte 1, test 5 : « return » a un correcteur programmé"]
+    read_declaration(draft.declaration() | {"solution": ""})
+    (whole,) = drafts(tmp_path, "suite.yml", WHOLE)
+    assert whole.functions == ["programme"]
+    assert [check["cas"] for check in whole.checks] == [
+        ["arguments('-v')\nprogramme('3', '4')"],
+        ["programme()\nTOTAL"],
+    ]
+    read_declaration(whole.declaration() | {"solution": ""})
 
 
 def test_cells_of_nbgrader(tmp_path: Path) -> None:
@@ -102,7 +173,7 @@ def test_what_is_imported_is_a_folder_that_grades(
     assert main(["new", "declared", "l31/carres", "--from", str(source), "--course", str(course)]) == 0
     told = capsys.readouterr().out
     assert "Carrés : 3 cas lus" in told
-    assert "laissé : question 1, test 3 : un programme entier" in told
+    assert "laissé : question 1, test 3 : aucune fonction" in told
     with taken_in(course):
         read = load(course / "curriculum", code=course, render=False)
         assert [problem for problem in read.problems if "n’a pas d’exercice" not in problem.message] == []
@@ -118,6 +189,10 @@ def test_what_is_imported_is_a_folder_that_grades(
     [
         ("a.txt", "", "se lisent ici"),
         ("a.json", "{", "pas du JSON"),
+        ("a.yaml", "a: &a [*a]", "des renvois"),
+        ("a.yaml", "[" * 60, "imbriqué"),
+        ("a.yaml", "a: [", "pas du YAML"),
+        ("a.yaml", "a: 3", "suite de TESTed"),
         ("a.json", "[" * 100_000, "pas du JSON"),
         ("a.json", "{}", "cases"),
         ("a.xml", "<quiz>", "pas du XML"),

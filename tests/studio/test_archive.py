@@ -121,7 +121,8 @@ QUESTIONS = (
 @pytest.mark.parametrize(
     ("name", "data", "status", "words"),
     [
-        ("quiz.xml", QUESTIONS, 200, "un programme entier"),
+        ("quiz.xml", QUESTIONS, 200, "aucune fonction de la solution"),
+        ("suite.yaml", "- tab: a\n  testcases:\n  - {expression: carre(3), return: 9}\n", 200, "Compris"),
         ("quiz.xml", '<!DOCTYPE a [<!ENTITY b "c">]><quiz/>', 422, "définit des entités"),
         ("quiz.pdf", "x", 422, "se lisent ici"),
         ("a.zip", "x", 422, "pas un ZIP"),

@@ -68,8 +68,8 @@ from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
 from server.steps.calls import MAX_CHARACTERS, parse_call
 from server.studio.drafts import ExerciseDraft
+from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_file
-from server.studio.imports import ImportRefused
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_lines
@@ -134,7 +134,7 @@ def _large_form(text: str) -> object:
 
 
 def _imported_file(text: str) -> None:
-    for ending in ("zip", "xml", "json", "ipynb"):
+    for ending in ("zip", "xml", "yaml", "json", "ipynb"):
         with suppress(ImportRefused):
             import_file(f"a.{ending}", text.encode("utf-8", "replace"))
 

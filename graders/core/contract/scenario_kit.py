@@ -43,7 +43,7 @@ def play(target: Any, steps: Any, lines: Any = (), files: Any = ()) -> tuple[lis
     names: dict[str, object] = {}
     desk, world = _Desk(lines or (), dict(files)), sys.modules["solution"].__dict__
     values = []
-    reads = lines is not None or files or any(kind in ("type", "file", "program") for kind, *_ in steps)
+    reads = lines is not None or files or any(kind in ("type", "file", "argv", "program") for kind, *_ in steps)
     with contextlib.ExitStack() as stack:
         if reads:
             stack.enter_context(desk.replaces_input())
@@ -109,7 +109,7 @@ class _Desk:
     @contextlib.contextmanager
     def replaces_input(self) -> Any:
         """Have `input` read the lines, and `open` the files."""
-        before = builtins.input, builtins.open, io.open, sys.stdin
+        before, arguments = (builtins.input, builtins.open, io.open, sys.stdin), sys.argv[1:]
         vars(builtins).update(input=self._read_line, open=self._open_file)
         vars(io).update(open=self._open_file)
         sys.stdin, self._real_open = self._stdin, before[1]
@@ -118,7 +118,7 @@ class _Desk:
         finally:
             vars(builtins).update(input=before[0], open=before[1])
             vars(io).update(open=before[2])
-            sys.stdin = before[3]
+            sys.stdin, sys.argv[1:] = before[3], arguments
 
     def _read_line(self, prompt: object = "") -> str:
         self.screen.echo(str(prompt))
@@ -179,13 +179,21 @@ def _play_step(kind: Any, parts: Any, names: Any, world: Any, desk: Any) -> Any:
     if kind in ("type", "file"):
         (desk.type_lines if kind == "type" else desk.put_file)(*parts)
         return None
+    if kind == "argv":
+        sys.argv[1:] = parts[0]
+        return None
     if kind == "program":
         desk.type_lines(parts[1])
-        return world[parts[0]]()
+        names.update(world[parts[0]]())
+        return None
     return _call_or_show(kind, parts, names, world)
 
 
 def _call_or_show(kind: Any, parts: Any, names: Any, world: Any) -> Any:
+    if kind == "set":
+        owner, _, attribute = parts[0].rpartition(".")
+        setattr(_resolve(owner, names, world), attribute, _decode(parts[1], names, world))
+        return None
     if kind == "let":
         name, value = parts
         names[name] = _decode(value, names, world)
@@ -205,6 +213,10 @@ def _call_or_show(kind: Any, parts: Any, names: Any, world: Any) -> Any:
 
 def _resolve(path: Any, names: Any, world: Any) -> Any:
     first, *attributes = path.split(".")
+    if path == "print":
+        return print
+    if first not in names and first not in world:
+        raise NameError(f"le nom « {first} » n’existe pas dans votre programme")
     value = names[first] if first in names else world[first]
     for attribute in attributes:
         value = getattr(value, attribute)
@@ -224,8 +236,18 @@ def _decode(value: Any, names: Any, world: Any) -> Any:
         "b": lambda: bytes(content),
         "f": lambda: eval(content, {"np": np, "math": math}),
         "r": lambda: _resolve(content, names, world),
+        "c": lambda: _call_nested(content, names, world),
     }
     return makers[tag]()
+
+
+def _call_nested(content: Any, names: Any, world: Any) -> Any:
+    callee, args, named, base = content
+    inside = {"": _decode(base[0], names, world)} if base else names
+    return _resolve(f".{callee}" if base else callee, inside, world)(
+        *(_decode(argument, names, world) for argument in args),
+        **{name: _decode(argument, names, world) for name, argument in named},
+    )
 
 
 _PLAIN = (bool, int, float, complex, str, np.ndarray, np.generic, type(None))

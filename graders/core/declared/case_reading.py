@@ -13,8 +13,8 @@ from graders.core.compare.python_values import Raised
 from graders.core.contract.values import Value
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.notation import parse_python, refusal
-from graders.core.declared.scenario_values import FunctionSource, Reference
-from graders.core.declared.scenarios import PREPARATIONS, PROGRAM, RUNS, Statement
+from graders.core.declared.scenario_values import FunctionSource, NestedCall, Reference
+from graders.core.declared.scenarios import PREPARATIONS, PRINT, PROGRAM, Statement
 
 #: Bounds of a case as it is written: characters, statements, nested brackets.
 MAX_CASE, MAX_STATEMENTS, MAX_NESTING = 4000, 60, 40
@@ -36,7 +36,7 @@ def parse_scenario(
         statements = tuple(reader.statement(node) for node in tree.body)
     except RecursionError as error:
         raise MalformedDeclaration("ce cas est trop imbriqué") from error
-    if not any(statement.kind in RUNS for statement in statements):
+    if not any(statement.function for statement in statements):
         if tuple(functions) == (PROGRAM,):
             raise MalformedDeclaration(f"« {text.strip()[:80]} » : {AS_A_PROGRAM}")
         raise MalformedDeclaration(
@@ -80,10 +80,14 @@ class _CaseReader:
 
     def __init__(self, functions: frozenset[str], variables: dict[str, Value]) -> None:
         self._functions, self._variables, self._assigned = functions, variables, set[str]()
-        self._is_program = functions == {PROGRAM}
+        self._is_program, self._has_run = functions == {PROGRAM}, False
 
     def statement(self, node: ast.stmt) -> Statement:
         into = ""
+        if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Attribute):
+            path = self._callee(node.targets[0])
+            if path is not None:
+                return Statement("set", path, value=self.value(node.value))
         if isinstance(node, ast.Assign) and len(node.targets) == 1 and isinstance(node.targets[0], ast.Name):
             into, expression = node.targets[0].id, node.value
         elif isinstance(node, ast.Expr):
@@ -101,21 +105,26 @@ class _CaseReader:
         if callee is None:
             return Statement("value", into, value=self.value(node))
         assert isinstance(node, ast.Call)
-        if any(isinstance(argument, ast.Starred) for argument in node.args) or any(
-            not key.arg for key in node.keywords
-        ):
-            raise refusal(node, "« * » et « ** » ne se lisent pas ici")
-        named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
-        arguments = tuple(map(self.value, node.args))
+        arguments, named = self._arguments(node)
         kind = self._kind(callee)
+        self._has_run |= kind == "program"
         if kind != "call":
             _require_texts(node, kind, (*arguments, *named), into)
         return Statement(kind, into, callee, arguments, named)
 
+    def _arguments(self, node: ast.Call) -> tuple[tuple[Value, ...], tuple[tuple[str, Value], ...]]:
+        if any(isinstance(argument, ast.Starred) for argument in node.args) or not all(it.arg for it in node.keywords):
+            raise refusal(node, "« * » et « ** » ne se lisent pas ici")
+        named = tuple((str(key.arg), self.value(key.value)) for key in node.keywords)
+        return tuple(map(self.value, node.args)), named
+
     def _kind(self, callee: str) -> str:
         if callee == PROGRAM and self._is_program:
             return "program"
-        return "call" if callee in self._functions or callee in self._assigned else PREPARATIONS.get(callee, "call")
+        return "call" if self._is_known(callee) else PREPARATIONS.get(callee, "call")
+
+    def _is_known(self, name: str) -> bool:
+        return name in self._functions or name in self._assigned
 
     def _callee(self, node: ast.expr) -> str | None:
         """Return what is called, where it is of the program: « Pile », « p.empiler »."""
@@ -127,9 +136,9 @@ class _CaseReader:
             return None
         if node.id == "np" and node.id not in self._assigned:
             return None
-        if not path and node.id in PREPARATIONS:
+        if not path and (node.id in PREPARATIONS or node.id == PRINT):
             return node.id
-        if node.id not in self._functions and node.id not in self._assigned:
+        if not self._is_known(node.id) and not self._has_run:
             known = ", ".join(sorted(self._functions))
             raise refusal(node, f"« {node.id} » n’est pas une de vos fonctions ({known})")
         if any(name.startswith("__") for name in path):
@@ -202,14 +211,31 @@ class _CaseReader:
         first = text.partition(".")[0]
         if text in self._variables:
             return self._variables[text]
-        if first in self._assigned or (text in self._functions):
+        if first in self._assigned or text in self._functions or (self._has_run and first.isidentifier()):
             if "__" in text:
                 raise refusal(node, "pas de nom qui contient deux soulignés")
             return Reference(text)
         raise refusal(node, f"« {text} » n’est pas connu ici ; un texte s’écrit entre guillemets")
 
+    def _nested_call(self, node: ast.Call) -> NestedCall | None:
+        """Return a call of the program whose value is an argument, or on whose value a method is called."""
+        path: list[str] = []
+        base = node.func
+        while isinstance(base, ast.Attribute):
+            path.insert(0, base.attr)
+            base = base.value
+        if isinstance(base, ast.Call) and path and not any(name.startswith("__") for name in path):
+            inner = self._nested_call(base)
+            return None if inner is None else NestedCall(".".join(path), *self._arguments(node), inner)
+        if isinstance(base, ast.Name) and self._is_known(base.id) and not self._is_program:
+            return NestedCall(self._callee(node.func) or "", *self._arguments(node))
+        return None
+
     def _made(self, node: ast.Call) -> Value:
         """Return set(…), np.array(…), float("nan")…: a function of Python that makes a value."""
+        nested = self._nested_call(node)
+        if nested is not None:
+            return nested
         maker = ast.unparse(node.func).removeprefix("np.")
         arguments = [self.value(argument) for argument in node.args]
         try:
@@ -242,7 +268,8 @@ def _require_texts(node: ast.Call, kind: str, arguments: Sequence[Any], into: st
     """Refuse what is no list of lines, or no file's name and text."""
     plain = all(isinstance(value, str | int | float) for value in arguments)
     if into or not plain or (kind == "file" and len(arguments) != 2):
-        raise refusal(node, 'écrivez clavier("3", "4"), fichier("notes.txt", "12\\n") ou programme("3", "4")')
+        words = 'écrivez clavier("3", "4"), fichier("notes.txt", "12\\n"), arguments("-v") ou programme("3", "4")'
+        raise refusal(node, words)
 
 
 def _is_number(value: Value) -> bool:

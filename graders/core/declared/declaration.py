@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -205,20 +205,24 @@ def _check(place: str, data: object, functions: tuple[str, ...]) -> DeclaredChec
     with _TableReader(data, place) as table:
         identity = _identity(table)
         lines, files = table.lines("entrees"), table.files("fichiers")
-        watched = table.choice("regarder", _WATCHED, "affichage" if is_whole_program(functions) else "valeur")
-        lines = () if lines is None and watched == "written" else lines
         written = table.texts("cas", most=MAX_CASES)
         expected = table.texts("attendus", most=MAX_CASES) or ("",) * len(written)
         if len(expected) != len(written):
             raise MalformedDeclaration(f"{len(expected)} pour {len(written)} cas", f"{place}.attendus")
         cases = tuple(
-            Scenario(
-                _read_case(text, functions, f"{place}.cas[{index}]"), lines, files,
-                _read_expected(answer, watched, f"{place}.attendus[{index}]"),
-            )
-            for index, (text, answer) in enumerate(zip(written, expected, strict=True))
-        )  # fmt: skip
+            Scenario(_read_case(text, functions, f"{place}.cas[{index}]"), lines, files)
+            for index, text in enumerate(written)
+        )
         drawn = _drawn(table, functions)
+        prints = is_whole_program(functions) and all(case.ends_with_program for case in cases)
+        watched = table.choice("regarder", _WATCHED, "affichage" if prints else "valeur")
+        cases = tuple(
+            replace(
+                case, lines=() if lines is None and watched == "written" else lines,
+                expected=_read_expected(answer, watched, f"{place}.attendus[{index}]"),
+            )
+            for index, (case, answer) in enumerate(zip(cases, expected, strict=True))
+        )  # fmt: skip
         if not cases and drawn is None:
             raise MalformedDeclaration("il faut au moins un cas, ou des tirages", place)
         comparator = SamePlainValue(

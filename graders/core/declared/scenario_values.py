@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,8 +26,32 @@ class Reference:
     name: str
 
 
+@dataclass(frozen=True)
+class NestedCall:
+    """A call whose value is an argument, or on whose value a method is called: `base` is that value."""
+
+    callee: str
+    arguments: tuple[Value, ...] = ()
+    named: tuple[tuple[str, Value], ...] = ()
+    base: Value = None
+
+    @property
+    def function(self) -> str:
+        """The first name of the program that is called."""
+        return self.base.function if isinstance(self.base, NestedCall) else self.callee.partition(".")[0]
+
+
+def call_text(callee: str, arguments: Iterable[Value], named: Iterable[tuple[str, Value]]) -> str:
+    """Return a call as Python writes it."""
+    parts = [*map(value_text, arguments), *(f"{name}={value_text(value)}" for name, value in named)]
+    return f"{callee}({', '.join(parts)})"
+
+
 def value_text(value: Value) -> str:
     """Return a value of a case as Python writes it."""
+    if isinstance(value, NestedCall):
+        base = f"{value_text(value.base)}." if isinstance(value.base, NestedCall) else ""
+        return base + call_text(value.callee, value.arguments, value.named)
     if isinstance(value, FunctionSource):
         return value.source
     if isinstance(value, Reference):
@@ -42,12 +66,19 @@ def encode_value(value: Value) -> Value:
     encoders: tuple[tuple[Any, str, Callable[[Any], Value]], ...] = (
         (FunctionSource, "f", lambda function: function.source),
         (Reference, "r", lambda reference: reference.name),
+        (NestedCall, "c", _encode_call),
         (tuple, "t", lambda items: [encode_value(item) for item in items]),
         (set | frozenset, "s", lambda items: [encode_value(item) for item in sorted(items, key=repr)]),
         (dict, "d", lambda pairs: [[encode_value(key), encode_value(item)] for key, item in pairs.items()]),
         (bytes, "b", list),
     )
     return next(((tag, encode(value)) for kind, tag, encode in encoders if isinstance(value, kind)), value)
+
+
+def _encode_call(call: NestedCall) -> Value:
+    named = [[name, encode_value(value)] for name, value in call.named]
+    base = [encode_value(call.base)] if call.base is not None else []
+    return [call.callee, [encode_value(value) for value in call.arguments], named, base]
 
 
 def decode_values(answer: Value) -> Iterator[Value]:

@@ -3,7 +3,7 @@
 A case is a few statements separated by « ; » or lines: `compter_mots("a b")`, or `p = Pile(); p.empiler(3);
 p.depiler()`. Arguments are literals, arrays `np.array(…)`, earlier names, and functions `lambda x: …`, whose source is
 compiled in the student's process alone. `clavier("3", "4"); somme()` types two lines, `fichier("a.txt", "12"); lire()`
-puts a file there; `programme("3", "4")` runs a whole program that reads these lines.
+puts a file there; `programme("3", "4")` runs a whole program that reads these lines, and whose names follow it.
 """
 
 from __future__ import annotations
@@ -12,16 +12,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from graders.core.contract.values import Value
-from graders.core.declared.scenario_values import encode_value, value_text
+from graders.core.declared.scenario_values import NestedCall, call_text, encode_value, value_text
 
 #: What a case may call besides functions: lines that are typed, a file that may be read; the whole program.
-TYPE, FILE, PROGRAM = "clavier", "fichier", "programme"
+TYPE, FILE, ARGUMENTS, PROGRAM = "clavier", "fichier", "arguments", "programme"
+PRINT = "print"
 #: A step as the driver reads it (see `contract.scenario_kit`).
 Step = tuple[Any, ...]
 
 
 #: Kinds of the statements that prepare a case, by what they call; kinds of those that run the program.
-PREPARATIONS = {TYPE: "type", FILE: "file"}
+PREPARATIONS = {TYPE: "type", FILE: "file", ARGUMENTS: "argv"}
 RUNS = ("call", "program")
 
 
@@ -44,14 +45,24 @@ class Statement:
         return not self.into and self.kind not in PREPARATIONS.values()
 
     @property
+    def function(self) -> str:
+        """The name of the program that is called first; empty where none is."""
+        if self.kind in RUNS and self.callee != PRINT:
+            return self.callee.partition(".")[0]
+        inside = (self.value, *self.arguments)
+        return next((value.function for value in inside if isinstance(value, NestedCall)), "")
+
+    @property
     def typed(self) -> tuple[str, ...]:
         """The arguments as lines of text, as they are typed."""
         return tuple(value if isinstance(value, str) else value_text(value) for value in self.arguments)
 
     def encode(self) -> Step:
         """Return the step as plain data."""
-        if self.kind == "type":
-            return "type", self.typed
+        if self.kind in ("type", "argv"):
+            return self.kind, self.typed
+        if self.kind == "set":
+            return "set", self.into, encode_value(self.value)
         if self.kind == "file":
             return "file", *self.typed
         if self.kind == "program":
@@ -63,11 +74,7 @@ class Statement:
 
     def text(self) -> str:
         """Return the statement as Python writes it."""
-        if self.callee:
-            arguments = [*map(value_text, self.arguments), *(f"{name}={value_text(it)}" for name, it in self.named)]
-            line = f"{self.callee}({', '.join(arguments)})"
-        else:
-            line = value_text(self.value)
+        line = call_text(self.callee, self.arguments, self.named) if self.callee else value_text(self.value)
         return f"{self.into} = {line}" if self.into else line
 
 
@@ -86,7 +93,7 @@ class Scenario:
     @property
     def function(self) -> str:
         """The first name of the program that is called."""
-        return next(step.callee.partition(".")[0] for step in self.statements if step.kind in RUNS)
+        return next(filter(None, (step.function for step in self.statements)))
 
     @property
     def typed(self) -> tuple[str, ...] | None:
@@ -97,6 +104,11 @@ class Scenario:
     @property
     def runs_program(self) -> bool:
         return any(step.kind == "program" for step in self.statements)
+
+    @property
+    def ends_with_program(self) -> bool:
+        """Whether nothing is looked at after the run of the program."""
+        return self.statements[-1].kind == "program"
 
     def arguments(self) -> tuple[Value, ...]:
         """Return the arguments of the driver."""

@@ -40,6 +40,8 @@ def describe_case(scenario: Scenario) -> str:
     files = [f"« {step.typed[0]} »" for step in scenario.statements if step.kind == "file"]
     files += [f"« {name} »" for name, _ in scenario.files]
     with_files = f" avec {', '.join(files)}" if files else ""
+    arguments = [f"« {text} »" for step in scenario.statements if step.kind == "argv" for text in step.typed]
+    with_files += f" avec les arguments {', '.join(arguments)}" if arguments else ""
     return f"Quand on tape {typed}{with_files}" if lines else f"Quand on lance le programme{with_files}"
 
 

@@ -22,7 +22,7 @@ from server.studio import importing, repository, service
 from server.studio.archive import write_archive
 from server.studio.authored import LIMITS
 from server.studio.drafts import ExerciseDraft
-from server.studio.imports import ImportRefused
+from server.studio.import_drafts import ImportRefused
 from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.web.dependencies import CurrentReader

@@ -130,6 +130,23 @@ KINDS = (
          "": "Rien n’est affiché"},
     ),
     Kind(
+        "variable of a program",
+        declare("programme", "import sys\nn = len(sys.argv) - 1\ndef double(x):\n    return 2 * x\n",
+                'arguments("-a", "-b"); programme(); n', "programme(); double(3)", attendus=["2", "6"]),
+        ("from sys import argv\nn = 0\nfor _ in argv[1:]:\n    n += 1\ndef double(x):\n    return x + x\n",),
+        {"n = 2\n": "n’existe pas", "n = 1\ndef double(x):\n    return 2 * x\n": "n doit donner 2 et donne 1"},
+    ),
+    Kind(
+        "chained calls and attributes",
+        declare("Pile depiler", "class Pile:\n    def __init__(self):\n        self.t = []\n    def empiler(self, x):\n"
+                "        self.t.append(x)\n        return self\ndef depiler(p):\n    return p.t.pop()\n",
+                "depiler(Pile().empiler(1).empiler(2))", "p = Pile(); p.t = [5]; print(depiler(p.empiler(3))); p.t"),
+        ("class Pile(list):\n    def empiler(self, x):\n        self.t = getattr(self, 't', []) + [x]\n        return self\n"
+         "def depiler(p):\n    *p.t, x = p.t\n    return x\n",),
+        {"class Pile:\n    def __init__(self):\n        self.t = []\n    def empiler(self, x):\n        self.t.append(x)\n"
+         "def depiler(p):\n    return p.t.pop()\n": "empiler"},
+    ),
+    Kind(
         "file read by a program",
         declare("programme", "print(len(open('notes.txt').readlines()))\n", 'fichier("notes.txt", "a\\nb\\n"); programme()',
                 'fichier("notes.txt", ""); programme()'),

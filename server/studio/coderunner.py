@@ -1,0 +1,205 @@
+"""CodeRunner's questions, of an export of Moodle in XML: functions, classes, printed text and whole programs."""
+
+from __future__ import annotations
+
+import ast
+from base64 import b64decode
+from collections.abc import Iterator
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from graders.core.compare.python_values import python_text
+from graders.core.declared.scenarios import FILE, PROGRAM, TYPE
+from server.studio.html_text import html_to_markdown
+from server.studio.import_drafts import (
+    UNREADABLE,
+    Draft,
+    ImportRefused,
+    ReadCase,
+    called_functions,
+    program_call,
+    readable_literal,
+)
+
+PRINTED = (("regarder", "affichage"),)
+#: Bytes of a file that goes with a question.
+MAX_FILE_BYTES = 2000
+
+
+def read_questions(data: bytes) -> Iterator[Draft]:
+    """Read Moodle XML: the questions of Python; of others, say that they are left. Raises ImportRefused."""
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise ImportRefused("ce XML définit des entités : il n’est pas lu")
+    try:
+        root = ElementTree.fromstring(data)
+    except (ElementTree.ParseError, ValueError, RecursionError) as error:
+        raise ImportRefused(f"ce fichier n’est pas du XML : {error}") from error
+    for number, question in enumerate(root.iter("question"), 1):
+        if question.get("type") == "coderunner":
+            yield _read_question(question, f"question {number}")
+
+
+@dataclass(frozen=True)
+class _QuestionParts:
+    """What the tests of a question share: its draft, the functions that print, the statements that give it files."""
+
+    draft: Draft
+    printing: frozenset[str]
+    files: str
+    is_program: bool
+
+
+def _read_question(question: ElementTree.Element, place: str) -> Draft:
+    draft = Draft(_text_of(question, "name/text") or place)
+    draft.solution = _text_of(question, "answer")
+    kind = _text_of(question, "coderunnertype")
+    if not kind.startswith("python3") or kind == "python3_tkinter":
+        draft.left.append(f"{place} : type « {kind} », qui n’est pas du Python seul")
+        return draft
+    if _text_of(question, "prototypetype") not in ("", "0"):
+        draft.left.append(f"{place} : un modèle de questions, et non une question")
+        return draft
+    draft.statement = html_to_markdown(_text_of(question, "questiontext/text"))
+    if _text_of(question, "template"):
+        draft.to_look_at.append(f"{place} : un gabarit de correction, qui n’est pas lu")
+    if draft.statement:
+        draft.to_look_at.append(f"{place} : l’énoncé, qui était en HTML")
+    tests = list(question.iter("testcase"))
+    for name in {_text_of(test, "extra/text") for test in tests}:
+        _drop_last_call(draft, place, name)
+    codes = [_code_of(test) for test in tests]
+    is_program = bool(codes) and not any(called_functions(code, draft.solution) for code in codes)
+    files = "; ".join(_files(draft, place, question))
+    shared = _QuestionParts(draft, _printing_functions(draft.solution), f"{files}; " if files else "", is_program)
+    for number, (test, code) in enumerate(zip(tests, codes, strict=True), 1):
+        _read_test(shared, f"{place}, test {number}", test, code)
+    draft.make_checks()
+    return draft
+
+
+def _text_of(element: ElementTree.Element, path: str) -> str:
+    return (element.findtext(path) or "").strip()
+
+
+def _drop_last_call(draft: Draft, place: str, call: str) -> None:
+    """Drop the call that ends the solution, where the tests make it themselves."""
+    body = _body(draft.solution)
+    last = body[-1] if call and body else None
+    if isinstance(last, ast.Expr) and ast.unparse(last) == call:
+        draft.solution = "".join(draft.solution.splitlines(keepends=True)[: last.lineno - 1]).rstrip() + "\n"
+        draft.to_look_at.append(
+            f"{place} : `{call}`, à la fin de la solution, est retiré : ce sont les tests qui l’appellent"
+        )
+
+
+def _code_of(test: ElementTree.Element) -> str:
+    """Return the code of a test; its extra where the code is a comment alone."""
+    code, extra = _text_of(test, "testcode/text"), _text_of(test, "extra/text")
+    try:
+        return code if ast.parse(code).body or not ast.parse(extra).body else extra
+    except UNREADABLE:
+        return code
+
+
+def _printing_functions(solution: str) -> frozenset[str]:
+    """Return the functions of a solution in which something is printed."""
+    try:
+        tree = ast.parse(solution)
+    except UNREADABLE:
+        return frozenset()
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    calls = {
+        function.name: {_name(node.func) for node in ast.walk(function) if isinstance(node, ast.Call)}
+        for function in functions
+    }
+    printing = {"print"}
+    for _ in functions:
+        printing |= {name for name, called in calls.items() if called & printing}
+    return frozenset(printing)
+
+
+def _name(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
+
+
+def _files(draft: Draft, place: str, question: ElementTree.Element) -> Iterator[str]:
+    """Yield the statements that give a question's files to its cases."""
+    for file in question.iterfind("testcases/file"):
+        name = file.get("name", "")
+        try:
+            text = b64decode(file.text or "", validate=False).decode("utf-8")
+        except ValueError:
+            text = ""
+        if 0 < len(text) <= MAX_FILE_BYTES:
+            yield f"{FILE}({python_text(name)}, {python_text(text)})"
+        else:
+            draft.left.append(f"{place} : le fichier « {name} », qui est trop long ou n’est pas un texte")
+
+
+def _read_test(question: _QuestionParts, place: str, test: ElementTree.Element, code: str) -> None:
+    draft, typed, expected = question.draft, _lines_of(test), (test.findtext("expected/text") or "").rstrip()
+    if question.is_program:
+        has_code = bool(_body(code))
+        if has_code:
+            draft.left.append(f"{place} : « {code[:80]} » n’appelle rien de la solution")
+            return
+        shown = python_text(expected) if expected else ""
+        draft.add_case(place, ReadCase(PROGRAM, f"{question.files}{program_call(typed)}", shown))
+        return
+    lines = ", ".join(python_text(line) for line in typed.splitlines())
+    prepared = question.files + (f"{TYPE}({lines}); " if lines else "")
+    functions = called_functions(code, draft.solution)
+    if not functions:
+        draft.left.append(f"{place} : aucune fonction de la solution n’y est appelée")
+        return
+    prints = bool(_called_names(code) & (question.printing - {"print"}))
+    shown_value = None if prints else _shown_expression(code)
+    if shown_value is None:
+        wanted = python_text(expected) if expected else ""
+        draft.add_case(place, ReadCase(functions[0], prepared + code, wanted, PRINTED, functions[1:]))
+        return
+    call, count = shown_value
+    if count > 1:
+        draft.to_look_at.append(f"{place} : plusieurs valeurs affichées ; leur résultat est celui de la solution")
+        wanted = ""
+    else:
+        wanted = readable_literal(expected) or python_text(expected)
+    draft.add_case(place, ReadCase(functions[0], prepared + call, wanted, others=functions[1:]))
+
+
+def _called_names(code: str) -> set[str]:
+    """Return the names of the functions and methods that are called."""
+    return {_name(node.func) for part in _body(code) for node in ast.walk(part) if isinstance(node, ast.Call)}
+
+
+def _lines_of(test: ElementTree.Element) -> str:
+    return (test.findtext("stdin/text") or "").strip("\n")
+
+
+def _body(code: str) -> list[ast.stmt]:
+    try:
+        return ast.parse(code).body
+    except UNREADABLE:
+        return [ast.Pass()]
+
+
+def _shown_expression(code: str) -> tuple[str, int] | None:
+    """Return the code with each `print(x)` of its own as `x`, and how many there are; None where it prints otherwise.
+
+    Without a print, its last expression is what counts.
+    """
+    body, shown = _body(code), 0
+    lines = []
+    for node in body:
+        call = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(call, ast.Call) and _name(call.func) == "print":
+            if len(call.args) != 1 or call.keywords:
+                return None
+            shown += 1
+            lines.append(ast.unparse(call.args[0]))
+        else:
+            lines.append(ast.unparse(node))
+    nested = sum(isinstance(node, ast.Call) and _name(node.func) == "print" for part in body for node in ast.walk(part))
+    if nested != shown or not body or not isinstance(body[-1], ast.Expr):
+        return None
+    return "\n".join(lines), shown

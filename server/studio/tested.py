@@ -1,0 +1,280 @@
+"""TESTed's test suites (YAML), of Dodona: expressions, statements, what is typed, output, exceptions, files.
+
+Each expected value becomes a case with all that was done before it in its context.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import yaml
+
+from graders.core.compare.python_values import python_text
+from graders.core.declared.scenarios import ARGUMENTS, FILE, PROGRAM
+from server.studio.import_drafts import UNREADABLE, Draft, ImportRefused, ReadCase, program_call
+
+PRINTED, WRITTEN = (("regarder", "affichage"),), (("regarder", "fichiers"),)
+#: Values of a file, and levels of them.
+MAX_NODES, MAX_LEVELS = 50_000, 40
+_TABS, _CONTEXTS, _CASES = ("tabs", "units"), ("contexts", "cases"), ("testcases", "scripts", "items")
+#: Keys that change no verdict.
+_SILENT = {"description", "files", "tab", "unit", "name", "hidden", "definitions", "config", "language", "namespace"}
+_MODULE = "submission."
+#: Keys of what a test does, of what it prepares, and of what it expects.
+_ACTS, _INPUTS = {"expression", "statement"}, {"stdin", "arguments", "argv", "input_files"}
+_EXPECTED = ("return", "return_raw", "stdout", "exception", "file", "output_files")
+
+
+@dataclass(frozen=True)
+class Tagged:
+    """A value with a tag of its own, such as `!expression "{1, 2}"`."""
+
+    tag: str
+    value: Any
+
+
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]
+    """Reads plain values; tags that are not YAML's own are kept."""
+
+
+def _construct(loader: _Loader, suffix: str, node: yaml.Node) -> Tagged:
+    if isinstance(node, yaml.MappingNode):
+        return Tagged(suffix, loader.construct_mapping(node, deep=True))
+    if isinstance(node, yaml.SequenceNode):
+        return Tagged(suffix, loader.construct_sequence(node, deep=True))
+    return Tagged(suffix, node.value)
+
+
+_Loader.add_multi_constructor("!", _construct)
+
+
+def read_suite(data: bytes) -> Iterator[Draft]:
+    """Read a test suite. Raises ImportRefused."""
+    content = _load(data)
+    tabs = _children(content, _TABS) if isinstance(content, dict) else content
+    if not isinstance(tabs, list) or not all(isinstance(tab, dict) for tab in tabs):
+        raise ImportRefused("ce YAML n’est pas une suite de TESTed : il n’a pas de « tabs »")
+    draft = Draft("Exercice de TESTed")
+    contexts = [entry for number, tab in enumerate(tabs, 1) for entry in _contexts(tab, f"onglet {number}")]
+    is_program = any(_needs_program(cases) for _, cases in contexts)
+    for place, cases in contexts:
+        _ContextReader(draft, place, is_program).read(cases)
+    draft.make_checks()
+    draft.to_look_at.append("la solution et l’énoncé : TESTed n’en donne pas ; écrivez-les")
+    yield draft
+
+
+def _load(data: bytes) -> Any:
+    try:
+        text, levels = data.decode("utf-8"), 0
+        for count, event in enumerate(yaml.parse(text, yaml.SafeLoader)):
+            levels += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if isinstance(event, yaml.AliasEvent):
+                raise ImportRefused("ce YAML a des renvois (« *nom ») : il n’est pas lu")
+            if count > MAX_NODES or levels > MAX_LEVELS:
+                raise ImportRefused("ce YAML est trop long, ou trop imbriqué")
+        return yaml.load(text, _Loader)
+    except (yaml.YAMLError, ValueError, RecursionError, TypeError) as error:
+        raise ImportRefused(f"ce fichier n’est pas du YAML : {str(error)[:200]}") from error
+
+
+def _children(table: Mapping[str, Any], keys: Sequence[str]) -> Any:
+    return next((table[key] for key in keys if table.get(key) is not None), None)
+
+
+def _contexts(tab: dict[str, Any], place: str) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield the sequences of tests of a tab: its contexts, or each of its tests alone."""
+    contexts = _children(tab, _CONTEXTS)
+    if not isinstance(contexts, list):
+        cases = _children(tab, _CASES)
+        contexts = [{"testcases": [case]} for case in cases] if isinstance(cases, list) else []
+        if cases and any(isinstance(case, dict) and "statement" in case for case in cases):
+            contexts = [{"testcases": cases}]
+    for number, context in enumerate(contexts, 1):
+        cases = _children(context, _CASES) if isinstance(context, dict) else None
+        if isinstance(cases, list):
+            yield f"{place}, contexte {number}", [case for case in cases if isinstance(case, dict)]
+
+
+def _needs_program(cases: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a context runs the whole program: a test calls nothing of it, or looks at one of its variables."""
+    statements = [str(case["statement"]) for case in cases if "statement" in case]
+    assigned = {text.partition("=")[0].partition(":")[0].strip() for text in statements if "=" in text}
+    for case in cases:
+        if not _ACTS & set(case):
+            return True
+        name = str(case.get("expression", "")).partition("#")[0].strip()
+        if name.isidentifier() and name not in assigned:
+            return True
+    return False
+
+
+@dataclass
+class _ContextReader:
+    """Reads the tests of one context: each goes on where the one before has stopped."""
+
+    draft: Draft
+    place: str
+    is_program: bool
+    done: list[str] = field(default_factory=list)
+    printed: str = ""
+    names: set[str] = field(default_factory=set)
+
+    def read(self, cases: Sequence[dict[str, Any]]) -> None:
+        for number, case in enumerate(cases, 1):
+            place = f"{self.place}, test {number}"
+            try:
+                self._read(place, case)
+            except _Left as left:
+                self.draft.left.append(f"{place} : {left}")
+                return
+
+    def _read(self, place: str, case: dict[str, Any]) -> None:
+        expected: dict[str, Any] = {key: case[key] for key in _EXPECTED if key in case}
+        for key, value in expected.items():
+            if _has_oracle(value):
+                raise _Left(f"« {key} » a un correcteur programmé")
+        self._prepare(case)
+        self._act(case)
+        call = "\n".join(self.done)
+        functions = [PROGRAM] if self.is_program else self._functions(call)
+        ignored = sorted(set(case) - _ACTS - _INPUTS - _SILENT - set(_EXPECTED))
+        if ignored:
+            self.draft.to_look_at.append(f"{place} : {', '.join(ignored)}, qui n’est pas comparé")
+        read = list(self._expected(place, expected, call))
+        if not read and "expression" in case:
+            read = [ReadCase("", call)]
+            self.draft.to_look_at.append(f"{place} : le résultat attendu est celui de la solution")
+        for each in read:
+            self.draft.add_case(place, replace(each, function=functions[0], others=functions[1:]))
+
+    def _prepare(self, case: Mapping[str, Any]) -> None:
+        files = [file for file in _list(case.get("input_files")) if isinstance(file, dict)]
+        stdin = case.get("stdin")
+        if isinstance(stdin, dict):
+            files.append(stdin)
+        for file in files:
+            name, content = file.get("path", file.get("name")), file.get("content")
+            if isinstance(content, str) and name:
+                self.done.append(f"{FILE}({python_text(str(name))}, {python_text(content)})")
+            elif name:
+                raise _Left(f"le texte du fichier « {name} » est ailleurs que dans ce YAML")
+
+    def _act(self, case: Mapping[str, Any]) -> None:
+        if self.is_program and (not _ACTS & set(case) or not any(PROGRAM in line for line in self.done)):
+            arguments = _list(case.get("arguments", case.get("argv")))
+            if arguments:
+                self.done.append(f"{ARGUMENTS}({', '.join(python_text(str(it)) for it in arguments)})")
+            self.done.append(program_call(_stdin(case.get("stdin"))))
+        written = case.get("expression", case.get("statement"))
+        if isinstance(written, dict):
+            written = written.get("python")
+        if written is None and {"expression", "statement"} & set(case):
+            raise _Left("il n’y a pas d’expression pour Python")
+        if written is not None:
+            self.done.append(self._tidy(str(written)))
+
+    def _tidy(self, text: str) -> str:
+        """Return an expression or a statement as a case writes it: without the module's name nor a type."""
+        try:
+            (node,) = ast.parse(text.replace(_MODULE, "").strip()).body
+        except (*UNREADABLE, ValueError) as error:
+            raise _Left(f"« {text[:80]} » n’est pas une instruction de Python") from error
+        if isinstance(node, ast.AnnAssign) and node.value is not None:
+            node = ast.copy_location(ast.Assign([node.target], node.value), node)
+        if isinstance(node, ast.Assign):
+            self.names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+        return ast.unparse(ast.fix_missing_locations(node))
+
+    def _functions(self, call: str) -> list[str]:
+        """Return the functions and classes of the program that are called."""
+        calls = [node.func for node in ast.walk(ast.parse(call)) if isinstance(node, ast.Call)]
+        names = [node.id for node in calls if isinstance(node, ast.Name) and node.id not in self.names]
+        known = [name for name in names if name not in (FILE, ARGUMENTS, "set", "print")]
+        if not known:
+            raise _Left("aucune fonction n’y est appelée")
+        return known
+
+    def _expected(self, place: str, expected: Mapping[str, Any], call: str) -> Iterator[ReadCase]:
+        """Yield the case of each thing that a test expects."""
+        if "return" in expected or "return_raw" in expected:
+            yield ReadCase("", call, _value(expected.get("return", expected.get("return_raw"))))
+        if "exception" in expected:
+            yield ReadCase("", call, self._exception(place, expected["exception"]))
+        if "stdout" in expected:
+            self.printed += _text(expected["stdout"])
+            yield ReadCase("", call, python_text(self.printed) if self.printed.strip() else "", PRINTED)
+        if "output_files" in expected or "file" in expected:
+            files = [it for it in _list(expected.get("output_files")) if isinstance(it, dict)]
+            texts = {str(it.get("path")): it.get("content") for it in files}
+            known = files and all(isinstance(text, str) for text in texts.values())
+            if not known:
+                words = "le fichier attendu est ailleurs ; c’est celui qu’écrit la solution"
+                self.draft.to_look_at.append(f"{place} : {words}")
+            yield ReadCase("", call, python_text(texts) if known else "", WRITTEN)
+
+    def _exception(self, place: str, expected: object) -> str:
+        types = expected.get("types") if isinstance(expected, dict) else None
+        name = types.get("python") if isinstance(types, dict) else None
+        if not isinstance(name, str):
+            self.draft.to_look_at.append(f"{place} : une exception est attendue ; c’est celle de la solution")
+        return name if isinstance(name, str) else ""
+
+
+class _Left(Exception):
+    """A test that a case cannot say; the message is French."""
+
+
+def _has_oracle(value: object) -> bool:
+    """Whether a program compares what is obtained."""
+    if isinstance(value, Tagged):
+        return value.tag == "oracle" or _has_oracle(value.value)
+    return isinstance(value, dict) and value.get("oracle") in ("custom_check", "specific_check")
+
+
+def _list(value: object) -> list[Any]:
+    if isinstance(value, dict):
+        value = value.get("data")
+    return value if isinstance(value, list) else []
+
+
+def _stdin(value: object) -> str:
+    if isinstance(value, dict):
+        value = value.get("content", "")
+    return "" if value is None else str(value)
+
+
+def _text(value: object) -> str:
+    """Return the text that is printed."""
+    if isinstance(value, dict):
+        value = value.get("data", value.get("content", ""))
+    return value if isinstance(value, str) else str(value)
+
+
+def _value(value: Any) -> str:
+    """Return a value as a case writes it."""
+    if isinstance(value, Tagged) and value.tag == "expression":
+        return str(value.value)
+    if isinstance(value, dict) and set(value) & {"value", "oracle"} == {"value", "oracle"}:
+        value = value["value"]
+    return python_text(_plain(value), None)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Tagged):
+        makers: dict[str, Any] = {"set": set, "tuple": tuple, "list": list, "map": dict, "object": dict}
+        content = _plain(value.value)
+        if value.tag in makers and isinstance(content, list | dict):
+            return makers[value.tag](content)
+        is_written = isinstance(content, str) and value.tag not in ("text", "char")
+        return _plain(yaml.safe_load(content)) if is_written else content
+    if isinstance(value, dict):
+        return {_plain(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise _Left(f"une valeur de type « {type(value).__name__} »")
