@@ -6,6 +6,7 @@ transaction.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -19,6 +20,7 @@ from server.course import Course
 from server.federation import outbox_repository, repository
 from server.federation.errors import OutgoingError
 from server.federation.models import (
+    ADDRESS_LENGTH,
     REASON_LENGTH,
     DeliveryState,
     IdentityProvider,
@@ -36,6 +38,7 @@ FIRST_PAUSE, LONGEST_PAUSE = timedelta(seconds=5), timedelta(hours=1)
 #: Tries in all; after answers that ours is older; after answers that the line item, which is looked for anew, is gone.
 MAX_TRIES, MAX_CONFLICTS, MAX_LOST = 200, 12, 3
 DIGITS = 4
+ASSIGNMENT_PAGE = re.compile(r"/classes/([^/]+)/devoirs/([0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})")
 GONE = "La note n’est plus dans le carnet : la plateforme garde celle qu’elle a reçue."
 NEWER = "La plateforme dit avoir une note plus récente."
 REASONS: Mapping[int, str] = {
@@ -92,6 +95,16 @@ def _compare(
     elif delivery.points != points or delivery.reason == GONE:
         delivery.points, delivery.state, delivery.reason = points, DeliveryState.waiting, ""
         delivery.tries, delivery.next_try_at = 0, now
+
+
+def adopt_line_item(db: Session, context: ProviderContext, page: str, line_item_url: str, now: datetime) -> None:
+    """Send an assignment's marks to the column of the link that opens it, unless they have a column already.
+
+    A platform may let nobody make columns (Open edX), and a second one beside that of the link would stay empty.
+    """
+    found = ASSIGNMENT_PAGE.fullmatch(page.partition("?")[0])
+    if found is not None and line_item_url and found[1] == str(context.class_id):
+        outbox_repository.adopt_line_item(db, context.id, UUID(found[2]), line_item_url[:ADDRESS_LENGTH], now)
 
 
 @dataclass(frozen=True)

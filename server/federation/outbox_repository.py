@@ -124,6 +124,14 @@ def set_line_item(db: Session, line_item_id: UUID, url: str | None, problem: str
     db.execute(update(LineItem).where(LineItem.id == line_item_id).values(url=url, problem=problem))
 
 
+def adopt_line_item(db: Session, context_id: UUID, assignment_id: UUID, url: str, now: datetime) -> None:
+    """Set the address of a line item that has none, and have its marks sent."""
+    statement = update(LineItem).where(
+        LineItem.context_id == context_id, LineItem.assignment_id == assignment_id, LineItem.url.is_(None)
+    )
+    db.execute(statement.values(url=url, problem="", check_at=now))
+
+
 def remove_line_item(db: Session, context_id: UUID, assignment_id: UUID) -> None:
     """Send no more marks of an assignment; those that were sent stay on the platform."""
     db.execute(delete(LineItem).where(LineItem.context_id == context_id, LineItem.assignment_id == assignment_id))

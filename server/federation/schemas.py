@@ -18,13 +18,17 @@ class CourseRole(StrEnum):
 
 @dataclass(frozen=True)
 class ArrivedContext:
-    """A course as an arrival tells it; the addresses of its services are empty where it has none."""
+    """A course as an arrival tells it; the addresses of its services are empty where it has none.
+
+    `line_item_url` is the column of the link by which somebody arrives.
+    """
 
     context: str
     deployment: str = ""
     title: str = ""
     roster_url: str = ""
     line_items_url: str = ""
+    line_item_url: str = ""
     scopes: Sequence[str] = ()
 
 

@@ -53,7 +53,8 @@ SIGNED_IN_TITLE = "Vous êtes connecté"
 SIGNED_IN = "Ce que vous aviez écrit est gardé, mais pas encore envoyé : il vous reste à l’envoyer."
 
 TypedFields = Sequence[tuple[str, str]]
-_POST_FORM = re.compile(r"<form\b[^>]*\bmethod=\"post\"[^>]*>")
+#: Forms that go to another site, which has nothing to do with our accounts, are none of these.
+_POST_FORM = re.compile(r"<form\b(?![^>]*\baction=\"https?:)[^>]*\bmethod=\"post\"[^>]*>")
 
 
 class FormLimits(TypedDict):

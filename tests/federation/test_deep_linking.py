@@ -14,9 +14,9 @@ from sqlalchemy import select
 from server.assignments.models import AssignedExercise, Assignment
 from server.classes.models import SchoolClass
 from server.database import utc_now
-from server.federation import signing
-from server.federation.models import LineItem
-from tests.support.platforms import CLAIM, CLIENT, INSTRUCTOR, LEARNER, LINKING, SERVICE, Browser, Platform
+from server.federation import outbox_repository, signing
+from server.federation.models import LineItem, ProviderContext
+from tests.support.platforms import AGS, CLAIM, CLIENT, INSTRUCTOR, LEARNER, LINKING, SERVICE, Browser, Platform
 from tests.support.service import EXERCISE, Site
 
 SETTINGS = {
@@ -98,6 +98,35 @@ def test_an_assignment_goes_with_its_dates_and_its_column(site: Site, platform: 
     cancelled = choose(browser, platform).headers["location"].partition("etat=")[2]
     page = browser.post("/lti/contenu", data={"etat": cancelled, "action": "annuler"}).text
     assert verified(site, page)[f"{LINKING}content_items"] == []
+
+
+def test_marks_go_to_the_column_of_the_link_where_the_platform_has_one(site: Site, platform: Platform) -> None:
+    """Open edX lets nobody make columns by default, and a Moodle activity has its own already."""
+    browser = Browser(site)
+    course = browser.launch(platform, roles=[INSTRUCTOR]).headers["location"].partition("?")[0]
+    browser.post(course, data={"action": "creer", "name": "MPSI", "module": "l20"})
+    now = utc_now()
+    with site.database.write() as db:
+        (made,) = db.execute(select(SchoolClass)).scalars()
+        (context,) = db.execute(select(ProviderContext)).scalars()
+        homework = Assignment(class_id=made.id, title="DM 1", opens_at=now, due_at=now)
+        db.add(homework)
+        db.flush()
+        outbox_repository.add_line_item(db, context.id, homework.id, now)
+    page = f"{SERVICE}/classes/{made.id}/devoirs/{homework.id}"
+
+    def column(target: str, line_item: str) -> str | None:
+        endpoint = {"scope": [f"{AGS}scope/score"], "lineitem": line_item}
+        Browser(site).launch(platform, sub="s", target_link_uri=target, **{f"{AGS}claim/endpoint": endpoint})
+        with site.database.read() as db:
+            return db.execute(select(LineItem.url)).scalar_one()
+
+    mine = f"{platform.issuer}/items/5/lineitem?type_id=3"
+    assert column(page, "https://evil.example/items/5") is None
+    assert column(f"{SERVICE}/classes/{context.id}/devoirs/{homework.id}", mine) is None
+    assert column(f"{SERVICE}/l20/exercices/poses", mine) is None
+    assert column(page, mine) == mine
+    assert column(page, f"{platform.issuer}/items/6/lineitem") == mine
 
 
 def test_a_choice_is_of_its_teacher_and_browser(site: Site, platform: Platform) -> None:

@@ -52,8 +52,10 @@ def test_every_form_of_a_page_names_its_account(site: Site, xavier: Person) -> N
     assert hidden_fields(site.client.get(PAGE).text, SEND)["pour"] == "visiteur"
 
 
-def test_only_forms_that_post_are_marked() -> None:
+def test_only_forms_that_post_to_us_are_marked() -> None:
     page = '<form role="search" action="/q"><p>&lt;form method="post"&gt;</p></form><form method="post" class="a">'
+    away = '<form method="post" action="https://moodle.example/retour">'
+    assert name_account_in_forms(away, "a") == away
     assert name_account_in_forms(page, 'a"b') == page + '<input type="hidden" name="pour" value="a&#34;b">'
 
 

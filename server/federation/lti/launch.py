@@ -182,14 +182,19 @@ def _arrived(
 ) -> ArrivedContext:
     """Return the course, with the addresses of its services that are on the platform's hosts."""
     roster = "" if read.roster is None else read.roster.context_memberships_url
-    items = "" if read.endpoint is None else read.endpoint.lineitems
+    endpoint = read.endpoint or EndpointClaim()
+
+    def own(url: str) -> str:
+        return url if is_of_platform(url, provider, settings) else ""
+
     return ArrivedContext(
         context.id,
         read.deployment,
         context.title or context.label,
-        roster if is_of_platform(roster, provider, settings) else "",
-        items if is_of_platform(items, provider, settings) else "",
-        () if read.endpoint is None else tuple(read.endpoint.scope),
+        own(roster),
+        own(endpoint.lineitems),
+        own(endpoint.lineitem),
+        tuple(endpoint.scope),
     )
 
 

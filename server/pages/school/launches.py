@@ -17,9 +17,9 @@ from server.base.app_services import SettingsOf
 from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH, client_address
 from server.base.root_path import service_url
 from server.base.security_headers import FRAMES_STATE
-from server.database import Database
+from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf
-from server.federation import arrivals, pending
+from server.federation import arrivals, outbox, pending
 from server.federation.dependencies import FederationOf
 from server.federation.entries import record_failure
 from server.federation.errors import Refused
@@ -179,6 +179,8 @@ def _open(
         target, _ = pending.consume(db, begun, launch.nonce)
         frames = sign_in.frames_of(lti_settings(provider)) if is_framed else ""
         arrival = arrivals.open_session(db, accounts, provider, launch.person, visitor, frames=frames)
+        for context, arrived in zip(arrival.contexts, launch.person.contexts, strict=True):
+            outbox.adopt_line_item(db, context, launch.target, arrived.line_item_url, utc_now())
         choosing = _begin_choice(db, provider, arrival, launch)
         if choosing is None:
             page = landing.choose_page(db, arrival, launch.person.role, launch.target or target, visitor)

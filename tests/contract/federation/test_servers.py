@@ -5,17 +5,10 @@ Each is in an environment of its own, which `.ci/peers` makes; where it is absen
 
 from __future__ import annotations
 
-import html
-import os
 import re
-import socket
-import subprocess
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-from urllib.parse import urljoin
 from uuid import UUID
 
 import httpx2 as httpx
@@ -28,56 +21,11 @@ from server.federation import registration
 from server.federation.models import Protocol, ProviderContext
 from server.identity.models import Account, BrowserSession, FederatedIdentity
 from tests.support.live import PASSWORD, Live, until
+from tests.support.peers import PEERS, TRIES, free_port, read, running, seconds, submit
 
 HERE = Path(__file__).parent
-CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-PEERS = Path(os.environ.get("BALISE_PEERS", CACHE / "balise" / "peers"))
 CAS_PYTHON, NODE = PEERS / "cas" / "bin" / "python", PEERS / "node"
 GROUPS = {"classes": ["groups"], "class_prefix": "/classes/", "role": "groups", "students": ["/roles/etudiant"]}
-TRIES = 3
-
-
-def free_port() -> int:
-    with socket.socket() as sought:
-        sought.bind(("127.0.0.1", 0))
-        return int(sought.getsockname()[1])
-
-
-@pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("served") / "data"
-
-
-@pytest.fixture(scope="module")
-def live(data: Path) -> Iterator[Live]:
-    """Serve, with leave to ask servers of this machine."""
-    served = Live(data, BALISE_PLATFORM_HTTP="true", BALISE_PLATFORM_NETWORKS="127.0.0.0/8")
-    try:
-        yield served
-    finally:
-        served.process.terminate()
-        served.process.wait(300)
-        served.close()
-
-
-@contextmanager
-def running(command: list[str], address: str) -> Iterator[None]:
-    """Run a server until it is needed no more; it is there when its address answers."""
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-
-    def answers() -> bool:
-        assert process.poll() is None, process.stderr and process.stderr.read()
-        try:
-            return httpx.get(address).status_code < 500
-        except httpx.TransportError:
-            return False
-
-    try:
-        until(answers, f"{address} answers")
-        yield
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def register(data: Path, protocol: Protocol, form: Mapping[str, str], rule: Mapping[str, Any] | None = None) -> UUID:
@@ -94,14 +42,6 @@ def register(data: Path, protocol: Protocol, form: Mapping[str, str], rule: Mapp
     return added_id
 
 
-def read(data: Path, query: Any) -> list[Any]:
-    database = Database(Settings(data_dir=data).url)
-    with database.read() as db:
-        rows = list(db.execute(query).scalars())
-    database.engine.dispose()
-    return rows
-
-
 def courses(data: Path, provider: UUID) -> list[str]:
     return [row.title for row in read(data, select(ProviderContext).where(ProviderContext.provider_id == provider))]
 
@@ -109,20 +49,6 @@ def courses(data: Path, provider: UUID) -> list[str]:
 def arrived(issuer: str) -> Any:
     identities = select(FederatedIdentity.account_id).where(FederatedIdentity.issuer == issuer)
     return select(Account).where(Account.id.in_(identities))
-
-
-def submit(client: httpx.Client, page: httpx.Response, **fields: str) -> httpx.Response:
-    """Send the form of a page with its hidden fields and these."""
-    action = re.search(r'<form[^>]*?action="([^"]*)"', page.text)
-    hidden = dict(re.findall(r'<input[^>]*?type="hidden"[^>]*?name="([^"]+)"[^>]*?value="([^"]*)"', page.text))
-    address = urljoin(str(page.url), html.unescape(action[1]) if action else "")
-    return client.post(address, data={**hidden, **fields}, headers={"Referer": str(page.url)})
-
-
-def seconds(action: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    action()
-    return time.perf_counter() - start
 
 
 def enter_again(client: httpx.Client, door: str) -> float:

@@ -1,0 +1,27 @@
+"""A service that may ask servers of this machine, for all tests of this folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.support.live import Live
+
+
+@pytest.fixture(scope="package")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("served") / "data"
+
+
+@pytest.fixture(scope="package")
+def live(data: Path) -> Iterator[Live]:
+    """Serve, with leave to ask servers of this machine."""
+    served = Live(data, BALISE_PLATFORM_HTTP="true", BALISE_PLATFORM_NETWORKS="127.0.0.0/8")
+    try:
+        yield served
+    finally:
+        served.process.terminate()
+        served.process.wait(300)
+        served.close()
