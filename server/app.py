@@ -43,6 +43,7 @@ from server.grading.job_lanes import JOB_LANES
 from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
 from server.health.metrics import PrometheusMetrics
 from server.health.readiness import Readiness
+from server.hunts.service import HuntService
 from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
 from server.identity.service import AccountService
@@ -144,6 +145,10 @@ class Services:
     @cached_property
     def steps(self) -> StepService:
         return StepService(self.course, self.database, self.settings, self.cells.ask)
+
+    @cached_property
+    def hunts(self) -> HuntService:
+        return HuntService(self.course, self.database, self.settings, self.cells.ask)
 
     @cached_property
     def boards(self) -> LiveBoards:
@@ -294,6 +299,7 @@ def _share(app: FastAPI, services: Services) -> None:
     school_time.set_time_zone(services.settings.time_zone)
     root_path.set_root_path(services.settings.root_path)
     add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
+    add_services(app, services.hunts)
     add_services(app, _account_service(services))
     add_services(
         app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)

@@ -37,6 +37,7 @@ from server.pages.accounts import router as accounts_router
 from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
+from server.pages.hunts import router as hunts_router
 from server.pages.notebook import router as notebook_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
@@ -69,6 +70,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     notebook_router,
+    hunts_router,
     calendar_router,
     accessibility_router,
     platforms_router,

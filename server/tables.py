@@ -17,6 +17,7 @@ from server.marks import models as marks
 from server.personal import models as personal
 from server.polls import models as polls
 from server.queue import models as queue
+from server.recall import models as recall
 from server.regrades import models as regrades
 from server.studio import models as studio
 from server.submissions import models as submissions
@@ -58,6 +59,8 @@ TABLES = (
     marks.Rubric,
     marks.RubricMarking,
     polls.PollAnswer,
+    recall.RecallAnswer,
+    recall.ReaderChoice,
     regrades.Regrade,
     regrades.RegradeItem,
     behaviour.BehaviourGroup,

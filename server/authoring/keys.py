@@ -127,6 +127,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         ),
         "reuses": Key("exercices dont ses programmes peuvent importer les fonctions de `mes_fonctions`", '["poses"]'),
         "limits": Key("limites propres à cet exercice (voir la table plus bas)", "{ cpu_seconds = 20.0 }"),
+        "hunts": Key("qui voit ses chasses aux erreurs : personne, qui l’a réussi (par défaut), ou tous", '"never"'),
     },
     FunctionEntry: {
         "name": Key("nom de la fonction, ou de la classe", '"inverse"'),

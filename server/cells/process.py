@@ -9,12 +9,17 @@ import json
 import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import TYPE_CHECKING
 
 from server.base import helper_line
 from server.base.helper_line import ServiceLine
 from server.cells.run import POLICY, run
 from server.sandbox import Sandbox, SandboxFault
 from server.sandbox.install import DRAWING
+
+if TYPE_CHECKING:
+    from server.hunts.run import HuntRunner
 
 log = logging.getLogger(__name__)
 
@@ -44,12 +49,18 @@ def _warm(sandbox: Sandbox) -> None:
 def _answer(line: ServiceLine, sandbox: Sandbox, number: int, asked: bytes) -> None:
     question = json.loads(asked)
     try:
-        shown = _trace(sandbox, asked) if "steps" in question else _run_cell(sandbox, question)
+        shown = _answer_of(sandbox, question, asked)
     except Exception:
         log.exception("a cell could not be run, or a program not be followed: %.200r", asked)
         line.answer(number, helper_line.FAILED, b"")
     else:
         line.answer(number, helper_line.DONE, shown)
+
+
+def _answer_of(sandbox: Sandbox, question: dict[str, str], asked: bytes) -> bytes:
+    if "steps" in question:
+        return _trace(sandbox, asked)
+    return _hunt(sandbox, asked) if "hunts" in question else _run_cell(sandbox, question)
 
 
 def _run_cell(sandbox: Sandbox, question: dict[str, str]) -> bytes:
@@ -61,3 +72,17 @@ def _trace(sandbox: Sandbox, asked: bytes) -> bytes:
     from server.steps.run import answer_question  # with the graders, which who only runs cells need not wait for
 
     return answer_question(sandbox, TraceQuestion.model_validate_json(asked)).model_dump_json().encode()
+
+
+def _hunt(sandbox: Sandbox, asked: bytes) -> bytes:
+    from server.hunts.questions import HuntQuestion
+
+    return _hunt_runner(sandbox).answer(HuntQuestion.model_validate_json(asked)).model_dump_json().encode()
+
+
+@cache
+def _hunt_runner(sandbox: Sandbox) -> HuntRunner:
+    """Return the runner of the process's sandbox, which remembers what it has found."""
+    from server.hunts.run import HuntRunner  # with the graders
+
+    return HuntRunner(sandbox)

@@ -6,10 +6,12 @@ import secrets
 from collections.abc import Sequence
 from pathlib import Path
 
-from graders.core.code.folder import MISCONCEPTIONS
+from graders.core.code.folder import MISCONCEPTIONS, read_specimens
 from graders.core.code.grading import CodeGrader
+from graders.core.code.hunts import find_hunt_faults, list_hunts
 from graders.core.code.promises import find_broken_promises
 from graders.core.contract.definition import MODULE_FILE
+from graders.core.contract.outcomes import Outcome
 from graders.core.declared.exercise import DECLARATION
 from graders.core.declared.grading import DeclaredGrader
 from server.course import Exercise, Problem
@@ -48,4 +50,18 @@ def solution_faults(exercise: Exercise, grader: SandboxGrader) -> Sequence[Probl
     return [Problem(path, None, fault)] if fault else []
 
 
-EXERCISE_FAULTS = (unfinished_mistakes, broken_promises, solution_faults)
+def hunt_faults(exercise: Exercise, _: SandboxGrader) -> Sequence[Problem]:
+    """Return the bug hunts without an answer of the announced size, or in which a right program would be wrong."""
+    grader = exercise.grader
+    if not isinstance(grader, CodeGrader) or exercise.hunts == "never" or not any(list_hunts(grader)):
+        return []
+    right = {
+        specimen.path.name: specimen.path.read_text("utf-8")
+        for specimen in read_specimens(grader.folder)
+        if specimen.outcome is Outcome.OK
+    }
+    found = find_hunt_faults(grader, grader.functions, right)
+    return [Problem(grader.folder / MISCONCEPTIONS, line, message) for line, message in found]
+
+
+EXERCISE_FAULTS = (unfinished_mistakes, broken_promises, solution_faults, hunt_faults)

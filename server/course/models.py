@@ -66,8 +66,8 @@ class Exercise:
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `kit` names what its programs find, among the module's; `policy` bounds what they
     may use; `reuses` are the slugs of the exercises whose functions they may import, those that these reuse in their
-    turn included (see `server.course.reuse`). `make` gives its grader, loading it if it must; `filing` are the families
-    of its misconceptions.
+    turn included (see `server.course.reuse`). `make` gives its grader, loading it if it must; `filing` files its
+    misconceptions; `hunts` says who sees its bug hunts.
     """
 
     module: str
@@ -91,6 +91,7 @@ class Exercise:
     policy: Policy = field(default_factory=Policy)
     reuses: tuple[str, ...] = ()
     filing: FamilyFiling = NO_FILING
+    hunts: Literal["never", "solved", "always"] = "solved"
 
     @property
     def id(self) -> str:
@@ -107,11 +108,10 @@ class Exercise:
         return cast("AnswersGrader", self.grader) if self.kind == "answers" else None
 
     def prose(self, text: str) -> str:
-        """A text of its questions or of its verdicts as HTML."""
         return prose(text, self.names)
 
     def line(self, text: str) -> str:
-        """The same, to stand in a line."""
+        """Render a text of its questions or of its verdicts in a line; `prose` makes paragraphs."""
         return line(text, self.names)
 
     @property

@@ -90,6 +90,10 @@ else:
     )
 
 
+#: Who sees the bug hunts of an exercise: nobody, whoever has solved it, anybody.
+HuntRule = Literal["never", "solved", "always"]
+
+
 class ExerciseFile(Strict):
     """`curriculum/<module>/exercices/<slug>/exercise.toml`."""
 
@@ -103,6 +107,7 @@ class ExerciseFile(Strict):
     functions: list[FunctionEntry] = []
     reuses: list[Text] = []
     limits: PolicyEntry = PolicyEntry()
+    hunts: HuntRule = "solved"
 
 
 class ObjectiveEntry(Strict):

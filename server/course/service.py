@@ -240,6 +240,7 @@ def _load_exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         policy=card.limits.policy(),
         reuses=tuple(card.reuses),
         filing=filing.read_filing(path),
+        hunts=card.hunts,
     )
 
 

@@ -155,11 +155,22 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("invitation",),
     ),
     lambda _: Row(
-        "Essais, corrections, notes, films de ce que le code a fait, réponses aux questions des séances",
+        "Essais, corrections, notes, films de ce que le code a fait, réponses aux questions "
+        "des séances et à ce qui revient, choix de lecture",
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("submission", "grading", "early_verdict", "standing", "deal", "poll_answer", "regrade_item"),
+        (
+            "submission",
+            "grading",
+            "early_verdict",
+            "standing",
+            "deal",
+            "poll_answer",
+            "recall_answer",
+            "reader_choice",
+            "regrade_item",
+        ),
     ),
     lambda _: Row(
         "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées, absences et dispenses, notes "

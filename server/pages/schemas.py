@@ -187,6 +187,14 @@ class ReusedView:
 
 
 @dataclass(frozen=True)
+class Onward:
+    """The way on from a solved exercise: the address and title of the next, and where its bug hunts are, or empty."""
+
+    following: tuple[str, str] | None
+    hunts: str
+
+
+@dataclass(frozen=True)
 class Results:
     """The parts of a page that change when a verdict arrives.
 
@@ -202,6 +210,7 @@ class Results:
     hints_held: HeldView | None = None
     diagnosis_held: HeldView | None = None
     solution_held: HeldView | None = None
+    onward: Onward | None = None
 
 
 @dataclass(frozen=True)

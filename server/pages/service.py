@@ -25,7 +25,7 @@ from server.database import utc_now
 from server.gradebook import early_verdicts, importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
-from server.pages import kits, marks, notebook, opening, talk, withheld
+from server.pages import kits, marks, notebook, onward, opening, talk, withheld
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
@@ -46,7 +46,6 @@ from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
     exercise_href,
-    exercises_in_reading_order,
     lesson_href,
     module_link,
     own_progress,
@@ -123,7 +122,7 @@ def common_parts(
     attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
     work = _work(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
-    previous, following = _neighbours(module, exercise)
+    previous, following = onward.find_neighbours(module, exercise)
     return {
         "id": exercise.id,
         "title": exercise.title,
@@ -140,16 +139,6 @@ def common_parts(
         "following": following,
         "due": deadlines.due_for_exercise(reader.db, reader.account, exercise.id),
     }
-
-
-def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
-    way = exercises_in_reading_order(module)
-    if exercise not in way:  # a teacher's own
-        return None, None
-    place = way.index(exercise)
-    around = (way[place - 1] if place else None, *way[place + 1 : place + 2], None)
-    before, after = ((exercise_href(neighbour), neighbour.title) if neighbour else None for neighbour in around[:2])
-    return before, after
 
 
 def attempt_page(
@@ -232,6 +221,7 @@ def results(
         if verdict and verdict.tone != "good"
         else None,
         solution_held=withheld.withheld_view(access.solution_held, "solution") if access.would_open(progress) else None,
+        onward=onward.way_onward(reader, exercise, verdict) if progress.succeeded else None,
     )
 
 

@@ -31,6 +31,7 @@ from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
 from server.personal.marks_data import format_time, marks_data
 from server.polls import repository as polls
+from server.recall import repository as recall
 from server.studio import repository as studio
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
@@ -196,6 +197,18 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
             }
             for poll_answer in polls.load_answers(db, account_id)
         ],
+        "recall_answers": [
+            {
+                "subject": answer.subject,
+                "question": answer.kind,
+                "exercise": answer.exercise,
+                "misconception": answer.misconception,
+                "right": answer.is_right,
+                "answered_at": format_time(answer.answered_at),
+            }
+            for answer in recall.load_answers(db, account_id)
+        ],
+        "choices": dict(recall.load_choices(db, account_id)),
         "seen_in_lessons": [
             {"class": name, "exercise": visit.exercise, "at": format_time(visit.visited_at)}
             for visit, name in lessons.load_account_visits(db, account_id)

@@ -15,6 +15,7 @@ from server.lesson import repository as lessons
 from server.marks import service as marks
 from server.personal import erasure_repository
 from server.polls import repository as polls
+from server.recall import repository as recall
 
 STAFF = (
     "Ce compte-ci enseigne déjà dans une classe, et ne peut plus en rejoindre un autre. Faites entrer l’autre compte "
@@ -35,7 +36,7 @@ def require_joinable(db: Session, newcomer_id: UUID, account_id: UUID) -> None:
 
 
 def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Move attempts, variants, poll answers, comments, sittings, memberships, exemptions, marks and visits.
+    """Move attempts, variants, answers, choices, comments, sittings, memberships, exemptions, marks and visits.
 
     Runs inside the caller's transaction.
     """
@@ -46,6 +47,7 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     exemption_service.adopt(db, guest_id, account_id)
     marks.adopt_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)
+    recall.move(db, guest_id, account_id)
     lessons.move_visits(db, guest_id, account_id)
     personal_rows.move(db, guest_id, account_id)
     audit.move_events(db, guest_id, account_id)

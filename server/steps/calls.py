@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -40,6 +41,9 @@ _ARRAY_FACTORIES: Mapping[str, Callable[..., Any]] = {"zeros": np.zeros, "ones":
 _HOW = "Écrivez-le comme dans Python, valeurs comprises : par exemple « composer((1, 2, 0), (1, 0, pi / 2)) »."
 
 
+_VALUES = "Écrivez un nombre ou une liste, comme dans Python : 1.5, pi/2, [0, 1, 2]."
+
+
 @dataclass(frozen=True)
 class TypedCall:
     """A parsed call: function, positional and keyword arguments."""
@@ -69,6 +73,39 @@ def parse_call(typed: str) -> TypedCall:
     except (RecursionError, ValueTooBig) as error:
         raise Invalid("Cet appel est imbriqué trop profondément pour être suivi pas à pas.") from error
     return read
+
+
+def parse_value(typed: str) -> Value:
+    """Parse one value, « [1, 2, pi/2] ». Raises Invalid, with the part that is not understood or where it is."""
+    words = typed.strip()
+    if len(words) > MAX_CHARACTERS:
+        raise Invalid(f"Cette valeur est trop longue : {MAX_CHARACTERS} caractères au plus.")
+    try:
+        node = ast.parse(words, mode="eval").body
+    except SyntaxError as error:
+        raise Invalid(_describe_break(words, error)) from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise Invalid(f"Python ne comprend pas cette valeur. {_VALUES}") from error
+    if sum(1 for _ in ast.walk(node)) > MAX_NODES:
+        raise Invalid("Cette valeur a trop de parties.")
+    try:
+        return _evaluate_literal(node)
+    except RecursionError as error:
+        raise Invalid("Cette valeur est imbriquée trop profondément.") from error
+    except Invalid as error:
+        raise Invalid(error.detail.replace(_HOW, _VALUES).replace("dans un appel", "ici")) from error
+
+
+def _describe_break(typed: str, error: SyntaxError) -> str:
+    """Say where a value stops being Python."""
+    opened = len(re.findall(r"[\[(]", typed)) - len(re.findall(r"[\])]", typed))
+    if opened > 0:
+        return f"il manque un crochet ou une parenthèse à la fin. {_VALUES}"
+    if opened < 0:
+        return f"il y a un crochet ou une parenthèse de trop à la fin. {_VALUES}"
+    place = max(1, error.offset or 1)
+    rest = visible(typed[place - 1 :][:20])
+    return f"Python ne comprend pas la suite à partir du caractère {place}, « {rest} ». {_VALUES}"
 
 
 def format_call(call: TypedCall) -> str:

@@ -57,6 +57,7 @@ from server.federation.lti.launch import target_path
 from server.federation.lti.sign_in import Initiation
 from server.federation.rules import Rule
 from server.federation.tokens import read_header
+from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
 from server.marks.cells import ascii_slug, french_csv, plain_csv
@@ -66,7 +67,7 @@ from server.reading import search
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
-from server.steps.calls import MAX_CHARACTERS, parse_call
+from server.steps.calls import MAX_CHARACTERS, parse_call, parse_value
 from server.studio.drafts import ExerciseDraft
 from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_file
@@ -354,6 +355,9 @@ READERS: tuple[Reader, ...] = (
     ),
     Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
     Reader("a call", parse_call, MAX_CHARACTERS, {**TEXTS, **PROGRAMS}, "body:CallBody.call"),
+    Reader(
+        "a value", parse_value, MAX_TYPED_CHARACTERS, {**TEXTS, **PROGRAMS}, "form:valeur form:erreur form:fonction"
+    ),
     Reader(
         "a program",
         lambda text: code_digest(encode_bounded(text, CODE).decode()),

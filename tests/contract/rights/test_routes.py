@@ -78,6 +78,7 @@ JSON: dict[str, Any] = {
 TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
+    "POST /{module}/exercices/{slug}/chasse": {"erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /mes-exercices": {"module": "l20"},

@@ -1,0 +1,100 @@
+"""Requests of the service to the process that runs hunts (that of cells), and its answers, as JSON."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class HuntMessage(BaseModel):
+    """A request or an answer: strict, and unchanged once made."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class HuntName(HuntMessage):
+    """The program of a misconception, in an exercise ("l20/poses"); an empty `function`: any that has the mistake."""
+
+    exercise: str
+    misconception: str
+    function: str = ""
+
+
+class HuntOffer(HuntMessage):
+    """A request for the first of these hunts that can be made, in the form that `seed` gives its program."""
+
+    kind: Literal["offer"] = "offer"
+    hunts: tuple[HuntName, ...]
+    seed: int
+
+
+class InputTrial(HuntMessage):
+    """A request to run both programs on an input; `typed` are the arguments as they were typed, by name."""
+
+    kind: Literal["input"] = "input"
+    hunt: HuntName
+    typed: dict[str, str]
+
+
+class PredictionTrial(HuntMessage):
+    """A request to compare a typed value with what the wrong program answers to the witness."""
+
+    kind: Literal["prediction"] = "prediction"
+    hunt: HuntName
+    typed: str
+
+
+class HuntQuestion(HuntMessage):
+    """A question of the service, recognised by its only field."""
+
+    hunts: Annotated[HuntOffer | InputTrial | PredictionTrial, Field(discriminator="kind")]
+
+
+class Argument(HuntMessage):
+    """An argument of the hunted function, what it is in words, and its value in the witness."""
+
+    name: str
+    words: str
+    witness: str
+    optional: bool = False
+
+
+class OfferedHunt(HuntMessage):
+    """A hunt that can be made. `index` is its place among those asked for; `numbers` and `nonzero`, its answer's size.
+
+    `predictable`: what the wrong program answers to the witness is short enough to be typed; `returns` says what it is.
+    """
+
+    index: int
+    hunt: HuntName
+    title: str
+    program: str
+    arguments: tuple[Argument, ...]
+    numbers: int
+    nonzero: int
+    predictable: bool
+    returns: str
+
+
+class TrialOutcome(HuntMessage):
+    """What an input shows, or why it cannot be taken (`refusal`, of the argument `argument`).
+
+    `small`: no longer than the known answer. `expected` and `got` are written for readers; `fault` says how the wrong
+    program stopped.
+    """
+
+    is_right: bool = False
+    refusal: str = ""
+    argument: str = ""
+    expected: str = ""
+    got: str = ""
+    fault: str = ""
+    small: bool = False
+
+
+class HuntReply(HuntMessage):
+    """The answer of the process: no hunt at all, an offer, or the outcome of a trial."""
+
+    offer: OfferedHunt | None = None
+    outcome: TrialOutcome | None = None

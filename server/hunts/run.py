@@ -1,0 +1,236 @@
+"""Hunts in the process that runs cells: every program runs in the sandbox, plain values are compared here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from graders import discovery
+from graders.core.code.exercise import CodeDefinition
+from graders.core.code.hunts import (
+    Hunt,
+    HuntGround,
+    InputFault,
+    OutsideStatement,
+    find_witness,
+    list_hunts,
+    size_of,
+)
+from graders.core.compare.words import fraction_of_pi, text
+from graders.core.contract.program import Program, StudentFault
+from graders.core.contract.values import Arguments, Value
+from server.base.errors import Invalid
+from server.grading.sandbox_grader import SandboxPrograms
+from server.hunts.questions import (
+    Argument,
+    HuntName,
+    HuntOffer,
+    HuntQuestion,
+    HuntReply,
+    InputTrial,
+    OfferedHunt,
+    PredictionTrial,
+    TrialOutcome,
+)
+from server.sandbox import Policy, Sandbox
+from server.steps import calls
+
+MIB = 1 << 20
+POLICY = Policy(cpu_seconds=3.0, wall_seconds=5.0, memory_bytes=512 * MIB)
+#: Hunts that are tried until one can be made.
+MAX_OFFERS = 12
+#: Numbers of an answer that one predicts, and how near the prediction must be.
+MAX_PREDICTED, PREDICTION_TOLERANCE = 6, 0.011
+OUTSIDE = (
+    "Cette entrée sort de ce que l’énoncé promet : des programmes justes n’y répondent pas tous pareil. "
+    "Donnez des valeurs que la fonction peut recevoir."
+)
+
+
+@dataclass(frozen=True)
+class KnownHunt:
+    """A hunt with its witness, and what both programs answer to it."""
+
+    hunt: Hunt
+    witness: Arguments
+    got: Value
+
+
+class HuntRunner:
+    """Answers questions about hunts; the witnesses that it has found stay known."""
+
+    def __init__(self, sandbox: Sandbox) -> None:
+        self._sandbox = sandbox
+        self._known: dict[HuntName, KnownHunt | None] = {}
+
+    def answer(self, question: HuntQuestion) -> HuntReply:
+        """Answer one question. Raises SandboxFault when the fault is ours."""
+        match question.hunts:
+            case HuntOffer() as asked:
+                return HuntReply(offer=self._offer(asked))
+            case InputTrial() as trial:
+                return HuntReply(outcome=self._try_input(trial))
+            case PredictionTrial() as prediction:
+                return HuntReply(outcome=self._try_prediction(prediction))
+
+    def _offer(self, asked: HuntOffer) -> OfferedHunt | None:
+        for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
+            for hunt in _hunts_of(name):
+                exact = HuntName(exercise=name.exercise, misconception=name.misconception, function=hunt.function)
+                if (known := self._find(exact, hunt)) is not None:
+                    return _describe(index, exact, known, asked.seed)
+        return None
+
+    def _find(self, name: HuntName, hunt: Hunt) -> KnownHunt | None:
+        if name not in self._known:
+            with self._programs(name, hunt) as (ground, wrong):
+                witness = find_witness(hunt, ground, wrong)
+                answer = None if witness is None else ground.try_input(hunt, wrong, witness)
+            self._known[name] = None if witness is None or answer is None else KnownHunt(hunt, witness, answer.got)
+        return self._known[name]
+
+    @contextmanager
+    def _programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntGround, Program]]:
+        """Open the right programs and the wrong one, and close them."""
+        ground = HuntGround(_definition(name.exercise), SandboxPrograms(self._sandbox, POLICY))
+        try:
+            wrong = ground.open(hunt.source)
+            try:
+                yield ground, wrong
+            finally:
+                wrong.close()
+        finally:
+            ground.close()
+
+    def _try_input(self, trial: InputTrial) -> TrialOutcome:
+        hunt = next(_hunts_of(trial.hunt), None)
+        if hunt is None or (known := self._find(trial.hunt, hunt)) is None:
+            return TrialOutcome(refusal="Cette chasse n’existe plus : prenez-en une autre.")
+        try:
+            args = hunt.read_input(_parse_arguments(trial.typed))
+        except InputFault as fault:
+            return TrialOutcome(refusal=fault.message, argument=fault.argument)
+        try:
+            with self._programs(trial.hunt, hunt) as (ground, wrong):
+                answer = ground.try_input(hunt, wrong, args)
+        except (OutsideStatement, StudentFault):
+            return TrialOutcome(refusal=OUTSIDE)
+        return TrialOutcome(
+            is_right=answer.shows,
+            expected=text(answer.expected),
+            got="" if answer.fault else text(answer.got),
+            fault=answer.fault,
+            small=_is_small(args, known.witness),
+        )
+
+    def _try_prediction(self, trial: PredictionTrial) -> TrialOutcome:
+        hunt = next(_hunts_of(trial.hunt), None)
+        if hunt is None or (known := self._find(trial.hunt, hunt)) is None or not _is_short(known.got):
+            return TrialOutcome(refusal="Cette question n’existe plus : prenez-en une autre.")
+        try:
+            typed = np.asarray(_parse_value("valeur", trial.typed), dtype=np.float64)
+        except InputFault as fault:
+            return TrialOutcome(refusal=fault.message, argument=fault.argument)
+        except (TypeError, ValueError):
+            return TrialOutcome(refusal="Donnez des nombres, et une liste si la fonction en rend plusieurs.")
+        right = _flat(known.got)
+        close = typed.size == right.size and bool(
+            np.allclose(typed.ravel(), right, rtol=0.002, atol=PREDICTION_TOLERANCE)
+        )
+        return TrialOutcome(is_right=close, expected=text(known.got), got=text(_as_read(typed)))
+
+
+def _as_read(typed: np.ndarray) -> Value:
+    return float(typed) if typed.shape == () else typed
+
+
+def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> OfferedHunt:
+    hunt, size = known.hunt, size_of(known.witness)
+    public = _definition(name.exercise).judged_functions
+    optional = {argument for argument, _ in hunt.contract.defaults}
+    witness = dict(zip(hunt.contract.takes, map(write_value, known.witness), strict=False))
+    return OfferedHunt(
+        index=index,
+        hunt=name,
+        title=hunt.misconception.title,
+        program=hunt.program(seed, sorted(public)),
+        arguments=tuple(
+            Argument(name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional)
+            for argument, form in hunt.contract.takes.items()
+        ),
+        numbers=size.numbers,
+        nonzero=size.nonzero,
+        predictable=_is_short(known.got),
+        returns=hunt.contract.returns.words,
+    )
+
+
+def _is_small(args: Arguments, witness: Arguments) -> bool:
+    mine, known = size_of(args), size_of(witness)
+    return mine.nonzero <= known.nonzero and mine.numbers <= known.numbers
+
+
+def _is_short(got: Value) -> bool:
+    """Whether an answer is a few finite numbers."""
+    try:
+        numbers = _flat(got)
+    except (TypeError, ValueError):
+        return False
+    return 0 < numbers.size <= MAX_PREDICTED and bool(np.isfinite(numbers).all())
+
+
+def _flat(value: Value) -> np.ndarray:
+    """Return the numbers of an answer in a row. Raises ValueError or TypeError for what holds anything else."""
+    if isinstance(value, tuple | list):
+        return np.concatenate([np.zeros(0), *map(_flat, value)])
+    return np.ravel(np.asarray(value, dtype=np.float64))
+
+
+def _parse_arguments(typed: Mapping[str, str]) -> dict[str, Value]:
+    """Read typed arguments; those left empty are not given. Raises InputFault."""
+    return {name: _parse_value(name, words) for name, words in typed.items() if words.strip()}
+
+
+def _parse_value(name: str, typed: str) -> Value:
+    try:
+        return calls.parse_value(typed)
+    except Invalid as error:
+        raise InputFault(name, f"{name} : {error}") from error
+
+
+def write_value(value: Value) -> str:
+    """Write an argument as one types it: « [0, 1, pi/2] »."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(write_value, value))}]"
+    if isinstance(value, np.ndarray):
+        return write_value(value.tolist())
+    number = float(value)
+    if number == int(number):
+        return str(int(number))
+    part = fraction_of_pi(number)
+    if part is None:
+        return f"{number:.6g}"
+    return re.sub(r"(?<=\d)π", "*π", part).replace("π", "pi").replace("−", "-")
+
+
+def _hunts_of(name: HuntName) -> Iterator[Hunt]:
+    for hunt in _all_hunts(name.exercise):
+        if hunt.misconception.id == name.misconception and name.function in ("", hunt.function):
+            yield hunt
+
+
+@lru_cache(maxsize=256)
+def _all_hunts(exercise: str) -> tuple[Hunt, ...]:
+    return tuple(list_hunts(_definition(exercise)))
+
+
+def _definition(exercise: str) -> CodeDefinition:
+    definition = discovery.load_definition(exercise)
+    if not isinstance(definition, CodeDefinition):
+        raise LookupError(f"{exercise} has no checks of code")
+    return definition

@@ -1,0 +1,211 @@
+"""Hunts for the pages: checks rights and rate limits, asks the process that runs cells, stores what was answered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from hashlib import blake2b
+
+import numpy as np
+from sqlalchemy.orm import Session
+from starlette.concurrency import run_in_threadpool
+
+from graders.core.code.grading import CodeGrader
+from graders.core.code.hunts import list_hunts
+from server.assignments import feedback
+from server.base.errors import Forbidden, InternalFailure, NotFound, Overloaded, WrongMoment
+from server.base.settings import Settings
+from server.classes import presence
+from server.course import Course, Exercise
+from server.database import Database
+from server.gradebook import mistakes
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import NOTHING_YET
+from server.hunts.questions import (
+    HuntName,
+    HuntOffer,
+    HuntQuestion,
+    HuntReply,
+    InputTrial,
+    OfferedHunt,
+    PredictionTrial,
+    TrialOutcome,
+)
+from server.identity.models import Account
+from server.limits import service as limits
+from server.queue.interfaces import Sender
+from server.recall import repository
+from server.recall.models import QuestionKind, RecallAnswer
+from server.recall.subjects import list_misconceptions, subject_of
+from server.steps.service import TraceProgram
+from server.submissions.queue_senders import queue_sender
+
+TOO_FAST = "Vous avez essayé beaucoup d’entrées en peu de temps : la prochaine est possible dans {seconds} s."
+NO_EXERCISE = "Cet exercice n’existe pas, ou n’a pas de chasse aux erreurs."
+FIRST_SOLVE = "Réussissez d’abord « {title} » : ses chasses aux erreurs s’ouvrent alors."
+IN_TEST = "Pas de chasse aux erreurs pendant le contrôle « {title} » : elle revient avec ses résultats."
+MAX_TYPED_CHARACTERS = 600
+#: Arguments of one function, whose values come in as many fields.
+MAX_ARGUMENTS = 8
+
+
+@dataclass(frozen=True)
+class HuntService:
+    """Every method may also raise RateLimited, Overloaded or InternalFailure."""
+
+    course: Course
+    database: Database
+    settings: Settings
+    ask: TraceProgram
+
+    async def offer(self, account: Account, exercise_id: str, skip: int, address: str) -> OfferedHunt | None:
+        """Offer a hunt of an exercise: the reader's own mistakes first, after `skip` of them; None where none is left.
+
+        Raises NotFound, Forbidden or WrongMoment.
+        """
+        exercise = self._exercise(exercise_id)
+
+        def names(db: Session) -> Sequence[HuntName]:
+            require_may_hunt(db, account, exercise)
+            own = [mistake.misconception for mistake in mistakes.load_past_mistakes(db, account.id, [exercise.id])]
+            return order_hunts(exercise, own, account)
+
+        hunts = await self._read(names)
+        offer = await self.offer_first(account, hunts[skip:], address)
+        return None if offer is None else offer.model_copy(update={"index": offer.index + skip})
+
+    async def reopen(self, account: Account, hunt: HuntName, address: str) -> OfferedHunt | None:
+        """Offer a hunt again, by its name. Raises as `offer`."""
+        exercise = self._exercise(hunt.exercise)
+        await self._read(lambda db: require_may_hunt(db, account, exercise))
+        return await self.offer_first(account, [hunt], address)
+
+    async def offer_first(self, account: Account, hunts: Sequence[HuntName], address: str) -> OfferedHunt | None:
+        """Offer the first of these hunts that can be made; the caller knows that the account may see them."""
+        if not hunts:
+            return None
+        question = HuntQuestion(hunts=HuntOffer(hunts=tuple(hunts), seed=form_seed(account, hunts[0].exercise)))
+        return (await self._ask(account, question, address)).offer
+
+    async def try_input(self, account: Account, hunt: HuntName, typed: Mapping[str, str], address: str) -> TrialOutcome:
+        """Run both programs on a typed input, and store whether it shows the mistake. Raises as `offer`."""
+        return await self._try(account, hunt, InputTrial(hunt=hunt, typed=dict(typed)), QuestionKind.hunt, address)
+
+    async def try_prediction(self, account: Account, hunt: HuntName, typed: str, address: str) -> TrialOutcome:
+        """Compare a typed value with the wrong program's answer, and store whether it is that. Raises as `offer`."""
+        trial = PredictionTrial(hunt=hunt, typed=typed)
+        return await self._try(account, hunt, trial, QuestionKind.prediction, address)
+
+    async def give_up(self, account: Account, hunt: HuntName, kind: QuestionKind) -> None:
+        """Store that no answer was found. Raises as `offer`."""
+        exercise = self._exercise(hunt.exercise)
+        await self._read(lambda db: require_may_hunt(db, account, exercise))
+        await self.store(account, exercise, hunt.misconception, kind, is_right=False)
+
+    async def _try(
+        self,
+        account: Account,
+        hunt: HuntName,
+        trial: InputTrial | PredictionTrial,
+        kind: QuestionKind,
+        address: str,
+    ) -> TrialOutcome:
+        exercise = self._exercise(hunt.exercise)
+        await self._read(lambda db: require_may_hunt(db, account, exercise))
+        reply = await self._ask(account, HuntQuestion(hunts=trial), address)
+        if reply.outcome is None:
+            raise InternalFailure("La question n’a pas pu être posée : l’incident est de notre côté. Réessayez.")
+        # A wrong input is no answer yet: one looks on. A wrong prediction is one.
+        if reply.outcome.is_right or (kind is QuestionKind.prediction and not reply.outcome.refusal):
+            await self.store(account, exercise, hunt.misconception, kind, is_right=reply.outcome.is_right)
+        return reply.outcome
+
+    async def store(
+        self, account: Account, exercise: Exercise, misconception: str, kind: QuestionKind, *, is_right: bool
+    ) -> None:
+        """Store an answer in a transaction of its own."""
+        answer = RecallAnswer(
+            account_id=account.id, subject=subject_of(self.course, exercise, misconception), kind=kind,
+            exercise=exercise.id, misconception=misconception, is_right=is_right,
+        )  # fmt: skip
+
+        def write() -> None:
+            with self.database.write() as db:
+                repository.add_answer(db, answer)
+
+        await run_in_threadpool(write)
+
+    def _exercise(self, exercise_id: str) -> Exercise:
+        exercise = self.course.exercises.get(exercise_id)
+        if exercise is None or not may_have_hunts(self.course, exercise):
+            raise NotFound(NO_EXERCISE)
+        return exercise
+
+    async def _read(self, load: Callable[[Session], Sequence[HuntName] | None]) -> Sequence[HuntName]:
+        def read() -> Sequence[HuntName]:
+            with self.database.read() as db:
+                return load(db) or ()
+
+        return await run_in_threadpool(read)
+
+    async def _ask(self, account: Account, question: HuntQuestion, address: str) -> HuntReply:
+        """Take a rate-limit token, ask, and give the token back if there was no answer."""
+        key = f"hunts:{account.id}"
+
+        def prepare() -> Sender:
+            with self.database.read() as db:
+                sender = queue_sender(account, address, member=presence.is_member(db, account.id))
+            with self.database.write() as db:
+                limits.take_token(db, key, self.settings.step_bucket, TOO_FAST)
+            return sender
+
+        def give_back() -> None:
+            with self.database.write() as db:
+                limits.give_back_token(db, key)
+
+        sender = await run_in_threadpool(prepare)
+        try:
+            asked = question.model_dump_json().encode()
+            answer = await self.ask(asked, reader=str(account.id), flow=sender.flow, rank=sender.rank)
+        except (Overloaded, InternalFailure):
+            await run_in_threadpool(give_back)
+            raise
+        return HuntReply.model_validate_json(answer)
+
+
+def may_have_hunts(course: Course, exercise: Exercise) -> bool:
+    """Whether an exercise may have hunts: one of the course itself, whose author has not refused them.
+
+    Loads its grader.
+    """
+    return exercise.hunts != "never" and course.exercises.is_packaged(exercise.id) and _has_hunts(exercise)
+
+
+@lru_cache(maxsize=512)
+def _has_hunts(exercise: Exercise) -> bool:
+    return exercise.kind == "code" and isinstance(exercise.grader, CodeGrader) and any(list_hunts(exercise.grader))
+
+
+def require_may_hunt(db: Session, account: Account, exercise: Exercise) -> None:
+    """Raise Forbidden before the exercise is solved, WrongMoment while a test asks it."""
+    if tests := feedback.load_holds(db, account.id, exercise.id).tests:
+        raise WrongMoment(IN_TEST.format(title=tests[0].title))
+    if exercise.hunts == "always" or account.is_teacher:
+        return
+    if not gradebook.load_progress(db, account, exercise.id).get(exercise.id, NOTHING_YET).succeeded:
+        raise Forbidden(FIRST_SOLVE.format(title=exercise.title))
+
+
+def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> list[HuntName]:
+    """Return the hunts of an exercise: one's own mistakes first, then the others in an order of one's own."""
+    names = list(list_misconceptions(exercise))
+    rank = {name: place for place, name in enumerate(dict.fromkeys(own))}
+    shuffled = [names[k] for k in np.random.default_rng(form_seed(account, exercise.id)).permutation(len(names))]
+    ordered = sorted(shuffled, key=lambda name: rank.get(name, len(rank)))
+    return [HuntName(exercise=exercise.id, misconception=name) for name in ordered]
+
+
+def form_seed(account: Account, exercise: str) -> int:
+    """Return the seed of the form in which an account sees the programs of an exercise."""
+    return int.from_bytes(blake2b(f"{account.id}:{exercise}".encode(), digest_size=6).digest(), "big")

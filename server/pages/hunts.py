@@ -1,0 +1,136 @@
+"""The pages of bug hunts: a wrong program, and an input that shows its mistake, or what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request
+from fastapi.responses import Response
+from starlette.concurrency import run_in_threadpool
+
+from server.base.app_services import app_service
+from server.base.http import client_address
+from server.board.catalogue import find_misconception
+from server.course import Course, Exercise
+from server.course.dependencies import CourseOf
+from server.course.families import find_family
+from server.hunts.questions import HuntName, OfferedHunt, TrialOutcome
+from server.hunts.service import MAX_ARGUMENTS, MAX_TYPED_CHARACTERS, HuntService
+from server.identity.dependencies import OptionalAccount, SignedIn
+from server.recall.models import QuestionKind
+from server.web.forms import redirect_to_login
+from server.web.rendering import render_page
+from server.web.views import exercise_href, find_exercise, module_link
+
+router = APIRouter(include_in_schema=False)
+
+HuntsOf = Annotated[HuntService, Depends(app_service(HuntService))]
+MAX_SKIP = 500
+MAX_NAME = 100
+Skip = Annotated[int, Query(alias="suite", ge=0, le=MAX_SKIP)]
+Kind = Literal["entree", "prevision"]
+Act = Literal["essayer", "abandonner"]
+Typed = Annotated[list[Annotated[str, Form(max_length=MAX_TYPED_CHARACTERS)]], Form(max_length=MAX_ARGUMENTS)]
+KINDS: Mapping[Kind, QuestionKind] = {"entree": QuestionKind.hunt, "prevision": QuestionKind.prediction}
+
+
+def hunt_href(exercise: Exercise) -> str:
+    return f"{exercise_href(exercise)}/chasse"
+
+
+@router.get("/{module:module}/exercices/{slug}/chasse")
+async def show_hunt(
+    request: Request,
+    module: str,
+    slug: str,
+    account: OptionalAccount,
+    course: CourseOf,
+    hunts: HuntsOf,
+    skip: Skip = 0,
+    question: Annotated[Kind, Query()] = "entree",
+) -> Response:
+    exercise = find_exercise(course, module, slug)
+    if account is None:
+        return redirect_to_login(request)
+    offer = await hunts.offer(account, exercise.id, skip, client_address(request))
+    page = hunt_page(course, exercise, offer, question)
+    return await run_in_threadpool(render_page, request, "hunt.html", account, page=page)
+
+
+@router.post("/{module:module}/exercices/{slug}/chasse")
+async def answer_hunt(
+    request: Request,
+    module: str,
+    slug: str,
+    account: SignedIn,
+    course: CourseOf,
+    hunts: HuntsOf,
+    erreur: Annotated[str, Form(max_length=MAX_NAME)],
+    fonction: Annotated[str, Form(max_length=MAX_NAME)],
+    suite: Annotated[int, Form(ge=0, le=MAX_SKIP)] = 0,
+    question: Annotated[Kind, Form()] = "entree",
+    action: Annotated[Act, Form()] = "essayer",
+    valeur: Typed = [],  # noqa: B006 (read by FastAPI, and never changed)
+) -> Response:
+    exercise, address = find_exercise(course, module, slug), client_address(request)
+    hunt = HuntName(exercise=exercise.id, misconception=erreur, function=fonction)
+    offer = await hunts.reopen(account, hunt, address)
+    outcome = None
+    if offer is not None:
+        offer = offer.model_copy(update={"index": suite})
+        outcome = await answer_question(hunts, account, offer, question, action, valeur, address)
+    page = hunt_page(course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner")
+    return await run_in_threadpool(render_page, request, "hunt.html", account, page=page)
+
+
+async def answer_question(
+    hunts: HuntService,
+    account: SignedIn,
+    offer: OfferedHunt,
+    question: Kind,
+    action: Act,
+    typed: Sequence[str],
+    address: str,
+) -> TrialOutcome | None:
+    """Judge what was typed, or note that the reader gives up (None)."""
+    if action == "abandonner":
+        await hunts.give_up(account, offer.hunt, KINDS[question])
+        return None
+    if question == "prevision":
+        return await hunts.try_prediction(account, offer.hunt, typed[0] if typed else "", address)
+    names = [argument.name for argument in offer.arguments]
+    return await hunts.try_input(account, offer.hunt, dict(zip(names, typed, strict=False)), address)
+
+
+def hunt_page(
+    course: Course,
+    exercise: Exercise,
+    offer: OfferedHunt | None,
+    question: Kind,
+    typed: Sequence[str] = (),
+    outcome: TrialOutcome | None = None,
+    *,
+    gave_up: bool = False,
+) -> Mapping[str, Any]:
+    """Return what the template of a hunt shows; the mistake is named once it is found, or given up."""
+    is_over = gave_up or (outcome is not None and (outcome.is_right or question == "prevision") and not outcome.refusal)
+    mistake = None
+    if offer is not None and is_over:
+        catalogued = find_misconception(course, exercise.id, offer.hunt.misconception)
+        family = find_family(course.families, exercise.filing, offer.hunt.misconception)
+        mistake = {"title": catalogued.diagnosis.title, "text": catalogued.diagnosis.explanation, "family": family}
+    values = [*typed, *[""] * MAX_ARGUMENTS]
+    return {
+        "module": module_link(course.modules[exercise.module]),
+        "exercise_title": exercise.title,
+        "exercise_href": exercise_href(exercise),
+        "here": hunt_href(exercise),
+        "offer": offer,
+        "question": question,
+        "typed": values,
+        "outcome": outcome,
+        "is_over": is_over,
+        "gave_up": gave_up,
+        "mistake": mistake,
+    }

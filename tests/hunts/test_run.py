@@ -1,0 +1,88 @@
+"""Hunts behind the walls: what the process that runs them answers."""
+
+from __future__ import annotations
+
+import pytest
+
+from server.hunts.questions import (
+    HuntName,
+    HuntOffer,
+    HuntQuestion,
+    InputTrial,
+    OfferedHunt,
+    PredictionTrial,
+    TrialOutcome,
+)
+from server.hunts.run import HuntRunner
+from server.sandbox import Sandbox
+from server.steps.calls import parse_value
+
+ROTATION = HuntName(exercise="l20/poses", misconception="rotation_oubliee", function="composer")
+
+
+@pytest.fixture(scope="module")
+def runner(course_sandbox: Sandbox) -> HuntRunner:
+    return HuntRunner(course_sandbox)
+
+
+def offer(runner: HuntRunner, *hunts: HuntName, seed: int = 5) -> OfferedHunt | None:
+    return runner.answer(HuntQuestion(hunts=HuntOffer(hunts=hunts, seed=seed))).offer
+
+
+def try_input(runner: HuntRunner, **typed: str) -> TrialOutcome:
+    outcome = runner.answer(HuntQuestion(hunts=InputTrial(hunt=ROTATION, typed=typed))).outcome
+    assert outcome is not None
+    return outcome
+
+
+def test_an_offer_passes_over_what_has_no_hunt_and_its_witness_is_an_answer(runner: HuntRunner) -> None:
+    unknown = HuntName(exercise="l20/poses", misconception="inconnue")
+    offered = offer(runner, unknown, ROTATION)
+    assert offered is not None
+    assert (offered.index, offered.hunt.function) == (1, "composer")
+    assert "def composer(a, b):" in offered.program
+    found = try_input(runner, **{argument.name: argument.witness for argument in offered.arguments})
+    assert found.is_right
+    assert found.small
+    assert found.expected != found.got
+    assert offer(runner, unknown) is None
+
+
+def test_a_larger_answer_suffices_and_a_vain_or_bad_input_is_told(runner: HuntRunner) -> None:
+    larger = try_input(runner, a="[1, 2, pi/2]", b="[3, 4, 0.5]")
+    assert (larger.is_right, larger.small) == (True, False)
+    assert not try_input(runner, a="[0, 0, 0]", b="[1, 2, 3]").is_right
+    for typed, words in (
+        ("[1, 2", "crochet"),
+        ("[1, 2, 3]]", "de trop"),
+        ("1 2", "caractère 3"),
+        ("x", "« x »"),
+        ("[1]", "(1,)"),
+    ):
+        refused = try_input(runner, a=typed, b="[0, 0, 0]")
+        assert refused.argument == "a"
+        assert words in refused.refusal, refused.refusal
+
+
+def test_a_prediction_is_compared_with_the_wrong_program(runner: HuntRunner) -> None:
+    offered = offer(runner, ROTATION)
+    assert offered is not None
+    assert offered.predictable
+
+    def predict(typed: str) -> TrialOutcome | None:
+        return runner.answer(HuntQuestion(hunts=PredictionTrial(hunt=ROTATION, typed=typed))).outcome
+
+    missed = predict("[7, 7, 7]")
+    assert missed is not None
+    assert not missed.is_right
+    numbers = missed.expected.replace(",", ".").replace(" ; ", ", ").replace("−", "-").replace("π", "pi")
+    right = predict(numbers)
+    assert right is not None
+    assert right.is_right, numbers
+    short = predict("[1, 2]")
+    assert short is not None
+    assert not short.is_right
+
+
+def test_a_value_is_one_literal() -> None:
+    assert parse_value(" [1, -2.5, pi/2] ")[1] == -2.5
