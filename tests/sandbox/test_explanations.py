@@ -186,6 +186,6 @@ def test_a_file_of_many_names_costs_little() -> None:
 
 def test_the_field_of_a_message_says_what_it_takes() -> None:
     """ROS 2 itself refuses a whole number there, by an assertion in English."""
-    line = Frame(3, "sur_scan", "ordre.linear.x = 0")
+    line = Frame(3, "recevoir", "ordre.linear.x = 0")
     told = describe_exception("AssertionError", "The 'x' field must be of type 'float'", [line])
     assert told == "Le champ x de ce message reçoit un nombre à virgule : 0.0 ou float(…), et non 0. [AssertionError]"

@@ -28,7 +28,7 @@ def declarer(noeud):
 
 def brancher(noeud):
     noeud.moteurs = noeud.create_publisher(Twist, "/cmd_vel", 10)
-    noeud.create_subscription(LaserScan, "/scan", noeud.sur_scan, 10)
+    noeud.create_subscription(LaserScan, "/scan", noeud.recevoir, 10)
 
 
 def seuil(noeud):
@@ -37,11 +37,11 @@ def seuil(noeud):
 
 class ArretUrgence(Node):
     def __init__(self):
-        super().__init__("arret_urgence")
+        super().__init__("frein")
         declarer(self)
         brancher(self)
 
-    def sur_scan(self, msg):
+    def recevoir(self, msg):
         rayons = list(msg.ranges)
         devant = fenetre(msg, rayons, len(rayons))
         valides = lectures(msg, devant)

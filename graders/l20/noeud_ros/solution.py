@@ -10,14 +10,14 @@ class ArretUrgence(Node):
     """Publie une vitesse nulle quand un obstacle est trop près, devant."""
 
     def __init__(self):
-        super().__init__("arret_urgence")
+        super().__init__("frein")
         # Un paramètre, et non une constante : « ros2 param set » le change sans arrêter le robot.
         self.declare_parameter("distance_min", 0.3)
         self.moteurs = self.create_publisher(Twist, "/cmd_vel", 10)
         # On donne la fonction elle-même, sans parenthèses : c'est ROS qui l'appellera, à chaque scan.
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, qos_profile_sensor_data)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, qos_profile_sensor_data)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         # Relu à chaque scan : la valeur est celle de maintenant.
         distance_min = self.get_parameter("distance_min").value
         # Le milieu dépend du nombre de rayons, que chaque lidar choisit.

@@ -8,11 +8,11 @@ class ArretUrgence(Node):
     """Arrête le robot quand un obstacle est trop près, devant."""
 
     def __init__(self):
-        super().__init__("arret_urgence")
+        super().__init__("frein")
         # À vous : le paramètre distance_min, l'éditeur
         # de /cmd_vel, l'abonnement à /scan.
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         # À vous de jouer.
         pass
 

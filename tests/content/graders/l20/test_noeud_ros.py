@@ -35,9 +35,9 @@ class ArretUrgence(Node):
         super().__init__("a")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         n = len(scan.ranges)
         seuil = self.get_parameter("distance_min").value
         devant = scan.ranges[n // 2 - 10 : n // 2 + 10]
@@ -167,7 +167,7 @@ def test_a_parameter_of_another_name_is_told_as_absent() -> None:
 
 
 def test_a_node_that_cannot_be_made_has_the_name_of_no_two_mistakes() -> None:
-    assert named(verdict(NODE.replace("self.sur_scan, 10", "self.sur_scan(), 10"), 0)) is None
+    assert named(verdict(NODE.replace("self.recevoir, 10", "self.recevoir(), 10"), 0)) is None
 
 
 def test_a_narrow_window_has_the_same_mark_at_every_seed() -> None:

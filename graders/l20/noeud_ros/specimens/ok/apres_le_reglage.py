@@ -15,13 +15,13 @@ class ArretUrgence(Node):
         self.add_post_set_parameters_callback(self.change)
         self.declare_parameter("distance_min", self.seuil)
         self.vitesses = self.create_publisher(Twist, "//cmd_vel"[1:], 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
     def change(self, parametres):
         for p in parametres:
             setattr(self, {"distance_min": "seuil"}.get(p.name, p.name), p.value)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         milieu = len(scan.ranges) / 2
         devant = array("d", (d for k, d in enumerate(scan.ranges) if abs(k + 0.5 - milieu) <= 10))
         plus_proche = math.inf

@@ -9,9 +9,9 @@ class ArretUrgence(Node):
         super().__init__("asynchrone")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(msg_type=Twist, topic="/cmd_vel", qos_profile=10)
-        self.create_subscription(msg_type=LaserScan, topic="/scan", callback=self.sur_scan, qos_profile=10)
+        self.create_subscription(msg_type=LaserScan, topic="/scan", callback=self.recevoir, qos_profile=10)
 
-    async def sur_scan(self, msg):
+    async def recevoir(self, msg):
         if await self.danger(msg):
             self.vitesses.publish(Twist())
 

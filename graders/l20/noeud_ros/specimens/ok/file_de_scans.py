@@ -16,9 +16,9 @@ class ArretUrgence(Node):
         self.plus_proche = self.create_publisher(Float32, "/plus_proche", 10)
         self.danger = self.create_publisher(Bool, "/danger", 10)
         self.vus = deque(maxlen=3)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         n = len(scan.ranges)
         valides = [float(d) for d in scan.ranges[n // 2 - 10 : n // 2 + 10] if scan.range_min < d < scan.range_max]
         if valides:

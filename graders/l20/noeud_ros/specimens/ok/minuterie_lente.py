@@ -15,7 +15,7 @@ class ArretUrgence(Node):
         self.create_timer(0.5, self.relire)
         self.create_timer(0.25, self.veiller)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
     def relire(self):
         self.distance = self.get_parameter("distance_min").value
@@ -24,7 +24,7 @@ class ArretUrgence(Node):
         if (self.get_clock().now() - self.dernier).nanoseconds > 0.3e9:
             self.vitesses.publish(Twist())
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         self.dernier = self.get_clock().now()
         n = len(scan.ranges)
         lectures = filter(lambda d: scan.range_min < d < scan.range_max, scan.ranges[n // 2 - 10 : n // 2 + 10])

@@ -25,10 +25,10 @@ class Base(Node):
 class ArretUrgence(Devant, Base):
     def __init__(self):
         super().__init__("arret_herite")
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, qos_profile_sensor_data)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, qos_profile_sensor_data)
         self.__sortie = self.create_publisher(Twist, "/cmd_vel", qos_profile_sensor_data)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         distances = sorted(d for d in self.devant(scan) if self.valide(scan, d))
         if distances and distances[0] < self.get_parameter("distance_min").value:
             arret = Twist()

@@ -18,9 +18,9 @@ class ArretUrgence(Node):
         self.declare_parameter(name="distance_min", value=0.3)
         self.moteurs = self.create_publisher(Twist, "/cmd_vel", 10)
         self.etat = self.create_publisher(LaserScan, "~/devant", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         n = len(scan.ranges) // 2
         scan.ranges = scan.ranges[n - 10 : n + 10]
         self.etat.publish(scan)

@@ -13,9 +13,9 @@ class ArretUrgence(Node):
         super().__init__("masque")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         r = numpy.ma.masked_invalid(numpy.frombuffer(scan.ranges, dtype=numpy.float32))
         r = numpy.ma.masked_outside(r, scan.range_min * 1.0001, scan.range_max * 0.9999).filled(numpy.inf)
         proche = minimum_filter1d(r.astype(float), size=21)[len(r) // 2]

@@ -11,10 +11,10 @@ class ArretUrgence(Node):
         super().__init__("sans_fin")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
         rclpy.spin(self)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         n = len(scan.ranges)
         for d in scan.ranges[n // 2 - 10 : n // 2 + 10]:
             if not (d > scan.range_min and d < scan.range_max):

@@ -11,10 +11,10 @@ class ArretUrgence(Node):
         super().__init__("arret_urgence")
         self.declare_parameter("distance_min", 0.3)
         self.moteurs = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
         self.arrete = False
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         milieu = len(scan.ranges) // 2
         devant = list(scan.ranges)[milieu - 10 : milieu + 10]
         danger = False

@@ -9,9 +9,9 @@ class ArretUrgence(Node):
         super().__init__("entier")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         limite = self.get_parameter("distance_min").value
         milieu = len(scan.ranges) // 2
         lectures = scan.ranges[milieu - 10 : milieu + 10]

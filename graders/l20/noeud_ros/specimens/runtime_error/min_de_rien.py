@@ -9,9 +9,9 @@ class ArretUrgence(Node):
         super().__init__("min_de_rien")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         milieu = len(scan.ranges) // 2
         lectures = scan.ranges[milieu - 10 : milieu + 10]
         plus_proche = min(d for d in lectures if scan.range_min < d < scan.range_max)

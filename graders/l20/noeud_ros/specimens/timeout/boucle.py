@@ -7,8 +7,8 @@ from sensor_msgs.msg import LaserScan
 class ArretUrgence(Node):
     def __init__(self):
         super().__init__("boucle")
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         while True:
             pass

@@ -11,9 +11,9 @@ class ArretUrgence(Node):
         super().__init__("inquiet")
         self.declare_parameter("distance_min", 0.3)
         self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
-        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+        self.create_subscription(LaserScan, "/scan", self.recevoir, 10)
 
-    def sur_scan(self, scan):
+    def recevoir(self, scan):
         n = len(scan.ranges)
         devant = scan.ranges[n // 2 - 10 : n // 2 + 10]
         if any(not np.isfinite(d) or d < self.get_parameter("distance_min").value for d in devant):
