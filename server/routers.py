@@ -6,6 +6,7 @@ from server.cells.routes import router as cells_router
 from server.client.routes import router as client_router
 from server.desk.assignments.exemption_routes import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
+from server.desk.assignments.team_pages import router as teams_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
 from server.desk.guide.routes import router as teachers_guide_router
@@ -108,6 +109,7 @@ ROUTERS = (
     rubrics_router,
     assignments_router,
     exemptions_router,
+    teams_router,
     own_router,
     studio_router,
     teachers_guide_router,

@@ -96,6 +96,8 @@ class AssignmentIn(StrictBody):
     solution: Annotated[Visibility, Field(description="When the solution is shown.", **Lenient)] = Visibility.usual
     duration_minutes: Annotated[int | None, Field(description="Of a test, from when one begins it.")] = None
     groups: Annotated[Groups, Field(description="To whom it is given; empty: to the whole class.")] = ()
+    team_size: Annotated[int, Field(description="How many students may hand in together, from 1 to 6.")] = 1
+    teams_by_students: Annotated[bool, Field(description="Students form the teams too.")] = False
 
 
 class AssignmentChange(StrictBody):
@@ -117,6 +119,8 @@ class AssignmentChange(StrictBody):
     solution: Annotated[Visibility, Field(**Lenient)] = Visibility.usual
     duration_minutes: int | None = None
     groups: Groups = ()
+    team_size: int = 1
+    teams_by_students: bool = False
 
 
 class AssignmentOut(Strict):
@@ -137,6 +141,8 @@ class AssignmentOut(Strict):
     solution: Visibility
     duration_minutes: int | None
     groups: Annotated[list[str] | None, Field(description="Empty: the whole class. Null to a student.")]
+    team_size: Annotated[int, Field(description="How many students may hand in together.")]
+    teams_by_students: bool
     released_at: datetime | None
     time_factor: Annotated[float | None, Field(description="Of the student who asks; null to the staff.")]
     excused: Annotated[bool | None, Field(description="The same.")]

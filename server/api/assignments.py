@@ -21,9 +21,10 @@ from server.api.documentation import problems
 from server.assignments import editing, exemption_service, repository, student_assignments
 from server.assignments.exemption_service import explain_rules, find_exemption
 from server.assignments.models import Assignment, Exemption, LatePolicy, WeightedExercise
-from server.assignments.rules import rules_in_force
 from server.assignments.schemas import AssignmentInput, ExemptionInput, ExemptionTarget
 from server.assignments.student_assignments import StudentAssignment
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import team_rules_in_force
 from server.base import root_path
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
@@ -229,7 +230,8 @@ def read_rules(
     assignment = editing.find_assignment(db, place.school_class, aid)
     seat = _student(db, place, account, student)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
-    rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
+    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    rules = team_rules_in_force(assignment, exemptions, seat.account_id, seat.groups, places)
     staff = place.has(Right.see_students)
     if not staff:
         student_assignments.load_student_assignment(db, assignment, seat.account_id, seat.groups, utc_now())

@@ -176,6 +176,8 @@ PARAMETERS: dict[str, str] = {
     "diagnosis": "quand le diagnostic est montré",
     "solution": "quand le corrigé est montré",
     "duration_minutes": "la durée d’un contrôle, depuis que l’élève le commence",
+    "team_size": "combien d’élèves peuvent rendre ensemble, de 1 à 6",
+    "teams_by_students": "les élèves forment aussi les équipes, d’un commun accord",
     "groups": "les groupes à qui le devoir est donné ; aucun : toute la classe",
     "time_factor": "de 1 à 4 : par combien la durée est multipliée",
     "explanation": "ce qui est faux et pourquoi, 4000 caractères au plus",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain
 from uuid import UUID
@@ -13,18 +13,26 @@ from sqlalchemy import inspect, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Sitting, WeightedExercise
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import TeamPlace, list_shares
 from server.database import Base
 
 
 @dataclass(frozen=True, eq=False)
 class ClassAssignments:
     """The assignments of a class in the order in which they open, and by assignment: its exercises, its exemptions,
-    revoked ones included, and for tests the sittings by student."""
+    revoked ones included, for tests the sittings by student, and the teams, former ones included."""
 
     assignments: Sequence[Assignment]
     exercises: Mapping[UUID, Sequence[WeightedExercise]]
     exemptions: Mapping[UUID, Sequence[Exemption]]
     sittings: Mapping[UUID, Mapping[UUID, Sitting]]
+    teams: Mapping[UUID, tuple[TeamPlace, ...]] = field(default_factory=dict)
+
+    def partners_of(self, students: Collection[UUID]) -> frozenset[UUID]:
+        """Return those who hand in, or handed in, with some of these students."""
+        shares = (list_shares(places, student) for places in self.teams.values() for student in students)
+        return frozenset(share.partner.account_id for own in shares for share in own)
 
     @cached_property
     def version(self) -> Hashable:
@@ -35,6 +43,7 @@ class ClassAssignments:
             tuple((name, tuple(exercises)) for name, exercises in self.exercises.items()),
             _values(chain.from_iterable(self.exemptions.values())),
             _values(sittings),
+            tuple(self.teams.items()),
         )
 
 
@@ -43,7 +52,7 @@ def _values(rows: Iterable[Base]) -> Hashable:
 
 
 def load_class_assignments(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> ClassAssignments:
-    """Load them in two queries, three where there are tests; `only`: with the sittings of these students alone."""
+    """Load them in two queries, one more for tests, and for teams; `only`: with the sittings of these alone."""
     query = (
         select(Assignment, AssignedExercise.exercise, AssignedExercise.weight)
         .outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
@@ -63,6 +72,7 @@ def load_class_assignments(db: Session, class_id: UUID, only: Collection[UUID] |
         exercises=exercises,
         exemptions=_load_exemptions(db, class_id),
         sittings=_load_sittings(db, class_id, only) if has_tests else {},
+        teams=load_teams_of(db, assignments.values()),
     )
 
 

@@ -13,7 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository, safeguards
+from server.assignments import repository, safeguards, teams
 from server.assignments.models import (
     AssignedExercise,
     Assignment,
@@ -27,7 +27,7 @@ from server.assignments.models import (
 from server.assignments.schemas import AssignmentInput, validate_assignment
 from server.audit import service as audit
 from server.audit.models import AuditAction
-from server.base.errors import NotFound
+from server.base.errors import InvalidFields, NotFound
 from server.base.validation import parse_uuid
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
@@ -40,6 +40,10 @@ MAX_PAST_RULES = 100
 #: How long a deletion can be undone.
 RESTORABLE = timedelta(days=30)
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
+TEAMS_EXIST = (
+    "Des élèves rendent ou ont rendu ce devoir à {count}, et cela reste compté : gardez au moins {count}. Pour "
+    "que chacun rende désormais seul, défaites leurs équipes sur la page du devoir."
+)
 
 
 def find_assignment(
@@ -72,6 +76,8 @@ def assignment_input(assignment: Assignment, exercises: Sequence[WeightedExercis
         solution=Visibility(assignment.solution),
         duration_minutes=assignment.duration_minutes,
         groups=tuple(assignment.groups),
+        team_size=assignment.team_size,
+        teams_by_students=assignment.teams_by_students,
     )
 
 
@@ -139,6 +145,7 @@ def update_assignment(
         return
     now = utc_now()
     safeguards.require_coherent(db, assignment, before, valid, now)
+    _require_team_size(db, assignment, before, valid)
     keep_past_rules(assignment, valid, now)
     for name, value in valid.columns().items():
         setattr(assignment, name, value)
@@ -149,6 +156,13 @@ def update_assignment(
     audit.record_event(
         db, school_class.id, by, AuditAction.assignment_changed, about=valid.title, before=old, after=new
     )
+
+
+def _require_team_size(db: Session, assignment: Assignment, before: AssignmentInput, after: AssignmentInput) -> None:
+    """Raise InvalidFields where more students hand in together, or have, than a change would allow."""
+    largest = teams.load_largest_team(db, assignment.id) if after.team_size < before.team_size else 0
+    if after.team_size < largest:
+        raise InvalidFields({"team_size": TEAMS_EXIST.format(count=largest)})
 
 
 def keep_past_rules(assignment: Assignment, after: AssignmentInput, now: datetime) -> None:
@@ -251,4 +265,6 @@ def _log_values(fields: AssignmentInput) -> dict[str, Any]:
         for name, value in fields.columns().items()
         if value is not None and value != ()
     }
+    if fields.team_size == 1:
+        del columns["team_size"], columns["teams_by_students"]
     return columns | {"exercises": dict(fields.exercises)}

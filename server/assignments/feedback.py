@@ -19,7 +19,9 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback_repository, repository
 from server.assignments.feedback_repository import AssignedExerciseRow
 from server.assignments.models import Assignment, Exemption, Mode, Sitting, Visibility
-from server.assignments.rules import Rules, is_sitting_running, rules_in_force, sitting_end
+from server.assignments.rules import Rules, is_sitting_running, sitting_end
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import TeamPlace, team_rules_in_force
 from server.database import utc_now
 
 BEGIN_FIRST = (
@@ -31,6 +33,7 @@ OVER = (
     "résultats."
 )
 MEMO = "feedback"
+Teams = Mapping[UUID, tuple[TeamPlace, ...]]
 
 
 class SittingStage(StrEnum):
@@ -153,9 +156,10 @@ def load_holds_by_student(db: Session, accounts: Collection[UUID], exercise: str
     now = utc_now()
     rows = feedback_repository.load_rows_of_students(db, accounts, exercise, now) if accounts else ()
     exemptions = repository.load_exemptions(db, {row.assignment.id for row in rows}) if rows else {}
+    teams = load_teams_of(db, {row.assignment.id: row.assignment for row in rows}.values())
     grouped: dict[UUID, list[tuple[AssignedExerciseRow, Rules]]] = defaultdict(list)
     for row in rows:
-        grouped[row.account_id].append((row, _rules_of(row, exemptions)))
+        grouped[row.account_id].append((row, _rules_of(row, exemptions, teams)))
     return {account_id: compute_holds(pairs, now) for account_id, pairs in grouped.items()}
 
 
@@ -171,14 +175,16 @@ def _load_by_exercise(
     if not rows:
         return {}
     exemptions = repository.load_exemptions(db, {row.assignment.id for row in rows})
+    teams = load_teams_of(db, {row.assignment.id: row.assignment for row in rows}.values())
     grouped: dict[str, list[tuple[AssignedExerciseRow, Rules]]] = defaultdict(list)
     for row in rows:
-        grouped[row.exercise].append((row, _rules_of(row, exemptions)))
+        grouped[row.exercise].append((row, _rules_of(row, exemptions, teams)))
     return {name: compute_holds(pairs, now) for name, pairs in grouped.items()}
 
 
-def _rules_of(row: AssignedExerciseRow, exemptions: Mapping[UUID, Sequence[Exemption]]) -> Rules:
-    return rules_in_force(row.assignment, exemptions.get(row.assignment.id, ()), row.account_id, row.groups)
+def _rules_of(row: AssignedExerciseRow, exemptions: Mapping[UUID, Sequence[Exemption]], teams: Teams) -> Rules:
+    own, places = exemptions.get(row.assignment.id, ()), teams.get(row.assignment.id, ())
+    return team_rules_in_force(row.assignment, own, row.account_id, row.groups, places)
 
 
 def compute_holds(pairs: Sequence[tuple[AssignedExerciseRow, Rules]], now: datetime) -> FeedbackHolds:

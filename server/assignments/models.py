@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Any, NamedTuple
 from uuid import UUID, uuid4
 
-from sqlalchemy import CheckConstraint, Dialect, ForeignKey, LargeBinary, String, Text, false
+from sqlalchemy import CheckConstraint, Dialect, ForeignKey, Index, LargeBinary, String, Text, false
 from sqlalchemy.orm import Mapped, mapped_column
 from sqlalchemy.types import TypeDecorator
 
@@ -103,7 +103,8 @@ class Assignment(Base):
     time of a test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
     `removed_at`: when it was deleted; it can be restored for a while, and counts nowhere meanwhile. Attempts
     that arrived under `past_rules` keep what they were told. `groups`: the labels of the students whom it concerns;
-    empty for the whole class.
+    empty for the whole class. `team_size`: how many students may hand in together, 1 for each alone, in teams that they
+    form themselves too with `teams_by_students`.
     """
 
     __tablename__ = "assignment"
@@ -128,6 +129,8 @@ class Assignment(Base):
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     groups: Mapped[Sequence[str]] = mapped_column(LabelsColumn, default=(), server_default="[]")
+    team_size: Mapped[int] = mapped_column(default=1, server_default="1")
+    teams_by_students: Mapped[bool] = mapped_column(default=False, server_default=false())
     past_rules: Mapped[Sequence[PastRules]] = mapped_column(PastRulesColumn, default=(), server_default="[]")
 
 
@@ -206,3 +209,41 @@ class SavedWork(Base):
     exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
     source: Mapped[bytes] = mapped_column(LargeBinary)
     saved_at: Mapped[datetime] = mapped_column(UtcDateTime)
+
+
+class TeamMember(Base):
+    """A student's place in a team of an assignment, whose members hand in together.
+
+    Attempts that a member sends from `since` until `until` (None: still) count for those who are in the team then. A
+    place that ends stays, so that what was sent goes on counting.
+    """
+
+    __tablename__ = "team_member"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), index=True)
+    team_id: Mapped[UUID]
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
+    since: Mapped[datetime] = mapped_column(UtcDateTime)
+    until: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+
+Index(
+    "uq_team_member_current",
+    TeamMember.assignment_id,
+    TeamMember.account_id,
+    unique=True,
+    sqlite_where=TeamMember.until.is_(None),
+    postgresql_where=TeamMember.until.is_(None),
+)
+
+
+class TeamProposal(Base):
+    """A student's proposal to another to hand in an assignment together, until it is accepted or taken back."""
+
+    __tablename__ = "team_proposal"
+
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    partner_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    proposed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)

@@ -9,7 +9,7 @@ from typing import Any, Literal, Protocol
 from uuid import UUID
 
 Field = Literal["opens_at", "due_at", "closes_at", "time_factor", "excused"]
-Origin = Literal["assignment", "label", "student", "adjusted"]
+Origin = Literal["assignment", "label", "student", "adjusted", "team"]
 
 
 class CommonRules(Protocol):

@@ -101,7 +101,7 @@ class Rules:
 
     In a test, the due date is when it is begun at the latest to be on time; a sitting begun in time counts to its own
     end. `earlier`: the rules that were in force before. `is_concerned`: the assignment is for the whole class, or
-    for a group of the student.
+    for a group of the student. `shared`: the rules of those with whom the student hands in, or handed in.
     """
 
     opens_at: datetime
@@ -117,6 +117,7 @@ class Rules:
     zone: tzinfo = field(default_factory=school_time.time_zone)
     earlier: tuple[EarlierRules, ...] = ()
     is_concerned: bool = True
+    shared: tuple[SharedRules, ...] = ()
 
     @property
     def is_free(self) -> bool:
@@ -156,8 +157,10 @@ class Rules:
         """
         now = self._judge(at)
         then = next((past.rules._judge(at) for past in self.earlier if past.since <= at < past.until), now)
-        best = max(now, then, key=lambda timing: timing.favour)
-        return best if then.counts or not best.counts else replace(best, counted_on_arrival=False)
+        team = [each.rules.judge(at) for each in self.shared if each.covers(at)]
+        best = max(now, then, *team, key=lambda timing: timing.favour)
+        counted = then.counts or any(timing.counts and timing.counted_on_arrival for timing in team)
+        return replace(best, counted_on_arrival=counted or not best.counts)
 
     def _judge(self, at: datetime) -> SendTiming:
         if at >= self.opens_at and self.closes_at is not None and at > self.closes_at:
@@ -187,6 +190,18 @@ class EarlierRules:
     since: datetime
     until: datetime
     rules: Rules
+
+
+@dataclass(frozen=True)
+class SharedRules:
+    """The rules of a member of the student's team, while both are in it; `until` is None for a team of today."""
+
+    since: datetime
+    until: datetime | None
+    rules: Rules
+
+    def covers(self, at: datetime) -> bool:
+        return self.since <= at and (self.until is None or at < self.until)
 
 
 @dataclass(frozen=True)

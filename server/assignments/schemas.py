@@ -19,6 +19,7 @@ from server.assignments.models import (
     WeightedExercise,
 )
 from server.assignments.rules import MAX_POINTS
+from server.assignments.team_rules import MAX_TEAM_SIZE
 from server.base.errors import InvalidFields
 from server.text.lines import character_problem, tidy_line
 
@@ -52,6 +53,8 @@ class AssignmentInput:
     solution: Visibility = Visibility.usual
     duration_minutes: int | None = None
     groups: tuple[str, ...] = ()
+    team_size: int = 1
+    teams_by_students: bool = False
 
     def columns(self) -> dict[str, Any]:
         """Return the columns of the assignment's row: all fields but the exercises."""
@@ -98,6 +101,8 @@ def validate_assignment(
     tidy = replace(fields, title=tidy_line(fields.title), groups=groups)
     if tidy.late is not LatePolicy.penalty:
         tidy = replace(tidy, late_per_day=None)
+    if tidy.team_size == 1:
+        tidy = replace(tidy, teams_by_students=False)
     _refuse(
         [
             *_check_fields(tidy),
@@ -140,6 +145,10 @@ def _check_fields(fields: AssignmentInput) -> Iterator[Problem]:
         yield "duration_minutes", "La durée est un nombre de minutes, d’une à une semaine (10 080)."
     if minutes is not None and fields.mode is not Mode.test:
         yield "duration_minutes", "Seul un contrôle a une durée : choisissez ce mode, ou laissez la durée vide."
+    if not 1 <= fields.team_size <= MAX_TEAM_SIZE:
+        yield "team_size", f"Un devoir se rend seul, ou à {MAX_TEAM_SIZE} au plus."
+    if fields.team_size > 1 and fields.mode is Mode.test:
+        yield "team_size", "Un contrôle se compose seul : choisissez l’entraînement, ou « chacun seul »."
 
 
 def _is_valid_weight(weight: float) -> bool:

@@ -11,8 +11,10 @@ from sqlalchemy.orm import Session
 
 from server.assignments import repository, sitting_repository
 from server.assignments.models import Assignment, Exemption, Mode, WeightedExercise
-from server.assignments.rules import Rules, concerns, rules_in_force
+from server.assignments.rules import Rules, concerns
 from server.assignments.stages import AssignmentStage, assignment_stage
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import TeamPlace, list_partners, team_rules_in_force
 from server.base.errors import NotFound
 
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
@@ -20,13 +22,15 @@ UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
 @dataclass(frozen=True)
 class StudentAssignment:
-    """An assignment for one student. The exercises of a test stay secret until it opens."""
+    """An assignment for one student, with those who hand it in with them. The exercises of a test stay secret until it
+    opens."""
 
     assignment: Assignment
     rules: Rules
     exercises: tuple[WeightedExercise, ...]
     exemptions: tuple[Exemption, ...]
     stage: AssignmentStage
+    partners: tuple[TeamPlace, ...] = ()
 
     @property
     def hides_exercises(self) -> bool:
@@ -80,10 +84,13 @@ def due_soon(assignments: Collection[StudentAssignment], now: datetime, soon: ti
     ]
 
 
-def _has_sat(db: Session, assignment: Assignment, account_id: UUID) -> bool:
-    """Whether a student has begun a test: it stays theirs, whatever their groups have become."""
-    is_test = assignment.mode == Mode.test
-    return is_test and sitting_repository.load_sitting(db, assignment.id, account_id) is not None
+def _load_sat_tests(
+    db: Session, rows: Sequence[tuple[Assignment, Collection[str]]], account_id: UUID
+) -> Collection[UUID]:
+    """Load the tests of other groups that a student has begun: they stay theirs, whatever their groups have become."""
+    if not any(assignment.mode == Mode.test and not concerns(assignment, labels) for assignment, labels in rows):
+        return ()
+    return {sitting.assignment_id for sitting, _ in sitting_repository.load_account_sittings(db, account_id)}
 
 
 def _with_rules(
@@ -97,22 +104,26 @@ def _with_rules(
 
     `exempted`: the assignments with exemptions; None: unknown.
     """
-    rows = [row for row in rows if concerns(*row) or _has_sat(db, row[0], account_id)]
+    sat = _load_sat_tests(db, rows, account_id)
+    rows = [row for row in rows if concerns(*row) or row[0].id in sat]
     if not rows:
         return []
     names = [assignment.id for assignment, _ in rows]
     exempted = names if exempted is None else exempted
     exercises = repository.load_exercises(db, names)
     exemptions = repository.load_exemptions(db, exempted) if exempted else {}
+    teams = load_teams_of(db, [assignment for assignment, _ in rows])
     result = []
     for assignment, labels in rows:
         all_exemptions = exemptions.get(assignment.id, ())
-        rules = rules_in_force(assignment, all_exemptions, account_id, labels)
+        places = teams.get(assignment.id, ())
+        rules = team_rules_in_force(assignment, all_exemptions, account_id, labels, places)
         own = tuple(
             each
             for each in all_exemptions
             if each.revoked_at is None and (each.account_id == account_id or each.label in labels)
         )
         chosen = tuple(exercises.get(assignment.id, ()))
-        result.append(StudentAssignment(assignment, rules, chosen, own, assignment_stage(rules, now)))
+        partners = list_partners(places, account_id)
+        result.append(StudentAssignment(assignment, rules, chosen, own, assignment_stage(rules, now), partners))
     return result

@@ -23,6 +23,8 @@ class AuditAction(StrEnum):
     assignment_restored = "assignment_restored"
     exemption_made = "exemption_made"
     exemption_revoked = "exemption_revoked"
+    team_formed = "team_formed"
+    team_ended = "team_ended"
     feedback_released = "feedback_released"
     release_withdrawn = "release_withdrawn"
     copy_reopened = "copy_reopened"
@@ -69,6 +71,8 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.assignment_restored: "devoir rétabli",
     AuditAction.exemption_made: "aménagement accordé",
     AuditAction.exemption_revoked: "aménagement retiré",
+    AuditAction.team_formed: "binôme ou équipe d’un devoir formés",
+    AuditAction.team_ended: "binôme ou équipe d’un devoir défaits",
     AuditAction.feedback_released: "résultats d’un contrôle publiés",
     AuditAction.release_withdrawn: "publication d’un contrôle reprise",
     AuditAction.copy_reopened: "copie rouverte",
@@ -113,6 +117,8 @@ STUDENT_ACTIONS = frozenset(
     {
         AuditAction.exemption_made,
         AuditAction.exemption_revoked,
+        AuditAction.team_formed,
+        AuditAction.team_ended,
         AuditAction.copy_reopened,
         AuditAction.student_removed,
         AuditAction.student_admitted,

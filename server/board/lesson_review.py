@@ -9,6 +9,7 @@ from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from types import MappingProxyType
 from uuid import UUID
 
 from graders.core.contract.outcomes import Outcome
@@ -80,10 +81,18 @@ class LessonReview:
     overcome: tuple[OvercomeMistake, ...]
 
 
-def build_review(progress: ClassProgress, exercises: Collection[str], since: datetime, until: datetime) -> LessonReview:
-    """Review what was sent to these exercises in a period. `progress` is as of `until` or later."""
+def build_review(
+    progress: ClassProgress,
+    exercises: Collection[str],
+    since: datetime,
+    until: datetime,
+    partners: Mapping[UUID, Collection[UUID]] = MappingProxyType({}),
+) -> LessonReview:
+    """Review what was sent to these exercises in a period. `progress` is as of `until` or later; `partners`: those who
+    hand in with a student, whose attempts are the student's work too."""
     period = _attempts_in(progress.attempts, exercises, since, until)
-    active = {account for account, _ in period}
+    senders = {account for account, _ in period}
+    active = senders | {student for student, others in partners.items() if not senders.isdisjoint(others)}
     others = [
         student
         for student in progress.students

@@ -44,6 +44,7 @@ NO_SUCH_LINE = "Cet essai a {count} lignes : indiquez une ligne de 1 à {count},
 NO_SUCH_CHECK = "Le verdict de cet essai n’a pas cette vérification."
 FULL_THREAD = f"Ce fil a déjà {MAX_MESSAGES} messages : commencez-en un autre."
 FULL = f"Il y a déjà {MAX_THREADS} fils sur cet exercice : continuez l’un d’eux."
+NOT_THE_AUTHOR = "Un autre élève a envoyé cet essai : posez votre question sur l’un des vôtres, ou sur l’exercice."
 NOBODY = "Personne ne lirait votre question : rejoignez d’abord la classe de votre enseignant."
 
 
@@ -63,6 +64,8 @@ def begin_thread(
     A student asks their teachers, and is refused without any.
     """
     submission = attempt.submission
+    if attempt.shared:
+        raise Conflict(NOT_THE_AUTHOR)
     message = validate_text(text)
     thread = _new_thread(by, submission.account_id, submission.exercise, submission.created_at)
     thread.submission_id = submission.id
@@ -164,6 +167,8 @@ def load_attempt_conversations(db: Session, attempt: Attempt) -> Sequence[Conver
     """Load the threads on an attempt, on the exercise, and on earlier attempts where they still apply, oldest first."""
     submission = attempt.submission
     threads = repository.load_threads_for_submission(db, submission)
+    if attempt.shared:  # the rest is between its author and their teachers
+        threads = [thread for thread in threads if thread.submission_id == submission.id]
     if not threads:
         return ()
     origins = _origins(threads, submission.id)

@@ -34,7 +34,8 @@ class Attempt:
     """A submission with the grading that counts, as an account may see it.
 
     `grading` is None while it waits, and while a test withholds it (`held`). The two look the same to the account, but
-    for an internal error (`failed`) and for a file that does not run (`load_error`).
+    for an internal error (`failed`) and for a file that does not run (`load_error`). `shared`: it was sent by
+    somebody with whom the account hands in.
     """
 
     submission: Submission
@@ -42,6 +43,7 @@ class Attempt:
     feedback: FeedbackHolds = NO_HOLDS
     failed: bool = False
     load_error: str = ""
+    shared: bool = False
 
     @property
     def held(self) -> HoldingTest | None:

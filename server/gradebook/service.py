@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
+from server.assignments.team_repository import is_teammate
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import early_verdicts, repository, standings
@@ -96,12 +97,41 @@ def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
         recount_standings(db, owner)
 
 
+def hand_over_attempts(db: Session, account_id: UUID, heir_id: UUID, submissions: Collection[UUID]) -> None:
+    """Give attempts to another account, for which they count too."""
+    standings.lock_accounts(db, [account_id, heir_id])
+    stored.give_submissions(db, submissions, heir_id)
+    for owner in (account_id, heir_id):
+        recount_standings(db, owner)
+
+
 def find_attempt(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
-    """Return an attempt that this account may see (`server.rights`). Raise NotFound for any other, existing or not."""
+    """Return an attempt that this account may see (`server.rights`), or that a partner has sent for both.
+
+    Raise NotFound for any other, existing or not.
+    """
     attempt = load_attempt(db, parse_submission_id(submission_id))
-    if attempt is None or account is None or not may_view(db, account, attempt.submission):
+    if attempt is None or account is None:
         raise NotFound(UNKNOWN_SUBMISSION)
-    return _attempt_seen_by(db, account.id, attempt)
+    if may_view(db, account, attempt.submission):
+        return _attempt_seen_by(db, account.id, attempt)
+    return _shared_attempt(db, account.id, attempt)
+
+
+def _shared_attempt(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:
+    """Return an attempt of somebody with whom the account hands in, without what is withheld from either of them.
+
+    Raise NotFound for the attempt of anybody else, or of a test.
+    """
+    submission = attempt.submission
+    author, exercise, sent_at = submission.account_id, submission.exercise, submission.created_at
+    if not is_teammate(db, account_id, author, exercise, sent_at):
+        raise NotFound(UNKNOWN_SUBMISSION)
+    holds = feedback.load_holds(db, author, exercise)
+    own = feedback.load_holds(db, account_id, exercise)
+    if holds.test_holding(sent_at) is not None or own.test_holding(sent_at) is not None:
+        raise NotFound(UNKNOWN_SUBMISSION)
+    return Attempt(submission, attempt.grading, own, shared=True)
 
 
 def _attempt_seen_by(db: Session, account_id: UUID, attempt: StoredAttempt) -> Attempt:

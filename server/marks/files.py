@@ -107,6 +107,7 @@ def marks_sheet(gradebook: Gradebook) -> Sheet:
 
 DETAILS = (
     "Points", "Note automatique", "État", "Jours de retard", "Essais", "Note modifiée", "Portée", "À revoir", "Motif",
+    "Rendu avec",
 )  # fmt: skip
 SCOPES = {True: "tous les devoirs", False: "ce devoir"}
 
@@ -135,6 +136,7 @@ def _details(exercise: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
         SCOPES[override.assignment_id is None] if override else "",
         YES[exercise.stale],
         override.reason if override else "",
+        ", ".join(mark.partners),
     )
 
 

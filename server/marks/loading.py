@@ -98,10 +98,11 @@ def load_gradebook(
 def load_inputs(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
 ) -> GradebookInputs:
-    """Load the inputs in eight queries, nine where there are tests, whatever the class."""
+    """Load the inputs in eight queries, one more for tests, and for teams, whatever the class."""
     students = classes.list_students(db, school_class.id, only)
     assigned = load_class_assignments(db, school_class.id, only)
     columns, typed = columns_repository.load_columns(db, school_class.id, only)
+    senders = {*(student.id for student in students), *assigned.partners_of([student.id for student in students])}
     return GradebookInputs(
         course=course,
         school_class=school_class,
@@ -113,7 +114,7 @@ def load_inputs(
         marking=repository.load_marking(db, school_class.id),
         columns=columns,
         typed=typed,
-        revisions=load_revisions(db, [student.id for student in students]),
+        revisions=load_revisions(db, senders),
     )
 
 

@@ -12,6 +12,7 @@ from server.assignments.counting import TimeJudge, mark_attempts
 from server.assignments.feedback import SittingStage, sitting_stage
 from server.assignments.models import Assignment, AttemptSelection, Mode, Sitting, WeightedExercise
 from server.assignments.rules import OUTSIDE, Rules, Windows, concerns, rules_in_force
+from server.assignments.team_rules import TeamPlace, TeamShare, list_shares, team_rules_in_force
 from server.classes.schemas import StudentRecord
 from server.gradebook.histories import Attempts, AttemptsByPair
 from server.marks.schemas import ActiveDecision, ActiveOverride, AssignmentMark, ExerciseMark, OverrideKey
@@ -42,22 +43,23 @@ class AssignmentMarker:
     exercises: Sequence[WeightedExercise]
     sittings: Mapping[UUID, Sitting]
     rules: Mapping[UUID, Rules]
+    teams: Sequence[TeamPlace] = ()
 
     @classmethod
     def for_assignment(
         cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[StudentRecord]
     ) -> AssignmentMarker:
-        exemptions = assigned.exemptions.get(assignment.id, ())
+        exemptions, teams = assigned.exemptions.get(assignment.id, ()), assigned.teams.get(assignment.id, ())
         common = replace(rules_in_force(assignment, (), assignment.class_id, ()), is_concerned=True)
         unconcerned = replace(common, is_concerned=False)
         rules = {
-            student.id: rules_in_force(assignment, exemptions, student.id, student.groups)
-            if exemptions
+            student.id: team_rules_in_force(assignment, exemptions, student.id, student.groups, teams)
+            if exemptions or teams
             else (common if concerns(assignment, student.groups) else unconcerned)
             for student in students
         }
         exercises = assigned.exercises.get(assignment.id, ())
-        return cls(assignment, exercises, assigned.sittings.get(assignment.id, {}), rules)
+        return cls(assignment, exercises, assigned.sittings.get(assignment.id, {}), rules, teams)
 
     def instants(self) -> Iterator[datetime | None]:
         """Yield every time at which a mark may change by itself: all that `mark` and `is_withheld` compare with now."""
@@ -76,12 +78,16 @@ class AssignmentMarker:
     ) -> AssignmentMark:
         """Return the mark of one student."""
         rules, sitting = self.rules[student], self.sittings.get(student)
+        shares = list_shares(self.teams, student) if self.teams else ()
+        partners = tuple(sorted(share.partner.name for share in shares if share.until is None))
         overrides, decision = choices.overrides, choices.decisions.get((student, self.assignment.id))
         is_test, counts = self.assignment.mode == Mode.test, AttemptSelection(self.assignment.counts)
         windows, marks = Windows(rules, sitting), []
         for exercise, weight in self.exercises:
             pair = student, exercise
             sent: Attempts = attempts.get(pair, ())
+            if shares:
+                sent = add_team_attempts(sent, exercise, attempts, shares)
             if is_test:
                 sent = [attempt for attempt in sent if windows.judge(attempt.sent_at) is not OUTSIDE]
             override = overrides.get((*pair, self.assignment.id)) or overrides.get((*pair, None))
@@ -94,7 +100,19 @@ class AssignmentMarker:
             state = DECIDED[decision.state]
         else:
             state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
-        return AssignmentMark(rules, state, tuple(marks), ended, choices.marking, decision)
+        return AssignmentMark(rules, state, tuple(marks), ended, choices.marking, decision, partners)
+
+
+def add_team_attempts(own: Attempts, exercise: str, attempts: AttemptsByPair, shares: Sequence[TeamShare]) -> Attempts:
+    """Return a student's attempts with those that partners sent while they handed in together, oldest first."""
+    others = (
+        attempt
+        for share in shares
+        for attempt in attempts.get((share.partner.account_id, exercise), ())
+        if share.covers(attempt.sent_at)
+    )
+    by_id = {attempt.id: attempt for attempt in (*own, *others)}
+    return sorted(by_id.values(), key=lambda attempt: (attempt.sent_at, attempt.id))
 
 
 def mark_exercise(

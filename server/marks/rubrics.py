@@ -14,7 +14,10 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import list_partners
 from server.base.errors import Conflict, Invalid, NotFound
+from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.identity.models import Account
@@ -102,7 +105,7 @@ def save_marking(
     finish: bool,
     version: int | None = None,
 ) -> RubricMarking:
-    """Store what a copy is given, as a draft, or with `finish` as its marking.
+    """Store what a copy is given, as a draft, or with `finish` as its marking, for all who hand in with the student.
 
     A finished copy is never a draft again. `version` is that of the marking which the teacher has seen, 0 for none;
     None stores it whatever is there. Raise NotFound, Conflict, or Invalid where points are missing at the end.
@@ -124,13 +127,24 @@ def save_marking(
     if finish and missing:
         raise Invalid(MISSING_POINTS.format(titles=", ".join(missing)))
     marking = marking or RubricMarking(column_id=rubric.column_id, account_id=student)
-    marking.points, marking.remarks = dict(marks.points), dict(marks.remarks)
-    marking.by, marking.at, marking.version = by.id, utc_now(), current + 1
-    if finish:
-        marking.finished_at = marking.finished_at or marking.at
-    db.add(marking)
+    members = [student, *_load_partners(db, school_class, assignment, student)]
+    for member in members:
+        own = marking if member == student else repository.find_marking(db, rubric.column_id, member)
+        own = own or RubricMarking(column_id=rubric.column_id, account_id=member)
+        own.points, own.remarks = dict(marks.points), dict(marks.remarks)
+        own.by, own.at, own.version = by.id, utc_now(), (own.version or 0) + 1
+        if finish:
+            own.finished_at = own.finished_at or own.at
+        db.add(own)
     db.flush()
     if finish and column.published_at is not None:
-        entry = MarkEntry(student, TypedMark(points=marks.total(items)))
-        columns.set_marks(db, school_class, by, column.id, [entry])
+        entries = [MarkEntry(member, TypedMark(points=marks.total(items))) for member in members]
+        columns.set_marks(db, school_class, by, column.id, entries)
     return marking
+
+
+def _load_partners(db: Session, school_class: SchoolClass, assignment: Assignment, student: UUID) -> Sequence[UUID]:
+    """Return the active students who hand in with this one."""
+    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    partners = [partner.account_id for partner in list_partners(places, student)]
+    return [each.id for each in classes.list_students(db, school_class.id, partners)] if partners else []

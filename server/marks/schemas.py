@@ -142,7 +142,8 @@ class AssignmentMark:
     """A student's mark at an assignment. `ended`: it is a test in which the student can send nothing more.
 
     Once the assignment is over, an exercise without an attempt counts as the class's rules say; before, only those with
-    an attempt count. There may be attempts before the opening. A decision takes precedence over all.
+    an attempt count. There may be attempts before the opening. A decision takes precedence over all. `partners` hand in
+    with the student today.
     """
 
     rules: Rules
@@ -151,6 +152,7 @@ class AssignmentMark:
     ended: bool = False
     marking: MarkingRules = DEFAULT_RULES
     decision: ActiveDecision | None = None
+    partners: tuple[str, ...] = ()
 
     @cached_property
     def points(self) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from datetime import datetime
 from uuid import UUID
 
@@ -12,6 +13,8 @@ from server.assignments.class_assignments import load_class_assignments
 from server.assignments.models import Assignment
 from server.assignments.rules import concerns
 from server.assignments.sitting_repository import load_sitting
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import list_shares
 from server.audit import service as audit
 from server.audit.models import AuditAction
 from server.base.errors import Invalid, NotFound
@@ -253,7 +256,16 @@ def load_own_marks(db: Session, course: Course, school_class: SchoolClass, stude
     The reason of an override, and who set it, are in `exercises[…].override`.
     """
     gradebook = load_gradebook(db, course, school_class, now, only=[student])
-    return OwnMarks.from_gradebook(gradebook, load_withholding_times(db, student))
+    withheld = set(load_withholding_times(db, student))
+    for partner in _load_partners(db, gradebook.assignments, student):
+        withheld |= load_withholding_times(db, partner).keys()
+    return OwnMarks.from_gradebook(gradebook, withheld)
+
+
+def _load_partners(db: Session, assignments: Collection[Assignment], student: UUID) -> frozenset[UUID]:
+    """Load those whose attempts count for a student in some assignment."""
+    teams = load_teams_of(db, assignments).values()
+    return frozenset(share.partner.account_id for places in teams for share in list_shares(places, student))
 
 
 def adopt_marks(db: Session, guest_id: UUID, account_id: UUID) -> None:

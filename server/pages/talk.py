@@ -8,6 +8,7 @@ from uuid import UUID
 
 from markupsafe import Markup
 
+from server.assignments.team_repository import find_teammate_name
 from server.comments import notes_repository, service
 from server.comments.line_tracking import LineFate, LineRange
 from server.comments.models import Thread
@@ -56,7 +57,7 @@ class TalkPart:
     """What an attempt's page shows of threads. `threads` stand on no line of it; `checks` are the names and titles
     of those of its verdict; `unread` are to be noted as seen.
 
-    `writer` is None where nobody would read what one writes.
+    `writer` is None where nobody would read what one writes; `partner` names who has sent it for both.
     """
 
     action: str
@@ -67,6 +68,7 @@ class TalkPart:
     checks: tuple[tuple[str, str], ...]
     student: StudentLink | None
     unread: tuple[Conversation, ...]
+    partner: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     submission, account = attempt.submission, reader.account
     assert account is not None  # who may read an attempt is somebody
     talks = service.load_attempt_conversations(reader.db, attempt)
-    own = account.id == submission.account_id
+    own = account.id == submission.account_id or attempt.shared
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
     write = (
@@ -109,7 +111,8 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
         chosen=_chosen(attempt, aim, shown) if may_write else Chosen(draft=aim.draft),
         checks=_checks(attempt),
         student=None if own else _student(reader, account, submission.account_id, exercise),
-        unread=tuple(talk for talk in talks if talk.is_new) if own else (),
+        unread=tuple(talk for talk in talks if talk.is_new) if own and not attempt.shared else (),
+        partner=find_teammate_name(reader.db, account.id, submission.account_id) if attempt.shared else "",
     )
 
 

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting
+from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Sitting, TeamMember, TeamProposal
 from server.audit.models import AuditEvent
 from server.classes.models import ClassRole, Membership, Status
 from server.comments.models import Message, Note, NoteReader, Thread
@@ -118,6 +118,8 @@ def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base]
         SavedWork: inside(SavedWork.assignment_id, assignments, SavedWork.account_id),
         Sitting: inside(Sitting.assignment_id, assignments, Sitting.account_id),
         Exemption: inside(Exemption.assignment_id, assignments, Exemption.account_id),
+        TeamMember: inside(TeamMember.assignment_id, assignments, TeamMember.account_id),
+        TeamProposal: inside(TeamProposal.assignment_id, assignments, TeamProposal.account_id),
         StateDecision: inside(StateDecision.assignment_id, assignments, StateDecision.account_id),
         Override: inside(Override.class_id, classes, Override.account_id),
         ManualMark: inside(ManualMark.column_id, columns, ManualMark.account_id),

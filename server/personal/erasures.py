@@ -25,6 +25,7 @@ from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.personal import erasure_repository as repository
 from server.personal.models import ErasureRequest
+from server.personal.team_copies import hand_over_team_attempts
 
 NO_ACCOUNT = "Ce compte n’existe pas, ou plus."
 NOT_A_STUDENT = (
@@ -173,6 +174,7 @@ def begin_erasure(db: Session, account_id: UUID, class_id: UUID | None, settings
     by, reached = request.requested_by or account_id, ", ".join(tests)
     if class_id is not None:
         values = {"marks": repository.count_marks(db, account_id, class_id)}
+        hand_over_team_attempts(db, account_id, class_id)
         repository.delete_class_data(db, account_id, class_id)
         db.delete(request)
         audit.record_event(

@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import feedback, sitting_repository
+from server.assignments import feedback, sitting_repository, team_repository
 from server.assignments import repository as assignments
 from server.assignments.exemption_service import exemption_effects
 from server.assignments.feedback import FeedbackHolds
@@ -243,6 +243,19 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
                 "ended_by": sitting.ended_by,
             }
             for sitting, title in sitting_repository.load_account_sittings(db, account_id)
+        ],
+        "teams": [
+            {
+                "class": name,
+                "assignment": assignment.title,
+                "since": format_time(place.since),
+                "until": format_time(place.until),
+            }
+            for place, assignment, name in team_repository.load_account_places(db, account_id)
+        ],
+        "team_proposals": [
+            {"assignment": title, "by_you": row.account_id == account_id, "at": format_time(row.proposed_at)}
+            for row, title in team_repository.load_account_proposals(db, account_id)
         ],
         "saved": [
             {

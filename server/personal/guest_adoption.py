@@ -4,7 +4,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import exemption_service, sitting_repository, sittings
+from server.assignments import exemption_service, sitting_repository, sittings, team_repository
 from server.audit import repository as audit
 from server.base.errors import Conflict
 from server.classes import service as classes
@@ -45,6 +45,7 @@ def adopt_guest_data(db: Session, guest_id: UUID, account_id: UUID) -> None:
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
     exemption_service.adopt(db, guest_id, account_id)
+    team_repository.move_places(db, guest_id, account_id)
     marks.adopt_marks(db, guest_id, account_id)
     polls.move_answers(db, guest_id, account_id)
     recall.move(db, guest_id, account_id)

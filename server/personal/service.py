@@ -13,6 +13,7 @@ from server.identity.models import Account
 from server.limits import service as limits
 from server.personal import erasures, repository
 from server.personal.export import export_files
+from server.personal.team_copies import hand_over_team_attempts
 from server.personal.zip_stream import stream_zip
 
 ERASE_BATCH = 100  # bounds how long a transaction delays others
@@ -67,6 +68,8 @@ class PersonalData:
         Solutions that a teacher has opened stay open, without their name. Audit logs of classes stay, without names and
         without the reasons of changes about this person.
         """
+        with self._database.write() as db:
+            hand_over_team_attempts(db, account_id)
         erased = ERASE_BATCH
         while erased == ERASE_BATCH:
             with self._database.write() as db:

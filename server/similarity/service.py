@@ -7,13 +7,14 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.assignments.models import Assignment
+from server.assignments.team_rules import TeamPlace
 from server.base.errors import Invalid, Overloaded
 from server.base.processes import bare_environment
 from server.course import Course, Exercise
@@ -92,6 +93,19 @@ def compare_copies(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> 
         for first, second, share, other, lines, others in found["pairs"]
     )
     return Comparison(len(sent), bool(found["too_short"]), pairs)
+
+
+def without_teammates(comparison: Comparison, places: Sequence[TeamPlace]) -> Comparison:
+    """Leave out the pairs of students who hand in together, or have."""
+    teams: dict[UUID, set[UUID]] = {}
+    for place in places:
+        teams.setdefault(place.account_id, set()).add(place.team_id)
+    pairs = (
+        pair
+        for pair in comparison.pairs
+        if teams.get(pair.first.student, set()).isdisjoint(teams.get(pair.second.student, set()))
+    )
+    return replace(comparison, pairs=tuple(pairs))
 
 
 def _run_comparison(question: str) -> dict[str, list[tuple[int, int, float, float, list[int], list[int]]]]:

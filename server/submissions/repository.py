@@ -1,6 +1,6 @@
 """Queries of submissions and variants."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Any, NamedTuple
 from uuid import UUID
@@ -111,6 +111,10 @@ def latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
 
 def move_submissions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
+
+
+def give_submissions(db: Session, submissions: Collection[UUID], new: UUID) -> None:
+    db.execute(update(Submission).where(Submission.id.in_(submissions)).values(account_id=new))
 
 
 @prepared_statement

@@ -27,7 +27,8 @@ class DueView:
     """An assignment that is due; `late`: its due date has gone by, and until `when` what is sent counts still.
 
     `left` is how many of its exercises are not solved. Of a test that is to be
-    begun, or that one sits, `when` is its end, and nothing is counted.
+    begun, or that one sits, `when` is its end, and nothing is counted. `partners`: those for whom what is
+    sent counts too.
     """
 
     title: str
@@ -36,6 +37,7 @@ class DueView:
     late: bool
     left: int
     test: Literal["", "may_begin", "running"] = ""
+    partners: tuple[str, ...] = ()
 
 
 def due_soon(
@@ -112,4 +114,5 @@ def _view(assigned: StudentAssignment, progress: Mapping[str, ExerciseProgress])
         when=assigned.rules.closes_at if late else assigned.rules.due_at,
         late=late,
         left=sum(not progress.get(row.exercise, NOTHING_YET).succeeded for row in assigned.exercises),
+        partners=tuple(partner.name for partner in assigned.partners),
     )

@@ -18,8 +18,10 @@ from server.assignments.exemption_service import (
     student_labels,
 )
 from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
-from server.assignments.rules import Rules, is_sitting_running, rules_in_force, sitting_end
+from server.assignments.rules import Rules, is_sitting_running, sitting_end
 from server.assignments.student_assignments import load_student_assignment
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import team_rules_in_force
 from server.base import school_time
 from server.base.errors import NotFound
 from server.classes import repository as classes
@@ -154,7 +156,8 @@ def build_rules_explanation_page(
     staff = access.has(Right.see_students)
     exemptions = repository.load_exemptions(db, [assignment.id]).get(assignment.id, ())
     seat = student.membership
-    rules = rules_in_force(assignment, exemptions, seat.account_id, seat.groups)
+    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    rules = team_rules_in_force(assignment, exemptions, seat.account_id, seat.groups, places)
     if not staff:
         load_student_assignment(db, assignment, seat.account_id, seat.groups, utc_now())
     told = explain_rules(rules, exemptions, seat.account_id)
@@ -203,6 +206,7 @@ ORIGIN_WORDS = {
     "assignment": "Le devoir, pour tous",
     "adjusted": "reportée automatiquement",
     "student": "Un aménagement pour l’élève",
+    "team": "La date la plus tardive de ceux qui rendent ensemble",
 }
 ADJUSTED = "la fermeture ne vient ni avant la date de remise, ni avant la fin du temps en plus"
 

@@ -95,6 +95,7 @@ def parse_assignment(fields: FormData, before: AssignmentInput | None) -> Assign
     closes = read.date("ferme", "closes_at", "Fermeture", before.closes_at if before else None)
     weight = read.number("coefficient", "weight", "Coefficient")
     per_day = read.number("par_jour", "late", "Pénalité")
+    team_size = read.number("rendu_a", "team_size", "Nombre d’élèves par copie")
     minutes = read.number("duree", "duration_minutes", "Durée")
     if minutes is not None and minutes != int(minutes):
         read.problems.setdefault("duration_minutes", "La durée est un nombre entier de minutes.")
@@ -121,6 +122,8 @@ def parse_assignment(fields: FormData, before: AssignmentInput | None) -> Assign
         solution=read.choice("corrige", "solution", Visibility, Visibility.usual),
         duration_minutes=None if minutes is None else int(minutes),
         groups=checked_groups(fields),
+        team_size=int(team_size or 1) if team_size is None or team_size == int(team_size) else 0,
+        teams_by_students=bool(read.text("equipes_par_eleves")),
     )
     if field_text(fields, "donne_a") and not wanted.groups:
         read.problems["groups"] = NO_GROUP
@@ -168,6 +171,8 @@ def submitted_assignment_values(fields: FormData) -> AssignmentValues:
         weights=ticked,
         audience=field_text(fields, "donne_a"),
         groups=tuple(name[:MAX_FIELD_CHARACTERS] for name in fields.getlist("groupe") if isinstance(name, str)),
+        team_size=field_text(fields, "rendu_a") or "1",
+        teams_by_students=field_text(fields, "equipes_par_eleves"),
     )
 
 
@@ -190,6 +195,8 @@ def stored_assignment_values(wanted: AssignmentInput) -> AssignmentValues:
         weights={exercise.exercise: format_number(exercise.weight) for exercise in wanted.exercises},
         audience="groupes" if wanted.groups else "",
         groups=tuple(wanted.groups),
+        team_size=str(wanted.team_size),
+        teams_by_students="oui" if wanted.teams_by_students else "",
     )
 
 
@@ -211,6 +218,8 @@ def assignment_texts(values: AssignmentValues) -> Mapping[str, str]:
         "Diagnostic montré": _word(words.VISIBILITY_WORDS, values.diagnosis),
         "Corrigé montré": _word(words.VISIBILITY_WORDS, values.solution),
         "Mode": _word(words.MODE_WORDS, values.mode),
+        "Rendu à": values.team_size,
+        "Équipes formées par les élèves": values.teams_by_students or "non",
         "Durée, en minutes": values.duration,
     }
 

@@ -97,6 +97,16 @@ class AssignmentPage:
     warnings: Sequence[str]
     may_mark: bool
     rubric: str
+    teams: TeamsSummary | None = None
+
+
+@dataclass(frozen=True)
+class TeamsSummary:
+    """The teams of an assignment: « binômes » or « équipes », how many there are, and the students without one."""
+
+    word: str
+    count: int
+    alone: int
 
 
 @dataclass(frozen=True)
@@ -130,6 +140,8 @@ class AssignmentValues:
     weights: Mapping[str, str] = field(default_factory=dict)
     audience: str = ""
     groups: tuple[str, ...] = ()
+    team_size: str = "1"
+    teams_by_students: str = ""
 
     @property
     def chosen_groups(self) -> tuple[str, ...]:
@@ -156,6 +168,7 @@ class AssignmentFormPage:
     zone: str
     counts: tuple[tuple[str, str], ...]
     shown: tuple[tuple[str, str], ...]
+    team_sizes: tuple[tuple[str, str], ...]
     groups: Mapping[str, int]
 
 
@@ -190,6 +203,16 @@ class RubricNotice:
 
 
 @dataclass(frozen=True)
+class OwnTeam:
+    """With whom a student hands in; `may_choose`: the students form the teams. `href` is empty for who only watches."""
+
+    word: str
+    partners: tuple[str, ...]
+    may_choose: bool
+    href: str
+
+
+@dataclass(frozen=True)
 class OwnAssignment:
     """An assignment with the rules in force for who looks; `exercises` is None while they are not told.
 
@@ -214,6 +237,7 @@ class OwnAssignment:
     mark: str = ""
     decision: ActiveDecision | None = None
     rubric: RubricNotice | None = None
+    team: OwnTeam | None = None
     copy_href: str = ""
 
 

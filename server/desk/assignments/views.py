@@ -14,6 +14,8 @@ from server.assignments.models import Assignment, Mode
 from server.assignments.rules import Rules, concerns, rules_in_force
 from server.assignments.schemas import AssignmentInput
 from server.assignments.stages import AssignmentStage, assignment_stage
+from server.assignments.team_repository import load_current_members
+from server.assignments.team_rules import team_word
 from server.base import school_time
 from server.classes import repository as classes
 from server.course import Course
@@ -31,6 +33,7 @@ from server.desk.assignments.schemas import (
     ExerciseOption,
     FormattedDate,
     StageView,
+    TeamsSummary,
     WeightedExerciseRow,
 )
 from server.desk.sitting.views import release_view
@@ -159,7 +162,15 @@ def build_assignment_page(db: Session, course: Course, access: ClassAccess, assi
         warnings=time_warnings(db, assignment, exemptions, members),
         may_mark=access.has(Right.read_marks),
         rubric=rubric_titles.get(assignment.id, ("", False))[0],
+        teams=_summarise_teams(db, assignment, work) if assignment.team_size > 1 else None,
     )
+
+
+def _summarise_teams(db: Session, assignment: Assignment, work: _ClassWork) -> TeamsSummary:
+    current = load_current_members(db, assignment.id)
+    alone = work.students.get(assignment.id, 0) - len(current)
+    word = f"{team_word(assignment.team_size)}s"
+    return TeamsSummary(word, len({member.team_id for member in current}), max(0, alone))
 
 
 def _weighted_exercise_row(course: Course, name: str, weight: float) -> WeightedExerciseRow:
@@ -173,6 +184,7 @@ def _rule_facts(wanted: AssignmentInput) -> list[tuple[str, str]]:
     facts = [
         ("Donné à", f"{list_names(wanted.groups)}" if wanted.groups else "toute la classe"),
         ("Mode", words.MODE_WORDS[wanted.mode]),
+        ("Rendu", words.TEAM_SIZE_WORDS[str(wanted.team_size)]),
         ("En retard", words.describe_late_policy(wanted.late, wanted.late_per_day)),
         ("Essai retenu", words.SELECTION_WORDS[wanted.counts]),
         ("Coefficient", words.format_number(wanted.weight)),
@@ -210,6 +222,7 @@ def build_form_page(
         line=None if drawn is None else draw_late_line(common_rules(drawn)),
         zone=school_time.time_zone_name(),
         counts=tuple((selection.value, told) for selection, told in words.SELECTION_WORDS.items()),
+        team_sizes=tuple(words.TEAM_SIZE_WORDS.items()),
         shown=tuple((visibility.value, told) for visibility, told in words.VISIBILITY_WORDS.items()),
         groups=_group_sizes(db, access, values.groups),
     )

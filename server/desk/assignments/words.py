@@ -10,6 +10,7 @@ from server.assignments.models import AttemptSelection, LatePolicy, Mode, Visibi
 from server.assignments.rule_sources import Field
 from server.assignments.rules import Rules
 from server.assignments.stages import AssignmentStage
+from server.assignments.team_rules import MAX_TEAM_SIZE
 from server.web.words import format_points, long_moment
 
 MODE_WORDS: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
@@ -45,6 +46,13 @@ FIELD_NAMES: Mapping[Field, str] = {
 #: In a test, whoever begins in time has their whole time: the date is that of the beginning.
 TEST_FIELD_NAMES: Mapping[Field, str] = {**FIELD_NAMES, "due_at": "À commencer avant"}
 EMPTY_VALUES: Mapping[str, str] = {"due_at": "pas de date de remise", "closes_at": "reste ouvert"}
+
+
+TEAM_SIZE_WORDS: Mapping[str, str] = {
+    "1": "chacun seul",
+    "2": "en binôme",
+    **{str(size): f"en équipe de {size} au plus" for size in range(3, MAX_TEAM_SIZE + 1)},
+}
 
 
 def format_number(value: float) -> str:

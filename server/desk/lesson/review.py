@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from urllib.parse import urlencode
@@ -10,8 +11,12 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments.repository import load_class_assignments
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import list_partners
 from server.board.lesson_review import LessonReview, build_review
 from server.board.service import load_progress
+from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.board.links import BoardLinks, misconception_href
 from server.desk.lesson.remedial import remedial_href
@@ -105,7 +110,7 @@ def review_page(
     exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
     since = now - WEEK if lesson is None else lesson.started_at
     until = now if lesson is None else min(now, end_of(lesson))
-    review = build_review(progress, exercises, since, until)
+    review = build_review(progress, exercises, since, until, _load_partners(db, school_class))
     links = BoardLinks(course, class_href(school_class), progress.students)
     names = {student.id: student.name for student in progress.students}
 
@@ -154,6 +159,15 @@ def review_page(
         ),
         idle_remedial=remedy(exercises[0] if exercises else "", [*review.idle, *review.absent]),
     )
+
+
+def _load_partners(db: Session, school_class: SchoolClass) -> Mapping[UUID, Collection[UUID]]:
+    """Load with whom each student hands in some assignment today."""
+    partners: dict[UUID, set[UUID]] = defaultdict(set)
+    for places in load_teams_of(db, load_class_assignments(db, school_class.id)).values():
+        for place in places:
+            partners[place.account_id].update(each.account_id for each in list_partners(places, place.account_id))
+    return partners
 
 
 def _explain_rows(

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from server.assignments import repository as assignments
+from server.assignments.team_repository import load_teams_of
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.course import Exercise
@@ -53,8 +54,10 @@ def show_likeness(
         ]
         chosen = _chosen_exercise(exercises, exercice)
         sent = service.load_copies(db, assignment, chosen) if chosen else []
+        places = load_teams_of(db, [assignment]).get(assignment.id, ())
         names = {member.id: member.name for member in classes.load_members(db, access.school_class.id)}
     comparison = service.compare_copies(course, chosen, sent) if chosen else Comparison(0, False, ())
+    comparison = service.without_teammates(comparison, places)
     head = views.class_head(course, access, "/devoirs")
     choices = [exercise for exercise in exercises if exercise.answers is None]
     context = {"head": head, "title": assignment.title, "choices": choices, "chosen": chosen, "names": names}

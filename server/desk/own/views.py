@@ -14,6 +14,7 @@ from server.assignments.models import Mode, Sitting, WeightedExercise
 from server.assignments.rules import MAX_POINTS, Rules
 from server.assignments.stages import AssignmentStage
 from server.assignments.student_assignments import StudentAssignment
+from server.assignments.team_rules import team_word
 from server.base import school_time
 from server.classes import repository
 from server.classes.models import ClassRole, Membership, Status
@@ -22,7 +23,15 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.schemas import NextStep, OwnAssignment, OwnClassPage, OwnExercise, RubricNotice, StageView
+from server.desk.assignments.schemas import (
+    NextStep,
+    OwnAssignment,
+    OwnClassPage,
+    OwnExercise,
+    OwnTeam,
+    RubricNotice,
+    StageView,
+)
 from server.desk.assignments.views import format_date, stage_view
 from server.desk.own.lesson import find_own_lesson
 from server.desk.own.sitting_status import find_sitting_status
@@ -192,8 +201,17 @@ def _own_assignment(course: Course, assigned: StudentAssignment, known: _Student
         mark=_final_mark_text(known.marks.get(assignment.id), over=stage.kind == "closed"),
         decision=_decision(known.marks.get(assignment.id)),
         rubric=RubricNotice(*known.rubrics[assignment.id]) if assignment.id in known.rubrics else None,
+        team=_own_team(assigned, "" if known.watched else href.replace("/pourquoi", "/mon-equipe")),
         copy_href="" if exercises is None or known.watched else href.replace("/pourquoi", "/copie"),
     )
+
+
+def _own_team(assigned: StudentAssignment, href: str) -> OwnTeam | None:
+    assignment = assigned.assignment
+    if assignment.team_size < 2:
+        return None
+    partners = tuple(partner.name for partner in assigned.partners)
+    return OwnTeam(team_word(assignment.team_size), partners, assignment.teams_by_students, href)
 
 
 def _final_mark_text(found: OwnMark | None, *, over: bool) -> str:

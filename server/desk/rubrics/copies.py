@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
 from server.assignments.student_assignments import UNKNOWN
+from server.assignments.team_repository import find_teammate_name
 from server.base.errors import NotFound
 from server.comments import service as comments
 from server.course import Course
@@ -40,7 +41,7 @@ from server.web.words import plural
 class CopyPart:
     """An exercise of a copy, with the attempt that counts; `number` is None where there is none.
 
-    `held`: what stands in place of a withheld verdict.
+    `held`: what stands in place of a withheld verdict; `partner`: who has sent it, where the student has not.
     """
 
     title: str
@@ -53,6 +54,7 @@ class CopyPart:
     verdict: VerdictView | None = None
     threads: tuple[ThreadView, ...] = ()
     held: str = ""
+    partner: str = ""
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ def build_copy(
     assert reader.account is not None
     own = reader.account.id == student
     mark, exercises = (_load_own_mark if own else _load_mark)(reader, access, assignment, student)
-    parts = tuple(_part(reader, reader.account, own_mark, mark, with_threads) for own_mark in exercises)
+    parts = tuple(_part(reader, reader.account, student, own_mark, mark, with_threads) for own_mark in exercises)
     return CopyView(
         name=name,
         mark="" if mark is None else mark_text(mark),
@@ -121,7 +123,12 @@ def _load_own_mark(
 
 
 def _part(
-    reader: Reader, account: Account, mark: ExerciseMark, whole: AssignmentMark | None, with_threads: bool
+    reader: Reader,
+    account: Account,
+    student: UUID,
+    mark: ExerciseMark,
+    whole: AssignmentMark | None,
+    with_threads: bool,
 ) -> CopyPart:
     title = _title(reader.course, mark.exercise)
     if mark.points is not None:
@@ -147,6 +154,9 @@ def _part(
         verdict=_verdict(reader.course, attempt),
         threads=thread_views([talk for talk in talks if talk.thread.id not in on_lines], account),
         held=attempt.held_text,
+        partner=find_teammate_name(reader.db, student, attempt.submission.account_id)
+        if with_threads and attempt.submission.account_id != student
+        else "",
     )
 
 

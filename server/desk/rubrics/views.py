@@ -11,6 +11,8 @@ from sqlalchemy.orm import Session
 from server.assignments.models import Assignment
 from server.assignments.rules import concerns
 from server.assignments.sitting_repository import load_sittings
+from server.assignments.team_repository import load_teams_of
+from server.assignments.team_rules import list_partners
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import StudentRecord
@@ -133,10 +135,20 @@ def list_copies(
         key=lambda student: (student.id not in senders, rubrics.copy_key(rubric, student.id)),
     )
     hidden = hides_names(rubric, column)
-    return tuple(
-        _copy_row(rubric, items, student, number, markings.get(student.id), student.id in senders, hidden=hidden)
-        for number, student in enumerate(students, 1)
-    )
+    teams = load_teams_of(db, [assignment]).get(assignment.id, ())
+    present = {student.id: student for student in students}
+    rows: list[CopyRow] = []
+    listed: set[UUID] = set()
+    for student in students:
+        if student.id in listed:
+            continue  # the copy is that of a partner, already in the list
+        partners = [present[each.account_id] for each in list_partners(teams, student.id) if each.account_id in present]
+        listed.update(partner.id for partner in partners)
+        sent = any(member.id in senders for member in (student, *partners))
+        row = _copy_row(rubric, items, student, len(rows) + 1, markings.get(student.id), sent, hidden=hidden)
+        names = [student.name, *(partner.name for partner in partners)]
+        rows.append(replace(row, name=row.name if hidden else " et ".join(names)))
+    return tuple(rows)
 
 
 def _copy_row(

@@ -73,6 +73,7 @@ STAFF: dict[str, tuple[str, ...]] = {
     ONE + "/amenagements": ("",),
     ONE + "/bareme": ("",),
     ONE + "/copies/{student}": ("",),
+    ONE + "/equipes": ("",),
     ONE + "/modifier": ("",),
     ONE + "/noter": ("",),
     ONE + "/noter/{copy}": ("",),
@@ -110,6 +111,7 @@ STUDENT: dict[str, tuple[str, ...]] = {
     CLASS: ("",),
     CLASS + "/objectifs": ("",),
     ONE + "/copie": ("",),
+    ONE + "/mon-equipe": ("",),
     ONE + "/pourquoi": ("",),
     CLASS + "/devoirs/{assignment_id}/composer": ("",),
 }
@@ -191,6 +193,7 @@ def _one_of_each(database: Database, loaded: DemoClass) -> None:
         levels = [{"points": 4.0, "text": "tout est nommé"}, {"points": 0.0, "text": "illisible"}]
         item = {"id": "a", "title": "Clarté", "points": 4.0, "levels": levels}
         home = _home(db, loaded.class_id)
+        home.team_size, home.teams_by_students = 2, True
         db.add(Rubric(column_id=column.id, assignment_id=home.id, items=[item], anonymous=True, version=1))
         sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)
         graded = db.scalars(sent.where(Submission.exercise == EXERCISE).order_by(Submission.created_at)).first()

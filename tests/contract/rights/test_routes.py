@@ -103,6 +103,8 @@ FORMS: dict[str, dict[str, str]] = {
         "exercice": EXERCISE,
         "motif": "x",
     },
+    "POST /classes/{class_id}/devoirs/{aid}/equipes": {"action": "hasard"},
+    "POST /classes/{class_id}/devoirs/{aid}/mon-equipe": {"action": "retirer", "eleve": "{student}"},
     "POST /classes/{class_id}/devoirs/{aid}/noter": {"action": "publier"},
     "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
@@ -278,7 +280,7 @@ class Stage:
         db.add_all([self.authored, self.lent])
         self.assignments = {who: str(uuid4()) for who in PEOPLE}
         for name in self.assignments.values():
-            db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
+            db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now(), team_size=2))
         db.flush()
         names = [*map(UUID, self.assignments.values())]
         db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)

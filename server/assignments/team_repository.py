@@ -1,0 +1,134 @@
+"""Queries on the teams of assignments, and on proposals to hand in together."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Row, and_, delete, or_, select, update
+from sqlalchemy.orm import Session, aliased
+
+from server.assignments.models import AssignedExercise, Assignment, TeamMember, TeamProposal
+from server.assignments.team_rules import TeamPlace
+from server.classes.models import Membership, SchoolClass
+from server.classes.schemas import display_name
+from server.identity.models import Account
+
+
+def load_teams(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
+    """Load the places in teams of each assignment, ended ones included, oldest first."""
+    query = (
+        select(TeamMember, Membership.given_name, Membership.family_name, Account.name, Membership.groups)
+        .join(Assignment, Assignment.id == TeamMember.assignment_id)
+        .join(Account, Account.id == TeamMember.account_id)
+        .outerjoin(
+            Membership,
+            and_(Membership.class_id == Assignment.class_id, Membership.account_id == TeamMember.account_id),
+        )
+        .where(TeamMember.assignment_id.in_(assignments))
+        .order_by(TeamMember.since, TeamMember.id)
+    )
+    places: dict[UUID, list[TeamPlace]] = defaultdict(list)
+    for member, given, family, name, groups in db.execute(query) if assignments else ():
+        places[member.assignment_id].append(
+            TeamPlace(
+                member.team_id,
+                member.account_id,
+                member.since,
+                member.until,
+                display_name(given, family, name),
+                tuple(groups or ()),
+            )
+        )
+    return {assignment: tuple(rows) for assignment, rows in places.items()}
+
+
+def load_teams_of(db: Session, assignments: Collection[Assignment]) -> Mapping[UUID, tuple[TeamPlace, ...]]:
+    """Load the places of those assignments that are handed in by teams: without any, no query is made."""
+    return load_teams(db, [assignment.id for assignment in assignments if assignment.team_size > 1])
+
+
+def load_current_members(db: Session, assignment_id: UUID) -> Sequence[TeamMember]:
+    query = select(TeamMember).where(TeamMember.assignment_id == assignment_id, TeamMember.until.is_(None))
+    return db.execute(query.order_by(TeamMember.since, TeamMember.id)).scalars().all()
+
+
+def is_teammate(db: Session, reader: UUID, author: UUID, exercise: str, sent_at: datetime) -> bool:
+    """Whether an attempt was sent while reader and author were in one team of an assignment that asks the exercise."""
+    mine, other = aliased(TeamMember), aliased(TeamMember)
+    query = (
+        select(mine.id)
+        .join(other, and_(other.team_id == mine.team_id, other.assignment_id == mine.assignment_id))
+        .join(AssignedExercise, AssignedExercise.assignment_id == mine.assignment_id)
+        .join(Assignment, Assignment.id == mine.assignment_id)
+        .where(
+            mine.account_id == reader,
+            other.account_id == author,
+            AssignedExercise.exercise == exercise,
+            Assignment.removed_at.is_(None),
+            *(each.since <= sent_at for each in (mine, other)),
+            *(or_(each.until.is_(None), each.until > sent_at) for each in (mine, other)),
+        )
+    )
+    return db.execute(query.limit(1)).first() is not None
+
+
+def find_teammate_name(db: Session, reader: UUID, author: UUID) -> str:
+    """Return the name, in a class that they share, of somebody with whom the reader hands in, or handed in."""
+    mine, other = aliased(TeamMember), aliased(TeamMember)
+    query = (
+        select(Membership.given_name, Membership.family_name, Account.name)
+        .select_from(mine)
+        .join(other, other.team_id == mine.team_id)
+        .join(Assignment, Assignment.id == mine.assignment_id)
+        .join(Account, Account.id == other.account_id)
+        .outerjoin(
+            Membership, and_(Membership.class_id == Assignment.class_id, Membership.account_id == other.account_id)
+        )
+        .where(mine.account_id == reader, other.account_id == author)
+    )
+    row = db.execute(query.limit(1)).first()
+    return "" if row is None else display_name(*row)
+
+
+def load_proposals(db: Session, assignment_id: UUID) -> Sequence[TeamProposal]:
+    query = select(TeamProposal).where(TeamProposal.assignment_id == assignment_id)
+    return db.execute(query.order_by(TeamProposal.proposed_at)).scalars().all()
+
+
+def delete_proposals(db: Session, assignment_id: UUID, accounts: Collection[UUID]) -> None:
+    """Delete the proposals that these accounts have made or received."""
+    query = delete(TeamProposal).where(
+        TeamProposal.assignment_id == assignment_id,
+        or_(TeamProposal.account_id.in_(accounts), TeamProposal.partner_id.in_(accounts)),
+    )
+    db.execute(query.execution_options(synchronize_session="fetch"))
+
+
+def load_account_places(db: Session, account_id: UUID) -> Sequence[Row[TeamMember, Assignment, str]]:
+    """Load every place that an account had in a team, each with its assignment and the name of the class."""
+    query = (
+        select(TeamMember, Assignment, SchoolClass.name)
+        .join(Assignment, Assignment.id == TeamMember.assignment_id)
+        .join(SchoolClass, SchoolClass.id == Assignment.class_id)
+        .where(TeamMember.account_id == account_id)
+    )
+    return db.execute(query.order_by(TeamMember.since, TeamMember.id)).all()
+
+
+def load_account_proposals(db: Session, account_id: UUID) -> Sequence[Row[TeamProposal, str]]:
+    """Load the proposals that an account has made or received, each with the title of its assignment."""
+    query = select(TeamProposal, Assignment.title).join(Assignment, Assignment.id == TeamProposal.assignment_id)
+    query = query.where(or_(TeamProposal.account_id == account_id, TeamProposal.partner_id == account_id))
+    return db.execute(query.order_by(TeamProposal.proposed_at)).all()
+
+
+def move_places(db: Session, old: UUID, new: UUID) -> None:
+    """Move places from a guest to an account, which keeps its own where both have one; drop the proposals."""
+    own = select(TeamMember.assignment_id).where(TeamMember.account_id == new, TeamMember.until.is_(None))
+    moved = update(TeamMember).where(TeamMember.account_id == old, TeamMember.assignment_id.not_in(own))
+    db.execute(moved.values(account_id=new).execution_options(synchronize_session=False))
+    gone = delete(TeamProposal).where(or_(TeamProposal.account_id == old, TeamProposal.partner_id == old))
+    db.execute(gone.execution_options(synchronize_session=False))
