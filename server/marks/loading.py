@@ -167,6 +167,7 @@ def _undated_assignment(school_class: SchoolClass) -> Assignment:
         title=ALL_TITLE,
         mode=Mode.practice,
         opens_at=ALWAYS,
+        team_size=1,
         late=LatePolicy.accept,
         counts=AttemptSelection.best,
         weight=1.0,

@@ -158,8 +158,8 @@ IDENTITIES = """
     query:mur query:student query:sujet query:tri query:verification query:version
     header:Idempotency-Key header:last-event-id
     form:absence form:action form:approbation form:attendu form:bonus form:choix form:confirme form:defi form:devoir
-    form:deja form:duree form:edition form:eleve form:equipe form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
-    form:derniere form:combien form:presents
+    form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
+    form:derniere form:combien form:presents form:deja form:equipe
     form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
     form:sans_reponse form:semaines form:classe form:contenu form:cours form:verification form:version form:code
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module

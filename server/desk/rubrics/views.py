@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from uuid import UUID
 
@@ -12,7 +12,7 @@ from server.assignments.models import Assignment
 from server.assignments.rules import concerns
 from server.assignments.sitting_repository import load_sittings
 from server.assignments.team_repository import load_teams_of
-from server.assignments.team_rules import list_partners
+from server.assignments.team_rules import TeamPlace, list_partners
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import StudentRecord
@@ -130,31 +130,43 @@ def list_copies(
     items = rubrics_repository.items_of(rubric)
     everyone = classes.list_students(db, access.school_class.id)
     sittings = load_sittings(db, [assignment.id])
-    students = sorted(
-        (s for s in everyone if concerns(assignment, s.groups) or (assignment.id, s.id) in sittings),
-        key=lambda student: (student.id not in senders, rubrics.copy_key(rubric, student.id)),
+    places = load_teams_of(db, [assignment]).get(assignment.id, ())
+    present = {s.id: s for s in everyone if concerns(assignment, s.groups) or (assignment.id, s.id) in sittings}
+    copies = {_copy_members(places, student, present, rubric) for student in present.values()}
+    ordered = sorted(
+        copies,
+        key=lambda members: (
+            senders.isdisjoint(member.id for member in members),
+            rubrics.copy_key(rubric, members[0].id),
+        ),
     )
     hidden = hides_names(rubric, column)
-    teams = load_teams_of(db, [assignment]).get(assignment.id, ())
-    present = {student.id: student for student in students}
-    rows: list[CopyRow] = []
-    listed: set[UUID] = set()
-    for student in students:
-        if student.id in listed:
-            continue  # the copy is that of a partner, already in the list
-        partners = [present[each.account_id] for each in list_partners(teams, student.id) if each.account_id in present]
-        listed.update(partner.id for partner in partners)
-        sent = any(member.id in senders for member in (student, *partners))
-        row = _copy_row(rubric, items, student, len(rows) + 1, markings.get(student.id), sent, hidden=hidden)
-        names = [student.name, *(partner.name for partner in partners)]
-        rows.append(replace(row, name=row.name if hidden else " et ".join(names)))
-    return tuple(rows)
+    return tuple(
+        _copy_row(
+            rubric,
+            items,
+            members,
+            number,
+            markings.get(members[0].id),
+            not senders.isdisjoint(member.id for member in members),
+            hidden=hidden,
+        )
+        for number, members in enumerate(ordered, 1)
+    )
+
+
+def _copy_members(
+    places: Sequence[TeamPlace], student: StudentRecord, present: Mapping[UUID, StudentRecord], rubric: Rubric
+) -> tuple[StudentRecord, ...]:
+    """Return those whose copy it is, the same ones in the same order for each of them."""
+    partners = (present[each.account_id] for each in list_partners(places, student.id) if each.account_id in present)
+    return tuple(sorted((student, *partners), key=lambda member: rubrics.copy_key(rubric, member.id)))
 
 
 def _copy_row(
     rubric: Rubric,
     items: Sequence[RubricItem],
-    student: StudentRecord,
+    members: Sequence[StudentRecord],
     number: int,
     marking: RubricMarking | None,
     sent: bool,
@@ -164,7 +176,8 @@ def _copy_row(
     total = ""
     if marking is not None:
         total = format_number(rubrics_repository.marks_of(marking).total(items))
-    name = f"Copie {number}" if hidden else student.name
+    name = f"Copie {number}" if hidden else " et ".join(member.name for member in members)
+    student = members[0]
     return CopyRow(rubrics.copy_key(rubric, student.id), student.id, number, name, sent, marking, total)
 
 
