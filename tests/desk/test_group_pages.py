@@ -94,3 +94,34 @@ def test_a_student_is_found_in_the_gradebook_by_a_part_of_the_name(school: Schoo
     assert '<th scope="row">Élève 04</th>' not in shown
     assert 'name="groupe" value="TP1"' in school.martin.get(f"{page}?q=x&groupe=TP1").text
     assert "Aucun élève ne correspond." in read(school.martin, f"{page}?q=zoé")
+
+
+def test_a_pair_is_formed_on_the_pages_and_both_are_told(school: School) -> None:
+    """Before what is sent, the page says for whom it counts."""
+    refused = school.martin.post(f"{school.href}/devoirs", data=GOOD | {"rendu_a": "2", "mode": "test"})
+    assert "Un contrôle se compose seul" in refused.text
+    href = school.give(rendu_a="2", equipes_par_eleves="oui")
+    martin, ada, bob = school.martin, school.ada.browser(school.site), school.bob.browser(school.site)
+    assert "2 élèves n’ont pas encore de binôme" in read(martin, href)
+    wrong = martin.post(f"{href}/equipes", data={"action": "former", "noms": "Ada ; Zoé"})
+    assert wrong.status_code == 422
+    assert "« Zoé »" in wrong.text
+    assert "Ada ; Zoé</textarea>" in wrong.text, "nothing typed is lost"
+
+    own = f"{href}/mon-equipe"
+    assert "vous rendez ce devoir seul" in read(ada, own)
+    assert ada.post(own, data={"action": "proposer", "eleve": str(school.bob.id)}).status_code == 303
+    assert "Ada Accepter" in read(bob, own)
+    assert bob.post(own, data={"action": "accepter", "eleve": str(school.ada.id)}).status_code == 303
+    for browser, partner in ((ada, "Bob"), (bob, "Ada")):
+        assert f"Vous rendez ce devoir avec {partner}" in read(browser, school.href)
+        assert f"compte pour vous et {partner}" in read(browser, "/l20/exercices/poses")
+    assert "Ada, Bob" in read(martin, f"{href}/equipes")
+    smaller = martin.post(f"{href}/modifier", data=GOOD | {"rendu_a": "1"})
+    assert smaller.status_code == 422
+    assert "gardez au moins 2" in smaller.text
+    again = ada.post(own, data={"action": "proposer", "eleve": str(school.bob.id)})
+    assert again.status_code == 409
+    assert "Vous êtes déjà 2" in again.text
+    assert ada.post(own, data={"action": "quitter"}).status_code == 303
+    assert "Vous avez envoyé ensemble" in read(bob, own) or "Avant : avec Ada" in read(bob, own)
