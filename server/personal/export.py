@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import feedback, sitting_repository, team_repository
+from server.assignments import feedback, sitting_repository
 from server.assignments import repository as assignments
 from server.assignments.exemption_service import exemption_effects
 from server.assignments.feedback import FeedbackHolds
@@ -29,7 +29,7 @@ from server.identity.models import Account
 from server.lesson import repository as lessons
 from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
-from server.personal.marks_data import format_time, marks_data
+from server.personal.marks_data import format_time, marks_data, teams_data
 from server.polls import repository as polls
 from server.recall import repository as recall
 from server.studio import repository as studio
@@ -244,19 +244,7 @@ def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
             }
             for sitting, title in sitting_repository.load_account_sittings(db, account_id)
         ],
-        "teams": [
-            {
-                "class": name,
-                "assignment": assignment.title,
-                "since": format_time(place.since),
-                "until": format_time(place.until),
-            }
-            for place, assignment, name in team_repository.load_account_places(db, account_id)
-        ],
-        "team_proposals": [
-            {"assignment": title, "by_you": row.account_id == account_id, "at": format_time(row.proposed_at)}
-            for row, title in team_repository.load_account_proposals(db, account_id)
-        ],
+        **teams_data(db, account_id),
         "saved": [
             {
                 "exercise": work.exercise,

@@ -8,6 +8,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import team_repository
 from server.assignments.models import Assignment
 from server.audit import repository as audit
 from server.audit.models import AuditAction, AuditEvent
@@ -69,6 +70,25 @@ def marks_data(db: Session, account_id: UUID) -> dict[str, Any]:
         "overrides_you_set": [_override(override, name) for override, name in marks.list_overrides_by(db, account_id)],
         "changes_about_you": about,
         "changes_you_made": by,
+    }
+
+
+def teams_data(db: Session, account_id: UUID) -> dict[str, Any]:
+    """Return with which assignments, and when, a person handed in with others, who are not named; and proposals."""
+    return {
+        "teams": [
+            {
+                "class": name,
+                "assignment": assignment.title,
+                "since": format_time(place.since),
+                "until": format_time(place.until),
+            }
+            for place, assignment, name in team_repository.load_account_places(db, account_id)
+        ],
+        "team_proposals": [
+            {"assignment": title, "by_you": row.account_id == account_id, "at": format_time(row.proposed_at)}
+            for row, title in team_repository.load_account_proposals(db, account_id)
+        ],
     }
 
 
