@@ -21,6 +21,7 @@ from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
 from server.base.security_headers import SecurityHeaders
+from server.base.routing import FilteringRouter
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
@@ -288,7 +289,8 @@ def create_app(
     _share(app, services)
     _protect(app, settings)
     for router in ROUTERS:
-        app.include_router(router, dependencies=[] if router in UNNAMED_ROUTERS else [Depends(require_same_account)])
+        named = [] if router in UNNAMED_ROUTERS else [Depends(require_same_account)]
+        app.include_router(FilteringRouter(router, named))
     errors.install_error_handlers(app)
     documentation.install(app)
     return app
