@@ -2,13 +2,15 @@
 
 A thousand connections a second cost a stranger nothing. Taken up as they come, they are a second of work before the
 loop goes on with a page that somebody waits for; and it comes back to a page a dozen times before it is there. So
-each pass of the loop takes up a few requests. The others wait: those of accounts first, then by address, in turn; and
-while a request of an account is in progress, those of strangers are taken up at intervals only.
+each pass of the loop takes up a few requests. The others wait: those of accounts first, then by address, in turn. Where
+accounts have asked for something lately, a pass takes up one request of a stranger's, for a member's page that comes
+next stands behind all that were; and while a request of an account is in progress, they are taken up at intervals only.
 """
 
 from __future__ import annotations
 
 import asyncio
+import math
 import re
 import time
 from collections import OrderedDict, deque
@@ -20,8 +22,10 @@ from server.base.turns import known_account
 
 #: Requests that a pass of the loop takes up.
 PER_PASS = 4
-#: Seconds between the passes that take up strangers' requests, and for which a member's request has them wait so.
-INTERVAL, MEMBER_SECONDS = 0.05, 0.25
+#: Seconds between two requests of strangers, and for which a member's request has them wait so.
+INTERVAL, MEMBER_SECONDS = 0.0125, 0.25
+#: Seconds after a member's request in which a pass takes up one of a stranger's: somebody reads, and goes on.
+LATELY = 10.0
 #: Strangers' requests that wait, beyond which the address with the most has its last one refused.
 MAX_WAITING = 1000
 _TOKEN = re.compile(rb"\b%s=([\w-]+)|\nauthorization: *bearer +([\w-]+)" % SESSION_COOKIE.encode(), re.IGNORECASE)
@@ -51,10 +55,10 @@ class Admission:
     ) -> None:  # fmt: skip
         self._call_later, self._now = call_later or _call_later, now
         self._in_progress: dict[Applicant, float] = {}
-        self._strangers_at = 0.0
+        self._strangers_at = self._members_at = -math.inf
         self._members: OrderedDict[str, deque[Applicant]] = OrderedDict()
         self._strangers: OrderedDict[str, deque[Applicant]] = OrderedDict()
-        self._strangers_waiting = self._taken_up = 0
+        self._strangers_waiting = self._taken_up = self._strangers_taken_up = 0
         self._is_scheduled = False
 
     def may_pass(self, head: bytes, applicant: Applicant) -> bool:
@@ -63,7 +67,8 @@ class Admission:
             self._is_scheduled = True
             self._call_later(0.0, self._next_pass)
         member = _member(head)
-        if self._taken_up < PER_PASS and not self._members and not self._strangers:
+        may_stranger = not self._strangers and self._takes_strangers()
+        if self._taken_up < PER_PASS and not self._members and (member or may_stranger):
             self._take_up(applicant, is_member=bool(member))
             return True
         queues = self._members if member else self._strangers
@@ -75,13 +80,12 @@ class Admission:
         return False
 
     def _next_pass(self) -> None:
-        self._taken_up = 0
+        self._taken_up = self._strangers_taken_up = 0
         self._is_scheduled = bool(self._members or self._strangers)
         if not self._is_scheduled:
             return
-        gives_way = self._gives_way()
-        self._call_later(INTERVAL / 10 if gives_way and not self._members else 0.0, self._next_pass)
-        while self._taken_up < PER_PASS and (applicant := self._next(gives_way)) is not None:
+        self._call_later(0.0 if self._members or self._takes_strangers() else INTERVAL / 4, self._next_pass)
+        while self._taken_up < PER_PASS and (applicant := self._next()) is not None:
             applicant.take_up()
 
     def end(self, applicant: Applicant) -> None:
@@ -91,20 +95,25 @@ class Admission:
     def _take_up(self, applicant: Applicant, *, is_member: bool) -> None:
         self._taken_up += 1
         if is_member:
-            self._in_progress[applicant] = self._now() + MEMBER_SECONDS
+            self._members_at = self._now()
+            self._in_progress[applicant] = self._members_at + MEMBER_SECONDS
         else:
+            self._strangers_taken_up += 1
             self._strangers_at = self._now()
 
-    def _gives_way(self) -> bool:
+    def _takes_strangers(self) -> bool:
+        """Whether this pass may take up a stranger's request."""
         now = self._now()
+        if now >= self._members_at + LATELY:
+            return True
         for applicant in [applicant for applicant, ends in self._in_progress.items() if ends < now]:
             del self._in_progress[applicant]
-        return bool(self._in_progress) and now < self._strangers_at + INTERVAL
+        return not self._strangers_taken_up and (not self._in_progress or now >= self._strangers_at + INTERVAL)
 
-    def _next(self, gives_way: bool) -> Applicant | None:
+    def _next(self) -> Applicant | None:
         """Return the next one, which is counted as taken up; None where no other is to be now."""
-        for queues in (self._members,) if gives_way else (self._members, self._strangers):
-            while queues:
+        for queues in (self._members, self._strangers):
+            while queues and (queues is self._members or self._takes_strangers()):
                 name, waiting = queues.popitem(last=False)
                 applicant = waiting.popleft()
                 if waiting:

@@ -9,7 +9,7 @@ from uuid import uuid4
 import pytest
 
 from server.base import admission
-from server.base.admission import INTERVAL, MAX_WAITING, MEMBER_SECONDS, PER_PASS, Admission
+from server.base.admission import INTERVAL, LATELY, MAX_WAITING, MEMBER_SECONDS, PER_PASS, Admission
 from server.base.turns import record_sender
 
 HEAD = b"GET /l20 HTTP/1.1\r\nHost: a\r\n%s\r\n\r\n"
@@ -115,15 +115,32 @@ def test_strangers_come_at_intervals_while_a_member_is_served() -> None:
     member = loop.come("member", b"Cookie: balise_session=of-a-member_2")
     for number in range(5 * PER_PASS):
         loop.come(f"stranger {number}")
+    assert loop.log == ["member", "stranger 0"], "none has come yet, and one may"
     loop.log.clear()
     assert loop.turn() == []
     loop.now += INTERVAL
-    assert len(loop.turn()) == PER_PASS
+    assert len(loop.turn()) == 1
     assert loop.turn() == []
     loop.admission.end(member)
-    assert len(loop.turn()) == PER_PASS
+    assert len(loop.turn()) == 1
+    assert len(loop.turn()) == 1, "a pass each: a page that a member opens now stands behind one"
 
     loop.come("again", b"Cookie: balise_session=of-a-member_2")
-    assert loop.turn()[0] == "again"
+    assert loop.log[-1] == "again", "at once, before all strangers who wait"
+    loop.turn()
     loop.now += MEMBER_SECONDS + INTERVAL
-    assert len(loop.turn()) == PER_PASS, "a stream of a member's keeps nobody waiting for long"
+    assert len(loop.turn()) == 1, "a stream of a member's keeps nobody waiting for long"
+    loop.now += LATELY
+    assert len(loop.turn()) == PER_PASS, "no member is there"
+
+
+def test_a_stranger_with_no_other_before_it_waits_as_well_while_a_member_is_served() -> None:
+    """Few connections that ask again as soon as they are answered never wait for each other: all were taken up."""
+    record_sender("of-a-member_3", uuid4(), is_guest=False)
+    loop = Loop()
+    loop.come("member", b"Cookie: balise_session=of-a-member_3")
+    for number in range(20):
+        loop.come(f"stranger {number}")
+        loop.turn()
+        loop.now += INTERVAL / 10
+    assert len(loop.log) == 3
