@@ -20,8 +20,8 @@ from server.base import middleware, root_path, school_time, turns
 from server.base.app_services import add_services, check_services
 from server.base.concurrency import Gate, SingleFlight, run_periodically
 from server.base.helpers import Helper
-from server.base.security_headers import SecurityHeaders
 from server.base.routing import FilteringRouter
+from server.base.security_headers import SecurityHeaders
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour

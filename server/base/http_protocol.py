@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from functools import partial
+from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
 from typing import Any, cast
 
 import h11
@@ -18,7 +19,7 @@ from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from server.base.admission import Admission
-from server.base.http import UNKNOWN_ADDRESS, visitor_key
+from server.base.http import visitor_key
 from server.base.turns import CROWDED
 
 #: Bytes of the line of a request with its headers.
@@ -41,14 +42,21 @@ CROWDED_ANSWER = (
 )
 #: Of who has sent a whole request, with or without an offer to switch to another protocol.
 _WAITS_FOR_ANSWER = frozenset({"DONE", "MIGHT_SWITCH_PROTOCOL"})
+Network = IPv4Network | IPv6Network
+#: Proxies one behind another that are looked through for an address.
+MAX_PROXIES = 8
+_FORWARDED = re.compile(rb"\nx-forwarded-for:([^\r\n]*)", re.IGNORECASE)
 _END_OF_HEAD = re.compile(rb"\n\r?\n")
 
 
 class BoundedProtocol(H11Protocol):
     """One connection."""
 
-    def __init__(self, *arguments: Any, admission: Admission | None = None, **options: Any) -> None:
+    def __init__(
+        self, *arguments: Any, admission: Admission | None = None, proxies: Collection[Network] = (), **options: Any
+    ) -> None:
         super().__init__(*arguments, **options)
+        self._proxies, self._address = proxies, ""
         self._admission, self._is_admitted, self._is_waiting = admission or Admission(), False, False
         self._unread, self._searched = bytearray(), 0
         self._body_left: int | None = 0
@@ -113,9 +121,11 @@ class BoundedProtocol(H11Protocol):
             return False
         self._stop_head_timer()
         head = bytes(self._unread[: found.end()] if found else self._unread)
-        if not self._is_admitted and not self._admission.may_pass(head, self):
-            self._is_waiting = True
-            return False
+        if not self._is_admitted:
+            self._address = sender_key(self.client[0] if self.client else "", head, self._proxies)
+            if not self._admission.may_pass(head, self):
+                self._is_waiting = True
+                return False
         self._is_admitted = False
         del self._unread[: len(head)]
         self._searched = self._arrivals = 0
@@ -131,7 +141,7 @@ class BoundedProtocol(H11Protocol):
 
     @property
     def address(self) -> str:
-        return visitor_key(self.client[0]) if self.client else UNKNOWN_ADDRESS
+        return self._address
 
     @property
     def is_gone(self) -> bool:
@@ -197,6 +207,25 @@ class BoundedProtocol(H11Protocol):
             self._head_timer = None
 
 
+def sender_key(peer: str, head: bytes, proxies: Collection[Network]) -> str:
+    """Return the key of whoever sends a request: the peer, or whom the nearest trusted proxies name.
+
+    Without this, all who come through a proxy would wait in one line, and a flood would stand before each of them.
+    """
+    if _is_in(peer, proxies):
+        named = b",".join(_FORWARDED.findall(head)).rsplit(b",", MAX_PROXIES)[-MAX_PROXIES:]
+        hosts = [name.strip().decode("latin-1") for name in named]
+        peer = next((host for host in reversed(hosts) if host and not _is_in(host, proxies)), peer)
+    return visitor_key(peer)
+
+
+def _is_in(host: str, networks: Collection[Network]) -> bool:
+    try:
+        return bool(networks) and any(ip_address(host) in network for network in networks)
+    except ValueError:
+        return False
+
+
 def _content_length(headers: list[tuple[bytes, bytes]]) -> int | None:
     """Return the length of a body, which h11 has checked; None for one in chunks."""
     if any(name == b"transfer-encoding" for name, _ in headers):
@@ -213,7 +242,10 @@ def uvicorn_config(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> 
     return uvicorn.Config(
         app,
         loop="asyncio",
-        http=cast(type[asyncio.Protocol], partial(BoundedProtocol, admission=Admission())),
+        http=cast(
+            type[asyncio.Protocol],
+            partial(BoundedProtocol, admission=Admission(), proxies=[ip_network(proxy) for proxy in proxies]),
+        ),
         backlog=ACCEPTED_AT_ONCE,
         h11_max_incomplete_event_size=MAX_HEAD_BYTES,
         ws="none",

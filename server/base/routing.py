@@ -1,7 +1,7 @@
 """Routers that say by one look at an address that it is none of theirs.
 
-Starlette asks each route in turn whether it is the one. The application has more than two hundred, so that half the work
-of an address of nobody's was asking them, and a third of a small page's.
+Starlette asks each route in turn whether it is the one. The application has more than two hundred, so that most of the
+work of an address of nobody's was asking them, and a third of a small page's.
 """
 
 from __future__ import annotations

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from ipaddress import ip_network
+
 import pytest
 from fastapi import FastAPI, Request
 
 from server.base.http import client_address, visitor_key
+from server.base.http_protocol import sender_key
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -45,6 +48,9 @@ def seen(peer: str, headers: list[tuple[str, str]], trusted: str = "") -> tuple[
     config.load()
     client = TestClient(config.loaded_app, client=(peer, 1))  # type: ignore[arg-type]
     address, scheme = client.get("/", headers=headers).json()
+    head = "GET / HTTP/1.1\r\nhost: a\r\n" + "".join(f"{name}: {value}\r\n" for name, value in headers) + "\r\n"
+    proxies = [ip_network(proxy) for proxy in Settings(trusted_proxy=trusted).trusted_proxies]
+    assert sender_key(peer, head.encode(), proxies) == address, "the line in front of the application knows the same"
     return address, scheme
 
 
