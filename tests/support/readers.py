@@ -30,6 +30,7 @@ from server.base.forms import decode_large_form
 from server.base.http import accepted_encodings, bearer_token, local_path, session_token, visitor_key
 from server.base.http_protocol import MAX_HEAD_BYTES
 from server.base.root_path import with_external_paths
+from server.base.routing import FilteringRouter
 from server.base.school_time import parse_field
 from server.base.validation import encode_bounded, parse_uuid
 from server.board.extracts import anonymise_extract, extract_function
@@ -64,6 +65,7 @@ from server.marks.cells import ascii_slug, french_csv, plain_csv
 from server.marks.rubric_items import RubricItem, parse_item
 from server.marks.typed import parse_comment, parse_mark
 from server.reading import search
+from server.routers import ROUTERS
 from server.sandbox.foreign_characters import describe_odd_letters, find_foreign_characters, latin_spelling
 from server.sandbox.policy import Policy
 from server.sandbox.sources import import_set_of_program, require_text
@@ -119,6 +121,15 @@ def _body(model: Any) -> Callable[[str], object]:
                 error.errors()  # type: ignore[attr-defined]
 
     return read
+
+
+ROUTERS_TO_ASK = [FilteringRouter(router) for router in ROUTERS]
+
+
+def _matched(text: str) -> None:
+    for begin in ("/", "/static/a/", "/soumissions/a/figures/"):
+        for router in ROUTERS_TO_ASK:
+            router.matches({"type": "http", "method": "GET", "path": begin + text})
 
 
 def _cookie(text: str) -> object:
@@ -234,6 +245,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
     Reader("a message", validate_text, BODY, TEXTS, "form:texte body:NewComment.text"),
     Reader("a message that is shown", said, MESSAGE, {**TEXTS, **MARKDOWN}),
+    Reader("the form of an address", _matched, HEAD, TEXTS, "raw:server.base.routing.FilteringRouter.matches"),
     Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
     Reader("a form that comes back", decode_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),
     Reader("a mark", lambda text: parse_mark(text, 20.0), BODY, TEXTS, "form:points form:sur form:coefficient"),
