@@ -71,7 +71,8 @@ def _counterexample(example: Counterexample) -> Iterator[str]:
     expected, got = example.expected, example.got
     if not (isinstance(expected, str) or isinstance(got, str)):
         expected, got = text_pair(restore_numbers(expected), restore_numbers(got))
-    yield from _value("attendu", expected)
+    if example.has_expected:
+        yield from _value("attendu", expected)
     yield from _value("obtenu", got)
 
 

@@ -155,7 +155,7 @@ def _counterexample(
     expected, got = values.value_view_pair(counterexample.expected, counterexample.got)
     return CounterexampleView(
         inputs=tuple((name, values.value_view(value, short=True)) for name, value in given.items()),
-        expected=values.name_parts(expected, parts) if judged else None,
+        expected=values.name_parts(expected, parts) if judged and counterexample.has_expected else None,
         got=values.name_parts(got, parts) if judged else None,
         code=replay_code(given, functions, *world),
     )

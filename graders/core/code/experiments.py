@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+import numpy as np
+
 from graders.core.code.checks import Cases
 from graders.core.code.grading import CodeGrader
 from graders.core.code.seen_facts import (
@@ -28,7 +30,7 @@ from graders.core.code.seen_facts import (
 )
 from graders.core.compare.changed_arguments import ArgumentChange, replacements, variations
 from graders.core.compare.compound_forms import TupleForm
-from graders.core.compare.series import MIN_WRONG, same
+from graders.core.compare.series import MIN_WRONG, Series, same
 from graders.core.contract.program import KitSettings, PlannedCalls, Programs, Reply, StudentFault, flatten_blocks
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
@@ -57,10 +59,12 @@ class Experimenter:
     def _facts_of(self, source: str, trial: FunctionTrial) -> list[SeenFact]:
         views = trial.wrong_views()
         related = [fact for view in views for fact in self._related(trial, view)]
-        replaced = list(self._replaced(trial, views))
+        # Many changes give the same counts and verdicts, or leave them as they are.
+        rich = [view for view in views if not _holds_counts(trial.series(view))]
+        replaced = list(self._replaced(trial, rich))
         strong = [fact for fact in related if is_strong(fact)]
-        felt = [] if strong or replaced else list(self._felt(source, trial, views))
-        return [*replaced, *strong, *felt, *(fact for fact in related if not is_strong(fact))]
+        felt = [] if strong or replaced else list(self._felt(source, trial, rich))
+        return [*strong, *replaced, *felt, *(fact for fact in related if not is_strong(fact))]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:
         """The first relation of a value with the right one; of its columns, where these tell more."""
@@ -151,7 +155,8 @@ class Experimenter:
         parts = parts if len(parts) == size else tuple(f"valeur {k + 1}" for k in range(size))
         mine = [r if self._is_right(function, call, g, r) else g for call, g, r in both]
         calls, right_ones = [call for call, _, _ in both], [r for _, _, r in both]
-        return FunctionTrial(function, names, parts if size > 1 else (), kit, calls, mine, right_ones)
+        own = [g for _, g, _ in both]
+        return FunctionTrial(function, names, parts if size > 1 else (), kit, calls, mine, right_ones, own)
 
     def _is_right(self, function: str, call: Arguments, got: Sequence[Floats], right: Sequence[Floats]) -> bool:
         """Whether an answer is a right one, though another than the solution's."""
@@ -206,6 +211,11 @@ class Experimenter:
             finally:
                 program.close()
         return answers
+
+
+def _holds_counts(series: Series) -> bool:
+    """Whether each right answer is one whole number, or a verdict."""
+    return all(right.ndim == 0 and bool(right == np.round(right)) for right in series.right)
 
 
 def _plainest(trial: FunctionTrial, rows: Sequence[VariedAnswers], chosen: Sequence[bool]) -> VariedAnswers:

@@ -140,12 +140,15 @@ def find_place(
 
 
 def _unexplained(grader: CodeGrader, verdict: Verdict) -> list[str]:
-    """Return the functions of the failed checks that no certain name explains."""
+    """Return the functions of the failed checks that no certain name explains; those without any name come first."""
     named = verdict.diagnosis
     explained = {check for checks in named.explains for check in checks} if named is not None and named.certain else ()
     failed = {check.id for check in verdict.checks if not (check.passed or check.neutral or check.id in explained)}
     blamed = {name for check in grader.checks if check.id in failed for name in check.functions}
-    return [function for function in grader.functions if function in blamed]
+    told = {check for checks in named.explains for check in checks} if named is not None else set()
+    without_name = {name for check in grader.checks if check.id in failed - told for name in check.functions}
+    functions = [function for function in grader.functions if function in blamed]
+    return sorted(functions, key=lambda name: name not in without_name)
 
 
 def describe_facts(facts: Sequence[SeenFact], checks: Sequence[Check], results: Sequence[CheckResult]) -> Diagnosis:
@@ -196,7 +199,9 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
         return place
     where = place.explanation.partition("\n\n")[0].partition(LOOK)[0].strip()
     if place.id == EXPERIMENT:
-        return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{SEEN_ALSO} : {place.title}. {where}")
+        others = [text for text in place.explanation.split("\n\n") if text.startswith(SEEN_ALSO)]
+        paragraphs = [diagnosis.explanation, f"{SEEN_ALSO} : {place.title}. {where}", *others]
+        return replace(diagnosis, explanation="\n\n".join(paragraphs))
     told = f"Dans votre programme : {place.title[:1].lower()}{place.title[1:]}. {where}"
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
 

@@ -48,11 +48,12 @@ class FunctionTrial:
     calls: Sequence[Arguments]
     got: Sequence[Sequence[Floats]]
     right: Sequence[Sequence[Floats]]
+    unrounded: Sequence[Sequence[Floats]] = ()
 
     def series(self, view: ReturnedValue) -> Series:
         got, right = [view.read(row) for row in self.got], [view.read(row) for row in self.right]
         wrong = [not same(mine, its) for mine, its in zip(got, right, strict=True)]
-        return Series(self.names, self.calls, got, right, wrong)
+        return Series(self.names, self.calls, got, right, wrong, [view.read(row) for row in self.unrounded])
 
     def plainest(self, numbers: Iterable[int]) -> int:
         """Return the number of the call with the fewest numbers in its arguments."""
@@ -127,7 +128,7 @@ _STRONG = (
 
 def is_strong(fact: SeenFact) -> bool:
     """Whether a fact says what the answers are, and not only where they are wrong."""
-    return any(words in fact.title for words in _STRONG)
+    return "commence bien" not in fact.title and any(words in fact.title for words in _STRONG)
 
 
 def related_fact(trial: FunctionTrial, view: ReturnedValue) -> SeenFact | None:

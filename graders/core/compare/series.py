@@ -13,9 +13,12 @@ import numpy as np
 from graders.core.compare.words import number
 from graders.core.contract.values import Arguments, Floats
 
-EXACT = 1e-7
+#: Relative and absolute error up to which two numbers are the same: finite differences leave a millionth.
+EXACT = 1e-5
 #: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
 NEARLY, MIN_WRONG, MIN_RIGHT = 0.03, 2, 2
+#: Answers of which a common step says something.
+MANY = 4
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,8 @@ class Series:
     got: Sequence[Floats]
     right: Sequence[Floats]
     wrong: Sequence[bool]
+    #: The answers as they came back, where some in `got` are replaced by the right ones that they come near to.
+    unrounded: Sequence[Floats] = ()
 
 
 def same(a: Floats, b: Floats) -> bool:
@@ -39,7 +44,7 @@ def tell_relations(series: Series) -> Iterator[str]:
         return
     with np.errstate(all="ignore"):
         if all(got.shape == right.shape for got, right in zip(series.got, series.right, strict=True)):
-            for find in (_functions, _factors, _offsets, _orders, _arguments, _nearness, _conditions, _lines):
+            for find in (_functions, _factors, _offsets, _orders, _arguments, _steps, _nearness, _conditions, _lines):
                 yield from find(series)
         else:
             yield from _conditions(series)
@@ -174,6 +179,19 @@ def _arguments(series: Series) -> Iterator[str]:
             for call, got in zip(series.calls, series.got, strict=True)
         ):
             yield f"est toujours {name}, tel que donné"
+            return
+
+
+def _steps(series: Series) -> Iterator[str]:
+    """Numbers that are all multiples of a step, where the right ones are not."""
+    if any(right.ndim for right in series.right) or len(series.got) < MANY:
+        return
+    got = np.array(series.unrounded or series.got, dtype=float)
+    right = np.array(series.right, dtype=float)
+    for step in (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.01):
+        off, right_off = (np.abs(values / step - np.round(values / step)) for values in (got, right))
+        if off.max() < EXACT and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
+            yield f"est toujours un multiple de {number(step)}, ce que n’est pas ce qui est attendu"
             return
 
 

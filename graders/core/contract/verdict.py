@@ -31,6 +31,11 @@ class Counterexample:
     expected: Any
     got: Any
 
+    @property
+    def has_expected(self) -> bool:
+        """Whether what is expected is known: not where the program gave no value and nothing was compared."""
+        return not (self.expected is None and isinstance(self.got, str))
+
     def to_json(self) -> dict[str, Any]:
         return {"inputs": self.inputs, "expected": self.expected, "got": self.got}
 

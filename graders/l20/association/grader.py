@@ -81,7 +81,7 @@ CHECKS = (
         names=SCAN,
         cases=cases.scans_by_hand,
         shrinkers=(fewer, shrink_array, keep),
-        hint="Deux mesures veulent le même amer : laquelle le reçoit, et que devient l'autre ?",
+        hint="Quelle paire de votre tableau est la plus proche ? Est-elle dans la porte, et que reste-t-il ensuite ?",
     ),
     Scans(
         id="proches_quelconques",
@@ -99,7 +99,7 @@ CHECKS = (
         names=SCAN,
         cases=cases.scans_by_hand,
         shrinkers=(fewer, shrink_array, keep),
-        hint="Une mesure dont l'amer a été pris par une autre est-elle un amer nouveau ?",
+        hint="Pour chaque mesure, à quel amer est-elle la plus proche, et cette distance passe-t-elle la porte ?",
     ),
     Newcomers(
         id="nouveaux_quelconques",
@@ -117,7 +117,7 @@ CHECKS = (
         names=TOGETHER,
         cases=cases.joint_by_hand,
         shrinkers=(fewer, shrink_array, shrink_noise, keep),
-        hint="Quel décalage du robot expliquerait les deux mesures à la fois ? Où C le dit-elle permis ?",
+        hint="Que vaut D² pour l'hypothèse attendue, et pour la vôtre ? À quel seuil comparez-vous chacune ?",
     ),
     Joints(
         id="ensemble_quelconques",

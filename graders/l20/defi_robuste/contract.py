@@ -29,6 +29,11 @@ CONTRACTS = (
             "fausses arêtes (moins de 0,1) ; un poids sort de [0, 1] à partir de 10⁻⁶. Les poids peuvent être une "
             "colonne (m, 1) ou une ligne (1, m).",
         ),
-        (Boundary("la fonction de poids", free="celle que vous voulez, pourvu que delta serve d’échelle"),),
+        (
+            Boundary("la fonction de poids", free="celle que vous voulez, pourvu que delta serve d’échelle"),
+            Boundary(
+                "des poids calculés une seule fois, au départ", free="ils conviennent : seul le résultat est jugé"
+            ),
+        ),
     ),
 )

@@ -66,6 +66,8 @@ def _check(check: dict[str, Json]) -> Iterator[str]:
     example = check.get("counterexample")
     if example and not (check.get("neutral") or check.get("repeats")):
         values = {**example["inputs"], "attendu": example["expected"], "obtenu": example["got"]}
+        if example["expected"] is None and isinstance(example["got"], str):
+            del values["attendu"]  # nothing was compared
         for name, value in values.items():
             yield from (f"          {line}" for line in layout(value, name))
     if check.get("hint"):

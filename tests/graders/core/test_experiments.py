@@ -47,6 +47,12 @@ def test_a_relation_that_holds_in_all_calls_is_told(change: object, words: str) 
     assert words in told([np.asarray(change(row)) for row in ROWS], ROWS)[0]
 
 
+def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
+    right = [np.array(x) for x in (0.7, 1.3, 2.64, 3.9, 4.1)]
+    got = [np.ceil(x / 0.5) * 0.5 for x in right]
+    assert told(got, right)[0] == "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
+
+
 def test_what_does_not_hold_in_every_call_is_not_told() -> None:
     got = [2.0 * ROWS[0], 2.0 * ROWS[1], 2.1 * ROWS[2]]
     assert not any("double" in words for words in told(got, ROWS))

@@ -227,3 +227,9 @@ def test_a_diagnosis_says_that_it_is_a_teacher_s() -> None:
     assert told.to_json() == {"id": "a", "title": "A", "explanation": "Ainsi.", "source": "teacher"}
     assert Diagnosis.from_json(told.to_json()) == told
     assert "source" not in Diagnosis("a", "A", "Ainsi.").to_json()
+
+
+def test_nothing_is_said_to_be_expected_where_a_program_stopped_and_nothing_was_compared() -> None:
+    assert not Counterexample({"z": 1}, None, "aucune valeur (ZeroDivisionError)").has_expected
+    assert Counterexample({"z": 1}, [2.0], "aucune valeur (ZeroDivisionError)").has_expected
+    assert Counterexample({"z": 1}, None, [2.0]).has_expected
