@@ -186,11 +186,11 @@ class Prober:
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             indices, probes_of_kit = zip(*group, strict=True)
             batches = [self._planned[index] for index in indices]
-            results = read_piggybacked(runner, probes_of_kit, batches) or probe_side_program(
-                runner, probes_of_kit, batches, probes_of_kit[0].kit, deadline
-            )
+            piggybacked = read_piggybacked(runner, probes_of_kit, batches)
+            results = piggybacked or probe_side_program(runner, probes_of_kit, batches, probes_of_kit[0].kit, deadline)
             differs = [repeat_differs(probes, answers) for probes, answers in zip(probes_of_kit, results, strict=False)]
-            if not any(differs) and may_keep_state(runner.source):
+            # Only a program that is known to keep nothing is piggybacked.
+            if not any(differs) and not piggybacked and may_keep_state(runner.source):
                 differs = self._differ_in_reverse(runner, indices, results, deadline)
             repeated: Sequence[list[ProbeAnswer]] = ()
             if any(differs):
