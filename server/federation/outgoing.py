@@ -43,6 +43,8 @@ def is_allowed_address(address: str, private: Sequence[Network]) -> bool:
     """Whether a connection may go there: a public address, or one of the administrator's own networks."""
     parsed = ip_address(address.partition("%")[0])
     if isinstance(parsed, IPv6Address):
+        if parsed.is_site_local:
+            return any(parsed in network for network in private if network.version == parsed.version)
         embedded = parsed.ipv4_mapped or parsed.sixtofour or (parsed.teredo[1] if parsed.teredo else None)
         if parsed in NAT64:
             embedded = IPv4Address(int(parsed) & 0xFFFFFFFF)

@@ -70,7 +70,10 @@ def end_issuer_sessions(db: Session, issuer: str) -> None:
 def record_activity(
     db: Session, provider_id: UUID, kind: ActivityKind, now: datetime, detail: str = "", *, succeeded: bool = True
 ) -> None:
-    row = {"at": now, "detail": detail[:REASON_LENGTH]}
+    readable = "".join(
+        sign if sign.isprintable() else "?" for sign in detail[:REASON_LENGTH]
+    )  # others may have said it
+    row = {"at": now, "detail": readable}
     statement = upsert_statement(db, ProviderActivity).values(
         provider_id=provider_id, kind=kind, succeeded=succeeded, **row
     )

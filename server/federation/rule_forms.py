@@ -103,7 +103,8 @@ def _parse(text: str) -> Claims:
 
 
 def format_claims(claims: Claims) -> str:
-    return json.dumps(claims, ensure_ascii=False, indent=2)
+    """Return claims as JSON that can be shown, whatever the system has put into them."""
+    return json.dumps(claims, ensure_ascii=False, indent=2).encode(errors="replace").decode()
 
 
 def try_rule(rule: Rule, claims: Claims) -> RuleTrial:

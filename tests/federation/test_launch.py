@@ -161,6 +161,8 @@ FORGED_CLAIMS: Mapping[str, dict[str, Any]] = {
     "another version": {"version": "1.1"},
     "another message": {"message_type": "LtiSubmissionReviewRequest"},
     "no resource": {"resource_link": None},
+    "a course that no database stores": {"context": {"id": "c\0"}},
+    "a deployment that no page shows": {"deployment_id": "7\0"},
     "page of another site": {"target_link_uri": "https://evil.example/l20"},
     "page of another site by name": {"target_link_uri": f"{SERVICE}@evil.example/l20"},
     "page of another port": {"target_link_uri": f"{SERVICE}:444/l20"},

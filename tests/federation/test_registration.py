@@ -126,6 +126,7 @@ def test_of_several_registrations_at_once_one_succeeds(
         {"token_endpoint": None},
         {"issuer": ["https://moodle.example"]},
         {"authorization_endpoint": "javascript:alert(1)"},
+        {"authorization_endpoint": "https://*;script-src/auth"},
     ],
 )
 def test_a_configuration_of_other_hosts_registers_nothing(

@@ -69,18 +69,19 @@ class Teacher:
 def test_a_list_is_shown_first_and_then_gives_seats_that_their_people_find(site: Site) -> None:
     teacher = Teacher(
         site, listed("t", [INSTRUCTOR]), listed("s1"), listed("s2", name=None), listed("a", [ASSISTANT]),
+        listed("odd", [INSTRUCTOR, LEARNER], name="\ud800\0", given_name="\ud800", family_name=7),
         listed("gone", status="Inactive"), listed("m", ["Mentor"]), {"user_id": 7}, "nobody", listed("s1"),
     )  # fmt: skip
     page = teacher.ask()
-    assert "3 personnes entrent" in page.text
+    assert "4 personnes entrent" in page.text
     assert "Nom s1" in page.text
     assert teacher.seats() == {"t": "teacher"}
     assert teacher.ask(teacher.digest(page)).headers["location"].endswith("/eleves")
-    assert teacher.seats() == {"t": "teacher", "s1": "student", "s2": "student", "a": "assistant"}
+    assert teacher.seats() == {"t": "teacher", "s1": "student", "s2": "student", "a": "assistant", "odd": "student"}
     assert "0 personne entre" in teacher.ask().text
     Browser(site).launch(teacher.platform, sub="s1", name="Nom s1")
     with site.database.read() as db:
-        assert len(db.execute(select(Account)).all()) == 4
+        assert len(db.execute(select(Account)).all()) == 5
 
 
 def test_a_list_that_changes_meanwhile_is_shown_again(site: Site) -> None:

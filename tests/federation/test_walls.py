@@ -19,11 +19,13 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Overloaded
 from server.database import Database, utc_now
-from server.federation import outgoing, pending, providers, signing
+from server.federation import outgoing, pending, providers, repository, signing
 from server.federation.errors import OutgoingError, Refused
-from server.federation.models import IdentityProvider, PendingSignIn, Protocol, SigningKey
+from server.federation.lti import registration
+from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn, Protocol, SigningKey
 from server.federation.outgoing import Outgoing, OutgoingThreads, check_url, is_allowed_address, parse_networks
 from server.federation.remote_keys import RemoteKeys, parse_keys
+from server.federation.rule_forms import format_claims
 from tests.support.coroutines import run_apart
 from tests.support.tables import folded
 
@@ -42,6 +44,7 @@ PRIVATE = [
     "::1",
     "fe80::1",
     "fc00::1",
+    "fec0::1",
     "::ffff:127.0.0.1",
     "::ffff:10.0.0.1",
     "2002:7f00:1::",
@@ -253,6 +256,19 @@ def test_a_server_that_hangs_holds_up_its_own_people_alone(monkeypatch: pytest.M
         assert await threads.run(0, lambda: "at once") == "at once"
 
     run_apart(visit())
+
+
+def test_what_no_database_stores_is_refused_or_made_readable(database: Database) -> None:
+    """PostgreSQL refuses U+0000 in a text, and UTF-8 half a surrogate pair: whoever sends one gets an answer."""
+    provider_id, _, _ = begun(database)
+    with database.write() as db:
+        repository.record_activity(db, provider_id, ActivityKind.sign_in, utc_now(), "a\0\ud800", succeeded=False)
+        (activity,) = repository.load_activity(db, [provider_id])
+        assert activity.detail == "a??"
+        for issuer, client in (("https://moodle.example/\0", ""), ("https://moodle.example", "\0")):
+            with pytest.raises(Refused):
+                registration.find_platform(db, issuer, client)
+    assert format_claims({"name": "\ud800"}) == '{\n  "name": "?"\n}'
 
 
 def test_our_keys_are_published_before_they_sign_and_go_in_time(sqlite: Database) -> None:

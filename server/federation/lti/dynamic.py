@@ -23,6 +23,7 @@ from server.federation.lti.access_tokens import LINE_ITEM_SCOPE, ROSTER_SCOPE, S
 from server.federation.lti.schemas import LtiSettings
 from server.federation.models import ADDRESS_LENGTH, ID_LENGTH, NAME_LENGTH, IdentityProvider, RegistrationLink
 from server.federation.outgoing import Outgoing, is_url, origin_of
+from server.federation.providers import is_origin
 from server.identity.models import ISSUER_LENGTH, Account
 from server.identity.secrets import digest, new_token
 
@@ -55,13 +56,14 @@ class ToolRegistration(BaseModel):
 
     model_config = ConfigDict(strict=True, frozen=True, extra="ignore")
 
-    client_id: Annotated[str, Field(min_length=1, max_length=ID_LENGTH)]
+    client_id: Annotated[str, Field(min_length=1, max_length=ID_LENGTH, pattern=r"^[\x20-\x7e]+$")]
     tool: dict[str, Any] = Field(alias="https://purl.imsglobal.org/spec/lti-tool-configuration", default={})
 
     @property
     def deployments(self) -> tuple[str, ...]:
         name = self.tool.get("deployment_id")
-        return (str(name),) if isinstance(name, str | int) and 0 < len(str(name)) <= ID_LENGTH else ()
+        is_name = isinstance(name, str | int) and 0 < len(str(name)) <= ID_LENGTH and str(name).isprintable()
+        return (str(name),) if is_name else ()
 
 
 def create_link(db: Session, by: Account) -> str:
@@ -99,7 +101,8 @@ def read_configuration(outgoing: Outgoing, address: str) -> PlatformConfiguratio
         found.jwks_uri,
         found.registration_endpoint,
     )
-    if not all(is_url(url, insecure=outgoing.insecure) for url in addresses):
+    insecure = outgoing.insecure
+    if not all(is_url(url, insecure=insecure) and is_origin(origin_of(url), insecure=insecure) for url in addresses):
         raise OutgoingError(UNREADABLE)
     if {origin_of(found.issuer), origin_of(found.registration_endpoint)} != {origin_of(address)}:
         raise OutgoingError(OTHER_SITE)

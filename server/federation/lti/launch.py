@@ -39,7 +39,7 @@ NO_TARGETS = ("/lti/", "/api/", "/compte", "/connexion", "/deconnexion", "/admin
 UNREADABLE = "Le lancement de la plateforme n’est pas complet : {why}."
 
 Text = Annotated[str, BeforeValidator(lambda text: "" if text is None else text), Field(max_length=2000)]
-Short = Annotated[str, Field(min_length=1, max_length=255)]
+Short = Annotated[str, Field(min_length=1, max_length=255, pattern=r"^[^\x00-\x1f\x7f]+$")]
 
 
 class _Claim(BaseModel):

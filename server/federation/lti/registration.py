@@ -85,7 +85,8 @@ def accept_deployment(db: Session, provider: IdentityProvider, deployment: str, 
 
 def find_platform(db: Session, issuer: str, client_id: str) -> IdentityProvider:
     """Return the platform that begins a launch; the only one of its issuer where it names no client. Raises Refused."""
-    rows = repository.find_registrations(db, issuer, client_id)
+    is_readable = issuer.isprintable() and client_id.isprintable()
+    rows = repository.find_registrations(db, issuer, client_id) if is_readable else []
     found = [row for row in rows if row.protocol == Protocol.lti]
     if len(found) != 1:
         raise Refused("issuer", NOT_REGISTERED)
