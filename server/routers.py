@@ -53,6 +53,7 @@ from server.pages.school.registration import link_router
 from server.pages.school.registration import router as registration_router
 from server.pages.school.rules import router as rules_router
 from server.pages.school.server_forms import router as server_forms_router
+from server.pages.two_minutes import router as two_minutes_router
 from server.reading.routes import router as reading_router
 from server.replays.routes import router as replays_router
 from server.steps.routes import router as steps_router
@@ -72,6 +73,7 @@ ROUTERS = (
     person_router,
     notebook_router,
     hunts_router,
+    two_minutes_router,
     calendar_router,
     accessibility_router,
     platforms_router,

@@ -5,7 +5,9 @@ from __future__ import annotations
 from server.course import Module
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
+from server.hunts.service import may_have_hunts
 from server.pages.schemas import HomePage, ModuleCard, NextStep
+from server.recall.service import load_recall
 from server.web import deadlines, editions
 from server.web.views import (
     Reader,
@@ -21,7 +23,14 @@ from server.web.views import (
 def home_page(reader: Reader) -> HomePage:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress)
-    return HomePage(tuple(_card(module, progress) for module in editions.visible_editions(reader, progress)), due)
+    cards = tuple(_card(module, progress) for module in editions.visible_editions(reader, progress))
+    solved = {name for name, own in progress.items() if own.succeeded}
+    if reader.account is None or not solved:
+        return HomePage(cards, due)
+    recall = load_recall(
+        reader.db, reader.course, reader.account.id, solved, lambda exercise: may_have_hunts(reader.course, exercise)
+    )
+    return HomePage(cards, due, 0 if recall.is_off else len(recall.due), recall.streak)
 
 
 def _card(module: Module, progress: dict[str, ExerciseProgress]) -> ModuleCard:

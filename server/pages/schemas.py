@@ -35,8 +35,12 @@ class ModuleCard:
 
 @dataclass(frozen=True)
 class HomePage:
+    """`questions` counts what is due of what the reader confused, zero where they want no reminder."""
+
     modules: tuple[ModuleCard, ...]
     due: tuple[DueView, ...] = ()
+    questions: int = 0
+    streak: int = 0
 
     @property
     def begun(self) -> bool:

@@ -368,7 +368,11 @@ READERS: tuple[Reader, ...] = (
     Reader("a list written again", lambda text: to_csv(read_rows(text.encode("utf-8", "replace")).rows), BODY, TEXTS),
     Reader("a call", parse_call, MAX_CHARACTERS, {**TEXTS, **PROGRAMS}, "body:CallBody.call"),
     Reader(
-        "a value", parse_value, MAX_TYPED_CHARACTERS, {**TEXTS, **PROGRAMS}, "form:valeur form:erreur form:fonction"
+        "a value",
+        parse_value,
+        MAX_TYPED_CHARACTERS,
+        {**TEXTS, **PROGRAMS},
+        "form:valeur form:erreur form:fonction form:exercice",
     ),
     Reader(
         "a program",

@@ -78,6 +78,8 @@ JSON: dict[str, Any] = {
 TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
+    "POST /deux-minutes": {"exercice": EXERCISE, "erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
+    "POST /deux-minutes/rappels": {"rappels": "non"},
     "POST /{module}/exercices/{slug}/chasse": {"erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},

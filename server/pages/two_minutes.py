@@ -1,0 +1,117 @@
+"""« Deux minutes »: a few questions about what one confused, when they are due."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Form, Request
+from fastapi.responses import Response
+from starlette.concurrency import run_in_threadpool
+
+from server.base.http import client_address
+from server.course.dependencies import CourseOf
+from server.database import Database
+from server.database.dependencies import DatabaseOf
+from server.gradebook import service as gradebook
+from server.hunts.questions import HuntName, OfferedHunt
+from server.hunts.service import HuntService, may_have_hunts
+from server.identity.dependencies import OptionalAccount, SignedIn
+from server.identity.models import Account
+from server.pages.hunts import MAX_NAME, Act, HuntsOf, Kind, Typed, answer_question, hunt_page
+from server.recall import repository
+from server.recall.scheduling import SITTING_QUESTIONS
+from server.recall.service import OFF, REMINDERS, Recall, load_recall
+from server.web.forms import redirect, redirect_to_login
+from server.web.rendering import render_page
+from server.web.views import find_exercise
+
+router = APIRouter(include_in_schema=False)
+
+PATH = "/deux-minutes"
+
+
+def read_recall(database: Database, course: CourseOf, account: Account) -> Recall:
+    """Load what comes back to an account, in a transaction of its own."""
+    with database.read() as db:
+        progress = gradebook.load_progress(db, account)
+        solved = {name for name, own in progress.items() if own.succeeded}
+        return load_recall(db, course, account.id, solved, lambda exercise: may_have_hunts(course, exercise))
+
+
+@router.get(PATH)
+async def show_question(
+    request: Request, account: OptionalAccount, database: DatabaseOf, course: CourseOf, hunts: HuntsOf
+) -> Response:
+    """Ask about the most forgotten of what is due."""
+    if account is None:
+        return redirect_to_login(request)
+    recall = await run_in_threadpool(read_recall, database, course, account)
+    page: dict[str, Any] = {"offer": None}
+    offer, question = await _offer_due(hunts, account, recall, client_address(request))
+    if offer is not None:
+        exercise = course.exercises[offer.hunt.exercise]
+        page = dict(await run_in_threadpool(hunt_page, course, exercise, offer, question))
+    return await run_in_threadpool(_render, request, account, page, recall)
+
+
+async def _offer_due(
+    hunts: HuntService, account: Account, recall: Recall, address: str
+) -> tuple[OfferedHunt | None, Kind]:
+    """Offer the first question that can be asked: a hunt and a prediction in turn."""
+    for subject, candidates in recall.due.items():
+        turn = recall.answers.get(subject, 0)
+        places = [(k + turn) % len(candidates) for k in range(len(candidates))]
+        names = [HuntName(exercise=candidates[k].exercise, misconception=candidates[k].misconception) for k in places]
+        offer = await hunts.offer_first(account, names, address)
+        if offer is not None:
+            return offer, "prevision" if turn % 2 and offer.predictable else "entree"
+    return None, "entree"
+
+
+@router.post(PATH)
+async def answer_due(
+    request: Request,
+    account: SignedIn,
+    database: DatabaseOf,
+    course: CourseOf,
+    hunts: HuntsOf,
+    exercice: Annotated[str, Form(max_length=MAX_NAME)],
+    erreur: Annotated[str, Form(max_length=MAX_NAME)],
+    fonction: Annotated[str, Form(max_length=MAX_NAME)],
+    question: Annotated[Kind, Form()] = "entree",
+    action: Annotated[Act, Form()] = "essayer",
+    valeur: Typed = [],  # noqa: B006 (read by FastAPI, and never changed)
+) -> Response:
+    """Judge an answer as on the page of hunts."""
+    exercise, address = find_exercise(course, *_split(exercice)), client_address(request)
+    hunt = HuntName(exercise=exercise.id, misconception=erreur, function=fonction)
+    offer = await hunts.reopen(account, hunt, address)
+    outcome = None
+    if offer is not None:
+        outcome = await answer_question(hunts, account, offer, question, action, valeur, address)
+    recall = await run_in_threadpool(read_recall, database, course, account)
+    page = await run_in_threadpool(
+        hunt_page, course, exercise, offer, question, valeur, outcome, gave_up=action == "abandonner"
+    )
+    return await run_in_threadpool(_render, request, account, dict(page), recall)
+
+
+@router.post(f"{PATH}/rappels")
+def set_reminders(
+    account: SignedIn, database: DatabaseOf, rappels: Annotated[Literal["oui", "non"], Form()]
+) -> Response:
+    """Propose questions on the home page, or no more."""
+    with database.write() as db:
+        repository.save_choice(db, account.id, REMINDERS, OFF if rappels == "non" else "")
+    return redirect("/" if rappels == "non" else PATH)
+
+
+def _split(exercise: str) -> Sequence[str]:
+    module, _, slug = exercise.partition("/")
+    return module, slug
+
+
+def _render(request: Request, account: Account, page: Mapping[str, Any], recall: Recall) -> Response:
+    shown = {**page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
+    return render_page(request, "two_minutes.html", account, page=shown)

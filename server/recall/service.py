@@ -1,0 +1,87 @@
+"""What comes back to an account: its subjects, those that are due, and the reminder on the home page."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.base import school_time
+from server.course import Course, Exercise
+from server.database import utc_now
+from server.gradebook import mistakes
+from server.recall import repository
+from server.recall.scheduling import Review, Schedule, choose_due, count_streak, schedule
+from server.recall.subjects import list_misconceptions, subject_of
+
+REMINDERS, OFF = "reminders", "off"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A misconception about which a question may be asked."""
+
+    exercise: str
+    misconception: str
+
+
+@dataclass(frozen=True)
+class Recall:
+    """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked."""
+
+    due: Mapping[str, Sequence[Candidate]]
+    answered_today: int
+    answers: Mapping[str, int]
+    streak: int
+    next_at: datetime | None
+    is_off: bool
+
+
+def load_recall(
+    db: Session, course: Course, account_id: UUID, solved: Collection[str], can_ask: Callable[[Exercise], bool]
+) -> Recall:
+    """Load what comes back, of the solved exercises about which questions can be asked, in three queries."""
+    now, today = utc_now(), school_time.to_local(utc_now()).date()
+    asked = [course.exercises[name] for name in course.exercises if name in solved]
+    reviews: dict[str, list[Review]] = defaultdict(list)
+    confused: dict[str, list[Candidate]] = defaultdict(list)
+    for mistake in mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]):
+        exercise = course.exercises[mistake.exercise]
+        if mistake.mended is not None and can_ask(exercise):
+            subject = subject_of(course, exercise, mistake.misconception)
+            reviews[subject].append(Review(mistake.mended.sent_at, went_well=False))
+            confused[subject].append(Candidate(exercise.id, mistake.misconception))
+    answers = repository.load_answers(db, account_id)
+    for answer in answers:
+        if answer.subject in confused:
+            reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
+    days = [school_time.to_local(answer.answered_at).date() for answer in answers]
+    schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
+    due = choose_due(schedules, now, days.count(today))
+    return Recall(
+        due={subject: (*confused[subject], *_relatives(course, asked, subject, can_ask)) for subject in due},
+        answered_today=days.count(today),
+        answers={subject: sum(answer.subject == subject for answer in answers) for subject in due},
+        streak=count_streak(days, today),
+        next_at=min((planned.due_at for planned in schedules.values()), default=None),
+        is_off=repository.load_choices(db, account_id).get(REMINDERS) == OFF,
+    )
+
+
+def _relatives(
+    course: Course, solved: Sequence[Exercise], subject: str, can_ask: Callable[[Exercise], bool]
+) -> Sequence[Candidate]:
+    """List the misconceptions of the same family in solved exercises: another program than the one confused."""
+    if subject not in course.families:
+        return ()
+    return [
+        Candidate(exercise.id, name)
+        for exercise in solved
+        if subject in exercise.filing.families.values() and can_ask(exercise)
+        for name in list_misconceptions(exercise)
+        if exercise.filing.families.get(name) == subject
+    ]
