@@ -10,7 +10,10 @@ from __future__ import annotations
 import html
 import keyword
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import islice
+
+from server.base.caches import LRUCache
 
 _WORDS = {
     **dict.fromkeys(keyword.kwlist, "k"),
@@ -21,6 +24,12 @@ _WORDS = {
 _DEFINED = {"def": "nf", "class": "nc"}
 #: Classes of the pieces of a text, besides those of words.
 COMMENT, STRINGS = "c1", frozenset({"sa", "s1", "s2", "sd"})
+#: Tokens that are coloured, those of a thousand lines: a file of 64 KB may have sixty thousand, and stays plain after.
+MOST_TOKENS = 8000
+MAX_CACHED_CHARACTERS = 2_000_000  # characters of HTML
+_cache: LRUCache[str, tuple[str, ...]] = LRUCache(
+    MAX_CACHED_CHARACTERS, lambda lines: sum(map(len, lines)) + 50 * len(lines)
+)
 _TOKEN = re.compile(
     r"""
       (?P<c1>\#[^\n]*+)
@@ -36,23 +45,34 @@ _TOKEN = re.compile(
     | (?P<decorator>@[^\W\d][\w.]*+)
     | (?P<word>[^\W\d]\w*+)
     | (?P<blank>\s++)
-    | (?P<other>.)
+    | (?P<other>[^\w\s\#'"@.]++ | .)
     """,
     re.VERBOSE | re.DOTALL,
 )
 
 
-def colour_lines(code: str) -> list[str]:
-    r"""Return the HTML of each line of Python whose line ends are `\n`: no element goes from one line to the next."""
-    parts: list[str] = []
-    for style, text in split_tokens(code.removesuffix("\n")):
+def colour_lines(code: str) -> Sequence[str]:
+    r"""Return the HTML of each line of Python whose line ends are `\n`: no element goes from one line to the next.
+
+    What was coloured lately is remembered: who has the page of a long file made again and again keeps nobody waiting.
+    """
+    known = _cache.get(code)
+    return known if known is not None else _cache.put(code, colour_afresh(code.removesuffix("\n")))
+
+
+def colour_afresh(code: str) -> tuple[str, ...]:
+    """Colour lines as `colour_lines` does, and remember nothing. The last line of `code` has no end."""
+    parts, end = list[str](), 0
+    for style, text in islice(split_tokens(code), MOST_TOKENS):
+        end += len(text)
         escaped = html.escape(text)
         if not style:
             parts.append(escaped)
             continue
         pieces = (f'<span class="{style}">{piece}</span>' if piece else "" for piece in escaped.split("\n"))
         parts.append("\n".join(pieces))
-    return "".join(parts).split("\n")
+    parts.append(html.escape(code[end:]))
+    return tuple("".join(parts).split("\n"))
 
 
 def colour(code: str) -> str:

@@ -38,10 +38,10 @@ def code_view(code: str, talks: Sequence[Conversation], account: Account | None)
     for talk in talks:
         if talk.lines is not None:
             below.setdefault(talk.lines.last, []).append(talk)
-    html = colour_lines(visible(code))
+    numbered = visible(code).split("\n", MOST_NUMBERED)
+    rest = numbered.pop() if len(numbered) > MOST_NUMBERED else ""
     lines = tuple(
-        LineView(number, Markup(line), thread_views(below.get(number, ()), account))
-        for number, line in enumerate(html[:MOST_NUMBERED], 1)
+        LineView(number, Markup(line), thread_views(below[number], account) if number in below else ())
+        for number, line in enumerate(colour_lines("\n".join(numbered)), 1)
     )
-    rest = visible(code).split("\n", MOST_NUMBERED)[MOST_NUMBERED] if len(html) > MOST_NUMBERED else ""
     return CodeView(lines, rest)

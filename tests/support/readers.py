@@ -75,7 +75,7 @@ from server.studio.import_drafts import ImportRefused
 from server.studio.importing import import_file
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
-from server.text.python_colours import colour_lines
+from server.text.python_colours import colour_afresh
 from server.text.said import said
 from server.web.form_identity import decode_fields, name_account_in_forms
 from server.web.form_version import version_of
@@ -382,7 +382,7 @@ READERS: tuple[Reader, ...] = (
         "body:NewSubmission.code body:NewRun.code body:CallBody.code body:CellBody.code raw:server.pages.routes._code "
         "raw:server.pages.routes.save raw:server.pages.routes.submit",
     ),
-    Reader("a program in colours", colour_lines, CODE, {**TEXTS, **PROGRAMS}),
+    Reader("a program in colours", colour_afresh, CODE, {**TEXTS, **PROGRAMS}),
     Reader("a program before it is opened", _encoded(lambda code: require_text(code, Policy())), CODE, ANYTHING),
     Reader("a program's imports", _encoded(lambda code: import_set_of_program(code, None)), CODE, PROGRAMS),
     Reader(

@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 import re
 import time
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.text import highlight
-from server.text.python_colours import colour, colour_lines
+from server.text import highlight, python_colours
+from server.text.python_colours import MOST_TOKENS, colour, colour_afresh, colour_lines
 
 CODE = '''@np.vectorize
 def f(a: int) -> str:
@@ -93,8 +94,28 @@ def test_no_text_takes_more_than_linear_time(shape: str) -> None:
         code, best = SHAPES[shape](size), float("inf")
         for _ in range(3):
             began = time.process_time()
-            colour_lines(code)
+            colour_afresh(code)
             best = min(best, time.process_time() - began)
         return best
 
     assert seconds(64_000) <= 8 * max(seconds(16_000), 0.002)
+
+
+@pytest.mark.parametrize("text", ["x\n" * 30_000, "#\n" * 30_000, '"a"+' * 15_000, "(" * 60_000])
+def test_a_long_file_is_coloured_for_a_bounded_number_of_tokens(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """50 ms of everybody's processor for each view of a page, of any guest's file of 64 KB."""
+    asked, split = 0, python_colours.split_tokens
+
+    def count(code: str) -> Iterator[tuple[str, str]]:
+        nonlocal asked
+        for token in split(code):
+            asked += 1
+            yield token
+
+    monkeypatch.setattr(python_colours, "split_tokens", count)
+    text += f"# {asked} {id(monkeypatch)}"
+    assert text_of(colour_lines(text)) == text
+    assert 0 < asked <= MOST_TOKENS
+    first, asked = asked, 0
+    assert text_of(colour_lines(text)) == text
+    assert not asked, f"{first} tokens again"
