@@ -15,7 +15,7 @@ from server.submissions.models import Submission
 
 #: Earlier attempts whose threads are tracked to a later one; threads and news shown at once.
 MAX_TRACKED_ATTEMPTS = 3
-MAX_THREADS_SHOWN = 300
+MAX_THREADS_SHOWN = 100
 MAX_UNREAD_THREADS = 30
 
 
@@ -90,9 +90,10 @@ def load_submissions(db: Session, submissions: Collection[UUID]) -> Mapping[UUID
 
 
 def load_page_threads(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
-    """Load the threads on an exercise as a whole, and those that the student has not read, oldest first."""
+    """Load the last threads on an exercise as a whole, and those that the student has not read, oldest first."""
     query = select(Thread).where(_on_exercise(account_id, exercise), or_(Thread.submission_id.is_(None), _is_unread()))
-    return db.execute(query.order_by(Thread.created_at, Thread.id).limit(MAX_THREADS_SHOWN)).scalars().all()
+    newest_first = query.order_by(Thread.created_at.desc(), Thread.id.desc()).limit(MAX_THREADS_SHOWN)
+    return db.execute(newest_first).scalars().all()[::-1]
 
 
 def _is_unread() -> ColumnElement[bool]:

@@ -76,7 +76,7 @@ from server.studio.importing import import_file
 from server.submissions.service import code_digest
 from server.text.lines import require_line, tidy_lines
 from server.text.python_colours import colour_afresh
-from server.text.said import said
+from server.text.said import render_message
 from server.web.form_identity import decode_fields, name_account_in_forms
 from server.web.form_version import version_of
 from server.web.rendering import sentence, ticks
@@ -244,7 +244,7 @@ READERS: tuple[Reader, ...] = (
     Reader("a class's code", parse_code, HEAD, TEXTS, "body:JoinCode.code"),
     Reader("a guest's name", lambda text: validate_guest_name(text, text), BODY, TEXTS, "form:given form:family"),
     Reader("a message", validate_text, BODY, TEXTS, "form:texte body:NewComment.text"),
-    Reader("a message that is shown", said, MESSAGE, {**TEXTS, **MARKDOWN}),
+    Reader("a message that is shown", render_message, MESSAGE, {**TEXTS, **MARKDOWN}),
     Reader("the form of an address", _matched, HEAD, TEXTS, "raw:server.base.routing.FilteringRouter.matches"),
     Reader("a next address", local_path, BODY, TEXTS, "query:suite form:suite form:retour"),
     Reader("a form that comes back", decode_fields, BODY, {**TEXTS, **JSON}, "form:reprise"),

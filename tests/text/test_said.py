@@ -45,3 +45,11 @@ def test_nothing_but_four_elements_ever_comes_out(text: str) -> None:
     if "`" not in text and "~" not in text:
         shown = unescape(re.sub(r"<[^>]*>", "", html))
         assert "".join(shown.split()) == "".join(text.split())
+
+
+def test_a_message_is_rendered_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hundred messages of a page, each of 1,300 paragraphs, were a second of everybody's processor at each view."""
+    text = f"a\n\n{id(monkeypatch)}\n\n" * 3
+    html = said(text)
+    monkeypatch.setattr("server.text.said.render_message", lambda _text: pytest.fail("it is remembered"))
+    assert said(text) == html
