@@ -95,7 +95,8 @@ class Prober:
         fallback: list[str] = []
         consequences: list[str] = []
         named: dict[str, frozenset[str]] = {}
-        certain = True
+        probed = {probes.function for _, probes in self._select_probes(functions, alone)}
+        certain = probed >= self.functions.intersection(functions)
         for index, answers, slip in self._probe(runner, functions, alone):
             if slip is not None:
                 mistakes += [mistake for mistake in (slip,) if mistake not in mistakes]

@@ -16,7 +16,7 @@ from graders.core.contract.values import Arguments, Floats
 #: Relative and absolute error up to which two numbers are the same: finite differences leave a millionth.
 EXACT = 1e-5
 #: Relative error below which answers are nearly right everywhere; wrong calls, and right ones, that establish a fact.
-NEARLY, MIN_WRONG, MIN_RIGHT = 0.03, 2, 2
+NEARLY, MIN_WRONG, MIN_RIGHT = 0.05, 2, 2
 #: Answers of which a common step says something.
 MANY = 4
 
@@ -188,9 +188,11 @@ def _steps(series: Series) -> Iterator[str]:
         return
     got = np.array(series.unrounded or series.got, dtype=float)
     right = np.array(series.right, dtype=float)
+    given = np.array([x for call in series.calls for x in call if isinstance(x, float)])
     for step in (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.01):
-        off, right_off = (np.abs(values / step - np.round(values / step)) for values in (got, right))
-        if off.max() < EXACT and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
+        off, right_off, given_off = (np.abs(values / step - np.round(values / step)) for values in (got, right, given))
+        is_own = off.max() < EXACT and given_off.max(initial=0.0) > EXACT  # and not that of the arguments
+        if is_own and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
             yield f"est toujours un multiple de {number(step)}, ce que n’est pas ce qui est attendu"
             return
 
@@ -265,6 +267,10 @@ def _properties(series: Series) -> Iterator[tuple[str, list[bool]]]:
             noun = "ligne" if arrays[0].ndim == 2 else "valeur"
             yield f"{name} n’a qu’une {noun}", [len(array) == 1 for array in arrays]
             yield f"{name} n’a que deux {noun}s", [len(array) == 2 for array in arrays]
+            if {array.shape for array in arrays} in ({(2,)}, {(3,)}):
+                for k in range(arrays[0].size):
+                    yield f"{name}[{k}] est nul", [array[k] == 0 for array in arrays]
+                    yield f"{name}[{k}] est négatif", [array[k] < 0 for array in arrays]
             yield f"{name} contient un nombre négatif", [bool((array < 0).any()) for array in arrays]
             yield f"{name} contient un 0", [bool((array == 0).any()) for array in arrays]
             yield f"{name} ne contient que des 0", [bool((array == 0).all()) for array in arrays]

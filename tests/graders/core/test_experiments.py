@@ -50,7 +50,9 @@ def test_a_relation_that_holds_in_all_calls_is_told(change: object, words: str) 
 def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     right = [np.array(x) for x in (0.7, 1.3, 2.64, 3.9, 4.1)]
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
-    assert told(got, right)[0] == "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
+    words = "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
+    assert told(got, right, [(float(x) + 0.1,) for x in right])[0] == words
+    assert told(got, right) == []  # the arguments are multiples too
 
 
 def test_what_does_not_hold_in_every_call_is_not_told() -> None:
