@@ -38,7 +38,7 @@ from server.figures.pictures import Pictures
 from server.figures.program import helper_program
 from server.figures.service import Figures
 from server.figures.store import PictureStore
-from server.grading import regrade_task, trial_task
+from server.grading import regrade_task, tryout_task
 from server.grading.grading_task import give_up_handlers
 from server.grading.job_lanes import JOB_LANES
 from server.grading.supervisor import WORKER_COMMAND, WorkerSupervisor
@@ -179,7 +179,7 @@ class Services:
             **give_up_handlers(self.course),
             **regrade_task.give_up_handlers(self.course, self.queue),
             **fingerprints.give_up_handlers(),
-            **trial_task.give_up_handlers(),
+            **tryout_task.give_up_handlers(),
             **outbox_task.give_up_handlers(),
         }
 

@@ -117,12 +117,21 @@ def load_inputs(db: Session, course: Course, school_class: SchoolClass, now: dat
 
 
 def load_progress(
-    db: Session, course: Course, school_class: SchoolClass, now: datetime, only: str | None = None
+    db: Session,
+    course: Course,
+    school_class: SchoolClass,
+    now: datetime,
+    only: str | None = None,
+    besides: Sequence[str] = (),
 ) -> ClassProgress:
-    """Load what the students of a class have sent to the exercises that count, or to one of them."""
+    """Load what the students of a class have sent to the exercises that count, or to one of them.
+
+    Exercises `besides`, such as those of a lesson, are loaded whether they count or not.
+    """
     now = min(now, school_class.archived_at or now)
     exercises = load_counting_exercises(db, course, school_class, now)
     counted = tuple(name for name in exercises.names if only is None or name == only)
+    counted = tuple(dict.fromkeys([*counted, *(name for name in besides if course.exercises.get(name) is not None)]))
     scope = Scope(school_class.id, counted, school_class.archived_at, tuple(exercises.groups.items()))
     students = tuple(BoardStudent(*learner) for learner in classes.load_active_students(db, school_class.id))
     revisions = load_revisions(db, [student.id for student in students])

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from server.behaviour.fingerprints import FINGERPRINT
 from server.queue.interfaces import BACKGROUND, INTERACTIVE
 from server.regrades.service import REGRADE_JOB
-from server.studio.service import TRIAL_JOB
+from server.studio.service import TRIAL_JOB, TRYOUT_JOB
 from server.submissions.service import GRADE
 
 JOB_LANES: Mapping[str, str] = {
@@ -13,4 +13,5 @@ JOB_LANES: Mapping[str, str] = {
     REGRADE_JOB: BACKGROUND,
     FINGERPRINT: BACKGROUND,
     TRIAL_JOB: BACKGROUND,
+    TRYOUT_JOB: INTERACTIVE,
 }

@@ -27,6 +27,7 @@ from server.grading.job_lanes import JOB_LANES
 from server.grading.regrade_task import RegradeTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.grading.trial_task import TrialTask
+from server.grading.tryout_task import TryoutTask
 from server.queue.engine import create_nats_engine
 from server.queue.graceful_stop import GracefulStop
 from server.queue.interfaces import QueueNotifier, Tasks, WorkerCapabilities, WorkSource
@@ -36,7 +37,7 @@ from server.queue.worker import Worker
 from server.regrades.service import REGRADE_JOB
 from server.sandbox import Sandbox, SandboxFault
 from server.studio.authored import AuthoredExercises
-from server.studio.service import TRIAL_JOB
+from server.studio.service import TRIAL_JOB, TRYOUT_JOB
 from server.submissions.service import GRADE, version_requirement
 
 log = logging.getLogger(__name__)
@@ -138,6 +139,7 @@ def _run_worker(
             REGRADE_JOB: RegradeTask(course, queue, grade_anew),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
             TRIAL_JOB: TrialTask(queue, partial(SandboxPrograms, sandbox)),
+            TRYOUT_JOB: TryoutTask(queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = FingerprintSweeper(database, queue, course)
         threading.Thread(

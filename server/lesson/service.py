@@ -22,6 +22,7 @@ from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.lesson import repository
 from server.lesson.models import Afterwards, LiveLesson
+from server.studio import service as studio
 
 MIN_EXERCISES, MAX_EXERCISES = 1, 4
 #: A lesson that nobody ended is over after that time.
@@ -66,11 +67,13 @@ def require_current_lesson(db: Session, class_id: UUID, now: datetime) -> LiveLe
 
 
 def open_exercises(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Sequence[str]:
-    """Return the exercises that a lesson may have: those that count, but for those of tests whose results are held.
+    """Return the exercises that a lesson may have: those that count, then those that the teachers of the class have
+    published, but for those of tests whose results are held.
 
     Those of assignments that are open now come first, the assignment that opened last before the others.
     """
     counting = counting_exercises(db, course, school_class, now)
+    counting = [*counting, *(name for name in studio.list_class_exercises(db, school_class) if name not in counting)]
     given = assignments.load_class_assignments(db, school_class.id)
     exercises = assignments.load_exercises(db, [assignment.id for assignment in given])
     tested: set[str] = set()

@@ -72,6 +72,7 @@ def _authored(db: Session, account_id: UUID) -> list[dict[str, Any]]:
     """Return the exercises that an account has written, as typed."""
     return [
         {"exercise": exercise.name, "module": exercise.module, "draft": exercise.draft, "versions": exercise.number}
+        | ({"tryout": exercise.tryout} if exercise.tryout else {})
         for exercise in studio.list_exercises(db, account_id)
     ]
 

@@ -104,6 +104,7 @@ class CourseHome:
     total: int
     due: tuple[DueView, ...]
     edition: EditionNote | None = None
+    proposed: tuple[ExerciseRow, ...] = ()
 
 
 @dataclass(frozen=True)

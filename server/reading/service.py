@@ -37,6 +37,7 @@ from server.reading.schemas import (
     TermView,
 )
 from server.sandbox.exceptions import USUAL_ERRORS
+from server.studio import service as studio
 from server.text.lines import tidy_line
 from server.text.prose import line
 from server.web import deadlines, editions
@@ -73,7 +74,10 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
     view = home_view(module, progress, due, {edition.number: f"/{edition.slug}" for edition in reader.course.latest})
-    return replace(view, edition=editions.edition_note(reader, module))
+    names = studio.list_own_of_module(reader.db, reader.account, module.slug)
+    found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
+    proposed = tuple(_rows_by_slug(found, progress).values())
+    return replace(view, edition=editions.edition_note(reader, module), proposed=proposed)
 
 
 def home_view(

@@ -16,7 +16,9 @@ class AuthoredExercise(Base):
     """A teacher's exercise. `draft` is what the form holds, `digest` its digest, `trial` the last trial's outcome.
 
     `wants_publication`: the next trial publishes the draft if it may. `slug` is set once, at the first request to
-    publish, and `number` counts the published versions. Without an author, it stays as long as it is published.
+    publish, and `number` counts the published versions. `for_classes`: the students of the author's classes find it in
+    the list of their module. `tryout`: the program that the author tried as a student, and its verdict. Without an
+    author, it stays as long as it is published.
     """
 
     __tablename__ = "authored_exercise"
@@ -33,6 +35,8 @@ class AuthoredExercise(Base):
     number: Mapped[int] = mapped_column(default=0)
     share_code: Mapped[str | None] = mapped_column(String(CODE_LENGTH), unique=True)
     in_bank: Mapped[bool] = mapped_column(default=False)
+    for_classes: Mapped[bool] = mapped_column(default=False)
+    tryout: Mapped[dict[str, Any] | None] = mapped_column(JSON)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     saved_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 

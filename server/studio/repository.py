@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from uuid import UUID
 
 from sqlalchemy import Row, delete, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, aliased
 
-from server.classes.models import ClassRole, Membership, Status
+from server.classes.models import ClassRole, Membership, SchoolClass, Status
 from server.studio.models import AuthoredExercise, ExerciseVersion
 
 
@@ -70,6 +70,29 @@ def list_published_of_staff(db: Session, class_id: UUID, module: str) -> Sequenc
         AuthoredExercise.module == module, AuthoredExercise.number > 0, AuthoredExercise.author_id.in_(teachers)
     )
     return db.execute(query.order_by(AuthoredExercise.slug)).all()
+
+
+def list_proposed(db: Session, account_id: UUID, module: str) -> Sequence[str]:
+    """Return the names of the exercises of a module that the teachers of an account's open classes propose to them."""
+    own, teaching = aliased(Membership), aliased(Membership)
+    query = (
+        select(AuthoredExercise.slug)
+        .join(teaching, teaching.account_id == AuthoredExercise.author_id)
+        .join(own, own.class_id == teaching.class_id)
+        .join(SchoolClass, SchoolClass.id == own.class_id)
+        .where(
+            own.account_id == account_id,
+            own.status == Status.active,
+            teaching.role == ClassRole.teacher,
+            teaching.status == Status.active,
+            SchoolClass.module == module,
+            SchoolClass.archived_at.is_(None),
+            AuthoredExercise.module == module,
+            AuthoredExercise.number > 0,
+            AuthoredExercise.for_classes,
+        )
+    )
+    return [slug for slug in db.execute(query.distinct().order_by(AuthoredExercise.slug)).scalars() if slug]
 
 
 def delete_abandoned(db: Session) -> None:

@@ -13,6 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.declared.declaration import MAX_PROGRAM
 from graders.core.declared.trial import TriedChange
 from graders.typography import unaccented
 from server.base.errors import Conflict, Invalid, NotFound, RateLimited
@@ -38,17 +39,22 @@ from server.studio.publication import new_code, new_slug
 
 #: The kind of the job that tries a draft; its key is the exercise's id.
 TRIAL_JOB = "trial"
+#: The kind of the job that grades a program on a draft, for its author.
+TRYOUT_JOB = "tryout"
 #: Below every submission, above regrades (see `server.submissions.queue_senders`).
 TRIAL_RANK = 5
 MAX_EXERCISES, MAX_WAITING = 300, 6
 SHARE_CODE_LENGTH = 10
 #: The actions by which an author lends an exercise, or no longer does.
-SHARE, WITHDRAW, TO_BANK, FROM_BANK = LENDING = ("partager", "ne-plus-partager", "banque", "hors-banque")
+SHARE, WITHDRAW, TO_BANK, FROM_BANK, TO_CLASSES, FROM_CLASSES = LENDING = (
+    "partager", "ne-plus-partager", "banque", "hors-banque", "classes", "hors-classes",
+)  # fmt: skip
 UNKNOWN = "Cet exercice n’est pas à vous, ou n’existe plus."
 UNKNOWN_CODE = "Aucun exercice n’a ce code : vérifiez-le avec votre collègue."
 TOO_MANY = f"Vous avez {MAX_EXERCISES} exercices : supprimez-en un avant d’en commencer un autre."
 TOO_LONG = "Cet exercice a {length} caractères en tout ; {most} au plus. Rien n’est perdu : raccourcissez-le."
 TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seconds} s. Rien n’est perdu."
+CODE_TOO_LONG = "Ce programme a {length} caractères ; {most} au plus."
 NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis reprenez l’archive."
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
 
@@ -94,16 +100,39 @@ class StudioService:
         if not self.is_trying(db, exercise):
             enqueue_trial(db, self.queue, exercise)
 
-    def is_trying(self, db: Session, exercise: AuthoredExercise) -> bool:
-        return self.queue.position(db, TRIAL_JOB, str(exercise.id)) is not None
+    def try_as_student(self, db: Session, account: Account, exercise: AuthoredExercise, code: str) -> None:
+        """Have a program graded on the draft as it was last tried; nothing of it counts.
+
+        Raises Invalid, Conflict for a draft that was not tried, or RateLimited.
+        """
+        archived_content(exercise)
+        if len(code) > MAX_PROGRAM:
+            raise Invalid(CODE_TOO_LONG.format(length=len(code), most=MAX_PROGRAM))
+        limits.take_token(db, _bucket(account), self.settings.save_bucket, TOO_FAST)
+        exercise.tryout = {"code": code}
+        db.flush()
+        if not self.is_trying(db, exercise, TRYOUT_JOB):
+            enqueue_tryout(db, self.queue, exercise)
+
+    def is_trying(self, db: Session, exercise: AuthoredExercise, kind: str = TRIAL_JOB) -> bool:
+        return self.queue.position(db, kind, str(exercise.id)) is not None
 
 
 def enqueue_trial(db: Session, queue: Queue, exercise: AuthoredExercise) -> None:
     """Enqueue the trial of an exercise. Raises RateLimited where too many of its author's wait."""
+    _enqueue(db, queue, TRIAL_JOB, exercise)
+
+
+def enqueue_tryout(db: Session, queue: Queue, exercise: AuthoredExercise) -> None:
+    """Enqueue the grading of its author's program on an exercise. Raises RateLimited where too many jobs wait."""
+    _enqueue(db, queue, TRYOUT_JOB, exercise)
+
+
+def _enqueue(db: Session, queue: Queue, kind: str, exercise: AuthoredExercise) -> None:
     flow = f"studio {exercise.author_id}"
     sender = Sender(flow, flow=flow, rank=TRIAL_RANK)
     try:
-        queue.enqueue(db, TRIAL_JOB, str(exercise.id), sender=sender, limits=BacklogLimits(MAX_WAITING, 10**6))
+        queue.enqueue(db, kind, str(exercise.id), sender=sender, limits=BacklogLimits(MAX_WAITING, 10**6))
     except QueueFullError as error:
         raise RateLimited(TOO_FAST.format(seconds=10), retry_after=10) from error
 
@@ -144,11 +173,13 @@ def delete_exercise(db: Session, exercise: AuthoredExercise) -> None:
 
 
 def lend(exercise: AuthoredExercise, action: str) -> None:
-    """Change who may copy an exercise: who has its code, or every teacher of this server once it is published."""
+    """Change who may copy an exercise, by its code or in the bank, and whether classes find it in their module."""
     if action in {SHARE, WITHDRAW}:
         exercise.share_code = (exercise.share_code or new_code(SHARE_CODE_LENGTH)) if action == SHARE else None
     elif action in {TO_BANK, FROM_BANK}:
         exercise.in_bank = action == TO_BANK and exercise.number > 0
+    elif action in {TO_CLASSES, FROM_CLASSES}:
+        exercise.for_classes = action == TO_CLASSES and exercise.number > 0
 
 
 def find_shared(db: Session, code: str) -> AuthoredExercise:
@@ -206,6 +237,13 @@ def add_cases(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> ExerciseD
         if change.case and change.case not in known and len(checks[at].cases) < MAX_CASES:
             checks[at] = replace(checks[at], cases=(*checks[at].written, CaseDraft(change.case)))
     return replace(draft, checks=tuple(checks))
+
+
+def list_own_of_module(db: Session, account: Account | None, module: str) -> Sequence[str]:
+    """Return the ids of the exercises of a module that teachers propose to the classes of an account."""
+    if account is None:
+        return ()
+    return [f"{module}/{slug}" for slug in repository.list_proposed(db, account.id, module)]
 
 
 def list_class_exercises(db: Session, school_class: SchoolClass) -> Mapping[str, str]:

@@ -14,12 +14,13 @@ from server.base.app_services import get_service
 from server.grading.grading_task import GradingInput, GradingTask
 from server.grading.sandbox_grader import SandboxGrader, SandboxPrograms
 from server.grading.trial_task import TrialTask
+from server.grading.tryout_task import TryoutTask
 from server.identity.models import Role
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
 from server.studio.authored import AuthoredExercises
 from server.studio.models import AuthoredExercise, ExerciseVersion
-from server.studio.service import TRIAL_JOB, StudioService
+from server.studio.service import TRIAL_JOB, TRYOUT_JOB, StudioService
 from server.submissions.service import GRADE
 from tests.support.classes import Person, person
 from tests.support.client import TestClient
@@ -110,6 +111,7 @@ def studio(site: Site, course_sandbox: Sandbox) -> Iterator[Studio]:
 
     tasks = {
         TRIAL_JOB: TrialTask(service.queue, partial(SandboxPrograms, course_sandbox)),
+        TRYOUT_JOB: TryoutTask(service.queue, partial(SandboxPrograms, course_sandbox)),
         GRADE: GradingTask(course, grade),
     }
     course.exercises.find_authored = AuthoredExercises(site.database, course, clock=Ticks()).find

@@ -106,7 +106,7 @@ def review_page(
 ) -> ReviewPage:
     """Build the review of a lesson, or of the last seven days."""
     school_class = access.school_class
-    progress = load_progress(db, course, school_class, now)
+    progress = load_progress(db, course, school_class, now, besides=lesson.exercises if lesson else ())
     exercises = progress.scope.exercises if lesson is None else tuple(lesson.exercises)
     since = now - WEEK if lesson is None else lesson.started_at
     until = now if lesson is None else min(now, end_of(lesson))

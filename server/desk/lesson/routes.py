@@ -147,7 +147,7 @@ class LessonWatcher:
             lesson = service.find_current_lesson(db, access.school_class.id, now)
             if lesson is None:
                 return None
-            progress = load_progress(db, self.course, access.school_class, now)
+            progress = load_progress(db, self.course, access.school_class, now, besides=lesson.exercises)
             parts = views.lesson_parts(db, progress, access.school_class, lesson)
         if self.wall:
             return views.render_wall(parts)

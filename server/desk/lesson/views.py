@@ -51,7 +51,7 @@ def lesson_page(
 ) -> LessonPage:
     """Build the page of a lesson that goes on; `refused`: the form as it was sent, with the reason."""
     school_class = access.school_class
-    progress = load_progress(db, course, school_class, now)
+    progress = load_progress(db, course, school_class, now, besides=lesson.exercises)
     return LessonPage(
         head=class_head(course, access, "/seance"),
         parts=lesson_parts(db, progress, school_class, lesson),

@@ -143,6 +143,27 @@ def download_archive(request: Request, exercise_id: str, reader: CurrentReader) 
     return Response(packed, media_type="application/zip", headers=headers)
 
 
+@router.get(f"{EXERCISE}/essayer")
+def show_tryout(request: Request, exercise_id: str, reader: CurrentReader, studio: StudioOf) -> Response:
+    """The exercise as a student sees it, before it is published: what is sent there counts nowhere."""
+    if reader.account is None:
+        return redirect_to_login(request)
+    rights.require_server_right(reader.account, Right.write_exercises)
+    exercise = service.find_own(reader.db, reader.account, exercise_id)
+    view = views.build_tryout_page(StudioReader(reader, studio), exercise)
+    return render_page(request, "studio/tryout.html", reader.account, page=view)
+
+
+@router.post(f"{EXERCISE}/essayer")
+def try_as_student(
+    exercise_id: str, account: SignedIn, reader: CurrentReader, studio: StudioOf, code: Field = ""
+) -> Response:
+    rights.require_server_right(account, Right.write_exercises)
+    exercise = service.find_own(reader.db, account, exercise_id, to_change=True)
+    studio.try_as_student(reader.db, account, exercise, code.replace("\r\n", "\n"))
+    return redirect(f"{views.exercise_path(exercise)}/essayer#verdict")
+
+
 @router.post(EXERCISE)
 def save_exercise(
     request: Request, exercise_id: str, account: SignedIn, reader: CurrentReader, studio: StudioOf, fields: FormFields

@@ -10,9 +10,11 @@ from typing import Any
 
 from markupsafe import Markup
 
+from graders.core.contract.verdict import Verdict
 from graders.core.declared.trial import TrialReport, TriedCase, TriedChange
 from server.base.app_services import app_service
 from server.course import Course
+from server.course.functions import FunctionSpec
 from server.desk.studio.forms import REASON_FIELD
 from server.studio import service
 from server.studio.drafts import CaseDraft, CheckDraft, ExerciseDraft, MistakeDraft, program_digest
@@ -21,6 +23,7 @@ from server.studio.models import AuthoredExercise
 from server.studio.service import StudioService
 from server.text.markup import Names, Source, Text
 from server.web.form_version import version_of
+from server.web.verdicts import verdict_view
 from server.web.views import Reader
 
 PATH = "/mes-exercices"
@@ -127,6 +130,29 @@ def build_edit_page(
         "share_code": exercise.share_code or "",
         "in_bank": exercise.in_bank,
         "tried": "completed" in (exercise.trial or {}),
+        "for_classes": exercise.for_classes,
+    }
+
+
+def build_tryout_page(context: StudioReader, exercise: AuthoredExercise) -> dict[str, Any]:
+    """Build the page of a draft as a student sees it, with the verdict of what its author sent there."""
+    _, content = service.archived_content(exercise)
+    declaration, tryout = content["declaration"], exercise.tryout or {}
+    signatures = content["signatures"]
+    functions = [FunctionSpec(name, signatures.get(name, name), "", "") for name in declaration["fonctions"]]
+    verdict = tryout.get("verdict")
+    return {
+        "path": exercise_path(exercise),
+        "title": content["title"],
+        "summary": content["summary"],
+        "module": _module_label(context.reader.course, exercise.module),
+        "functions": functions,
+        "statement": render_statement(context.reader.course, exercise.module, content["statement"]),
+        "hints": [hint for hint in content["hints"] if hint.strip()],
+        "code": tryout.get("code", content["starter"]),
+        "waits": context.studio.is_trying(context.reader.db, exercise, service.TRYOUT_JOB),
+        "failed": tryout.get("failed", ""),
+        "verdict": verdict_view(Verdict.from_json(verdict), "", functions=functions) if verdict else None,
     }
 
 
@@ -149,6 +175,8 @@ def build_report(context: StudioReader, exercise: AuthoredExercise) -> dict[str,
         "faults": trial.get("faults", ()),
         "number": exercise.number,
         "public": public_href(exercise),
+        "tried": "completed" in trial,
+        "for_classes": exercise.for_classes,
         "published_now": trial.get("published", False) and is_current and not trial.get("faults") and exercise.number,
         "report": None,
     }

@@ -126,7 +126,7 @@ function addRow(last) {
   const row = last.cloneNode(true);
   for (const area of row.querySelectorAll("textarea")) {
     area.name = area.name.replace(/-c-(\d+)-/, (_, number) => `-c-${Number(number) + 1}-`);
-    area.setAttribute("aria-label", area.getAttribute("aria-label").replace(/\d+/, (number) => Number(number) + 1));
+    area.setAttribute("aria-label", area.getAttribute("aria-label").replace(/\d+$/, (number) => Number(number) + 1));
     area.value = "";
   }
   last.after(row);
@@ -143,3 +143,6 @@ if (form) {
   });
   form.addEventListener("toggle", ({ target }) => target.querySelectorAll?.("textarea.code-area").forEach(grow), true);
 }
+
+// A program that is being graded: the page comes back with its verdict.
+if (document.querySelector("[data-again]")) setTimeout(() => location.reload(), LOOK_MS);
