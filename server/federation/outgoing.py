@@ -78,12 +78,13 @@ def is_url(url: str, *, insecure: bool = False) -> bool:
 
 
 def origin_of(url: str) -> str:
-    """Return scheme, host and port; an empty text for what is no address."""
+    """Return scheme, host and port, where it is not the scheme's own; an empty text for what is no address."""
     try:
         parts = urlsplit(url)
     except ValueError:
         return ""
-    return f"{parts.scheme}://{parts.netloc}".lower()
+    own_port = {"https": ":443", "http": ":80"}.get(parts.scheme, "")
+    return f"{parts.scheme}://{parts.netloc.lower().removesuffix(own_port)}"
 
 
 def is_same_site(url: str, origins: Iterable[str]) -> bool:

@@ -23,7 +23,14 @@ from server.federation import outgoing, pending, providers, repository, signing
 from server.federation.errors import OutgoingError, Refused
 from server.federation.lti import registration
 from server.federation.models import ActivityKind, IdentityProvider, PendingSignIn, Protocol, SigningKey
-from server.federation.outgoing import Outgoing, OutgoingThreads, check_url, is_allowed_address, parse_networks
+from server.federation.outgoing import (
+    Outgoing,
+    OutgoingThreads,
+    check_url,
+    is_allowed_address,
+    origin_of,
+    parse_networks,
+)
 from server.federation.remote_keys import RemoteKeys, parse_keys
 from server.federation.rule_forms import format_claims
 from tests.support.coroutines import run_apart
@@ -75,6 +82,12 @@ def test_a_network_of_the_school_is_allowed_where_it_is_named() -> None:
 def test_only_whole_https_addresses_are_asked(url: str) -> None:
     with pytest.raises(ValueError):  # noqa: PT011 — of any kind
         check_url(url)
+
+
+def test_an_origin_has_no_port_that_goes_without_saying() -> None:
+    assert origin_of("HTTPS://Moodle.example:443/x") == origin_of("https://moodle.example") == "https://moodle.example"
+    assert origin_of("https://moodle.example:80") != origin_of("https://moodle.example")
+    assert origin_of("https://[::1") == ""
 
 
 @contextmanager

@@ -135,7 +135,7 @@ async def enter(
         provider = find_active(database, provider_id)
         with database.write() as db:
             key = f"entry:{client_address(request)}"
-            limits.take_token(db, key, accounts.settings.sign_up_bucket, TOO_MANY_ENTRIES)
+            limits.take_token(db, key, accounts.settings.guest_bucket, TOO_MANY_ENTRIES)
         return provider
 
     provider = await run_in_threadpool(prepare)
