@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.app_services import app_service
+from server.base.bulk import BulkResponse
 from server.base.http import MAX_ADDRESS, client_address, local_path, session_token
 from server.base.root_path import service_url
 from server.base.settings import Settings
@@ -217,7 +218,7 @@ async def change_password(
 
 @router.get("/compte/donnees")
 def take_away(person: SignedIn, personal: PersonalDataOf) -> StreamingResponse:
-    return StreamingResponse(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
+    return BulkResponse(personal.export(person), headers=archive_headers(utc_now()), media_type="application/zip")
 
 
 @router.get("/compte/supprimer")

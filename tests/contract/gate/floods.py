@@ -296,6 +296,19 @@ def gradebook_files(attacker: Attacker) -> None:
     attacker.request("GET", path, cookie=attacker.target.teacher)
 
 
+def archives_of_copies(attacker: Attacker) -> None:
+    path = f"/classes/{attacker.target.teachers_class}/carnet/copies"
+    attacker.request("GET", path, cookie=attacker.target.teacher)
+
+
+def long_files(attacker: Attacker) -> None:
+    """The page of an attempt as long as may be, again and again."""
+    if not attacker.state.get("long"):
+        attacker.state["long"] = attacker.submit(attacker.random.choice(["#\n" * 30_000, "f'{x}'\n" * 9000]))
+        return
+    attacker.request("GET", attacker.state["long"], cookie=attacker.guest)
+
+
 def comments(attacker: Attacker) -> None:
     text = attacker.random.choice(["*_" * 5000, "[" * 5000, "`" * 5000, "$" * 5000, "> " * 5000])
     attempt = attacker.target.attempts[attacker.number % len(attacker.target.attempts)]
@@ -422,6 +435,8 @@ _ROWS = [
     Flood("colouring bombs", colouring, fast=True),
     Flood("list bombs of a teacher", list_bombs, at_once=60, fast=True),
     Flood("files of a gradebook", gradebook_files),
+    Flood("copies of a class", archives_of_copies, at_once=8),
+    Flood("long files", long_files),
     Flood("comments", comments),
     Flood("endless loops of a guest", program(_all_functions("while True: pass")), ALL, 20, fast=True),
     Flood("debug prints", program(_all_functions("for k in range(100000): print(a)", "return a[0]")), ALL, 4),
