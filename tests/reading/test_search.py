@@ -223,10 +223,10 @@ def test_no_query_takes_long() -> None:
     course = the_course()
     index = prepare(course.modules["l20"])
     worst = ("de la le les un une des du", "pr co re de in ex da ca", "calculq donnq partq rangq tournq comptq dessq")
-    index.find("robot")
+    usual = min(_seconds(index, "robot") for _ in range(5))
     for query in worst:
         best = min(_seconds(index, query) for _ in range(5))
-        assert best < 0.1, query  # 0.6 s before, 0.01 s since: whatever the machine
+        assert best < 40 * usual, query  # 200 before, 7 since, on the same machine
 
 
 def _seconds(index: Index, query: str) -> float:

@@ -198,6 +198,8 @@ class Door:
     """Seconds that a door took."""
 
     limit: Limit
+    #: Whether it waits for nothing but its own work; the board is told of at most so often, whatever it costs.
+    tells_work: bool = True
     idle: list[float] = field(default_factory=list)
     flooded: list[float] = field(default_factory=list)
     #: Seconds of processor of the web process meanwhile: a place in its queue, whatever else the machine does.
@@ -212,11 +214,11 @@ class Door:
 
     def __str__(self) -> str:
         idle, flooded = 1000 * median(self.idle), 1000 * median(self.flooded)
+        told = f"{idle:.0f} → {flooded:.0f} ms (×{flooded / idle:.1f}){'' if self.is_open else ' CLOSED'}"
+        if not self.tells_work:
+            return told
         work = 1000 * median(self.idle_work), 1000 * median(self.flooded_work)
-        return (
-            f"{idle:.0f} → {flooded:.0f} ms (×{flooded / idle:.1f}){'' if self.is_open else ' CLOSED'}"
-            f" [{work[0]:.0f} → {work[1]:.0f} ms of processor, ×{work[1] / work[0]:.1f}]"
-        )
+        return f"{told} [{work[0]:.0f} → {work[1]:.0f} ms of processor, ×{work[1] / work[0]:.1f}]"
 
 
 @dataclass
@@ -261,7 +263,7 @@ def measure(
     Where all are open at once, nothing is measured again; `idle` is what was measured before.
     """
     chosen = sorted(doors or {door for name in names for door in FLOODS[name].doors})
-    outcome = Outcome(names, {door: Door(page if door == "page" else VERDICT) for door in chosen})
+    outcome = Outcome(names, {door: Door(page if door == "page" else VERDICT, door != "board") for door in chosen})
     for number in range(rounds):
         service.clear()
         if idle is not None and not number:
