@@ -140,6 +140,7 @@ def test_the_page_names_who_is_stuck_and_on_what(site: Site, course: Course, mar
     assert len(mistakes) == 2
     assert '<strong class="mistake-count">7</strong>' in mistakes[1]
     assert f"{href}/erreurs/{EXERCISE}/{WRONG}/projeter" in mistakes[1]
+    assert f"{href}/reprise?exercice={EXERCISE.replace('/', '%2F')}&amp;eleve=" in mistakes[1], "to those who have it"
     seen = re.findall(r'name="eleve" value="([^"]+)"', text)
     assert browser.post(f"{href}/seance", data={"action": "vu", "eleve": seen[0]}).status_code == 303
     again = text_of(browser, f"{href}/seance")

@@ -152,7 +152,8 @@ class LessonWatcher:
         if self.wall:
             return views.render_wall(parts)
         may_run, may_comment = access.has(Right.run_lessons), access.has(Right.comment)
-        return views.render_parts(parts, may_run=may_run, may_comment=may_comment)
+        may_assign = access.has(Right.manage_assignments)
+        return views.render_parts(parts, may_run=may_run, may_comment=may_comment, may_assign=may_assign)
 
 
 @router.get("/classes/{class_id}/seance/evenements")

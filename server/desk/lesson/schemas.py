@@ -34,7 +34,10 @@ class StuckRow:
 
 @dataclass(frozen=True)
 class MistakeRow:
-    """A mistake of the last minutes; `names` made it, `still` of them have it; `href` leads to its page."""
+    """A mistake of the last minutes; `names` made it, `still` of them have it; `href` leads to its page.
+
+    `remedial_href` leads to the form that gives an exercise to those who have it still.
+    """
 
     title: str
     exercise: str
@@ -43,6 +46,7 @@ class MistakeRow:
     href: str
     project_href: str
     few: bool
+    remedial_href: str
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,7 @@ class LessonPage:
     started_at: datetime
     may_run: bool
     may_comment: bool
+    may_assign: bool
     stream: str
 
 

@@ -19,6 +19,7 @@ from server.board.stuck import StuckStudent
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.desk.board.links import BoardLinks, misconception_href, work_href
+from server.desk.lesson.remedial import remedial_href
 from server.desk.lesson.schemas import (
     DayExercise,
     ExerciseChoice,
@@ -59,6 +60,7 @@ def lesson_page(
         started_at=lesson.started_at,
         may_run=access.has(Right.run_lessons),
         may_comment=access.has(Right.comment),
+        may_assign=access.has(Right.manage_assignments),
         stream=f"{class_href(school_class)}/seance/evenements",
     )
 
@@ -176,6 +178,7 @@ def _mistake_row(
         href=href,
         project_href=f"{href}/projeter",
         few=not mistake.may_be_projected,
+        remedial_href=remedial_href(links.href, mistake.exercise, sorted(mistake.still)),
     )
 
 
@@ -188,13 +191,13 @@ def _day_exercises(links: BoardLinks, state: LessonState) -> tuple[DayExercise, 
     )
 
 
-def render_parts(parts: LessonParts, *, may_run: bool, may_comment: bool) -> Mapping[str, str]:
+def render_parts(parts: LessonParts, *, may_run: bool, may_comment: bool, may_assign: bool) -> Mapping[str, str]:
     """Render each part of the page that its stream replaces."""
     macros: Any = jinja_environment().get_template("classes/lesson_parts.html").module
     return {
         "days": str(macros.days(parts)),
         "stuck": str(macros.stuck(parts, may_run, may_comment)),
-        "mistakes": str(macros.mistakes(parts)),
+        "mistakes": str(macros.mistakes(parts, may_assign)),
         "finished": str(macros.finished(parts)),
     }
 
