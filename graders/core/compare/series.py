@@ -188,13 +188,21 @@ def _steps(series: Series) -> Iterator[str]:
         return
     got = np.array(series.unrounded or series.got, dtype=float)
     right = np.array(series.right, dtype=float)
-    given = np.array([x for call in series.calls for x in call if isinstance(x, float)])
     for step in (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.01):
-        off, right_off, given_off = (np.abs(values / step - np.round(values / step)) for values in (got, right, given))
-        is_own = off.max() < EXACT and given_off.max(initial=0.0) > EXACT  # and not that of the arguments
-        if is_own and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
+        off, right_off = (np.abs(values / step - np.round(values / step)) for values in (got, right))
+        if off.max() < EXACT and (right_off > 0.01).sum() >= MANY and len(np.unique(got)) >= MANY:
+            if any(_has_step(series, index, step) for index in range(len(series.names))):
+                return
             yield f"est toujours un multiple de {number(step)}, ce que n’est pas ce qui est attendu"
             return
+
+
+def _has_step(series: Series, index: int, step: float) -> bool:
+    """Whether an argument, which is no whole number in all calls, is a multiple of this step in each."""
+    values = [call[index] for call in series.calls if index < len(call) and isinstance(call[index], float)]
+    given = np.array(values)
+    is_multiple = bool(np.all(np.abs(given / step - np.round(given / step)) < EXACT))
+    return given.size > 0 and is_multiple and not np.array_equal(given, np.round(given))
 
 
 def _lines(series: Series) -> Iterator[str]:

@@ -52,7 +52,7 @@ def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
     words = "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
     assert told(got, right, [(float(x) + 0.1,) for x in right])[0] == words
-    assert told(got, right) == []  # the arguments are multiples too
+    assert told(got, right, [(k + 0.5, 12.3) for k in range(5)]) == []  # as an argument is
 
 
 def test_what_does_not_hold_in_every_call_is_not_told() -> None:
