@@ -16,13 +16,16 @@ MAX_VARIATIONS, VARIATION_SEED = 80, 1000
 
 
 def vary_cases(check: DeclaredCheck) -> list[Scenario]:
-    """Return cases beside those of a check: other drawn ones, then the written ones with one argument changed."""
+    """Return cases beside those of a check: other drawn ones, then the written ones with one argument changed.
+
+    The first change of each written case comes before the second one of any.
+    """
     drawn = check.drawn.draw(stream(VARIATION_SEED, check.id)) if check.drawn else ()
     seen = {case.text() for case in check.cases}
-    nearby = itertools.chain((each.scenario for each in drawn), *zip(*map(_vary, check.cases), strict=False))
-    near = itertools.chain(nearby, itertools.chain.from_iterable(map(_vary, check.cases)))
+    ranks = itertools.zip_longest(*map(_vary, check.cases))
+    changed = (scenario for rank in ranks for scenario in rank if scenario is not None)
     chosen: dict[str, Scenario] = {}
-    for scenario in itertools.islice(near, 4 * MAX_VARIATIONS):
+    for scenario in itertools.islice(itertools.chain((each.scenario for each in drawn), changed), 4 * MAX_VARIATIONS):
         if scenario.text() not in seen and len(chosen) < MAX_VARIATIONS:
             chosen.setdefault(scenario.text(), scenario)
     return list(chosen.values())

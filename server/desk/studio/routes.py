@@ -181,7 +181,8 @@ def save_exercise(
     context = StudioReader(reader, studio)
     try:
         draft = _with_proposals(action, typed, exercise)
-        studio.save(reader.db, account, exercise, draft, publish=action == "publier")
+        publishes = action == "publier" or (action == "cas" and bool((exercise.trial or {}).get("faults")))
+        studio.save(reader.db, account, exercise, draft, publish=publishes)
     except Invalid as refused:
         roll_back_then_read(reader.db)
         exercise = service.find_own(reader.db, account, exercise_id)
