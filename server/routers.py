@@ -35,6 +35,7 @@ from server.health.routes import router as health_router
 from server.offline.routes import router as offline_router
 from server.pages.accessibility import router as accessibility_router
 from server.pages.accounts import router as accounts_router
+from server.pages.administration import router as administration_router
 from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
@@ -74,6 +75,7 @@ ROUTERS = (
     notebook_router,
     hunts_router,
     two_minutes_router,
+    administration_router,
     calendar_router,
     accessibility_router,
     platforms_router,

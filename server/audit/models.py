@@ -62,6 +62,19 @@ class AuditAction(StrEnum):
     course_tied = "course_tied"
     course_untied = "course_untied"
     marks_resent = "marks_resent"
+    account_created = "account_created"
+    invitation_made = "invitation_made"
+    password_link_made = "password_link_made"
+    role_changed = "role_changed"
+    account_disabled = "account_disabled"
+    account_enabled = "account_enabled"
+    access_revoked = "access_revoked"
+    accounts_purged = "accounts_purged"
+    guests_purged = "guests_purged"
+    submissions_requeued = "submissions_requeued"
+    standings_rebuilt = "standings_rebuilt"
+    backup_restored = "backup_restored"
+    database_moved = "database_moved"
 
 
 ACTION_LABELS: Mapping[AuditAction, str] = {
@@ -110,6 +123,19 @@ ACTION_LABELS: Mapping[AuditAction, str] = {
     AuditAction.course_tied: "cours d’une plateforme lié",
     AuditAction.course_untied: "cours d’une plateforme délié",
     AuditAction.marks_resent: "notes envoyées de nouveau à une plateforme",
+    AuditAction.account_created: "compte créé",
+    AuditAction.invitation_made: "lien d’invitation créé",
+    AuditAction.password_link_made: "lien vers un mot de passe créé",
+    AuditAction.role_changed: "rôle d’un compte changé",
+    AuditAction.account_disabled: "compte suspendu",
+    AuditAction.account_enabled: "compte rétabli",
+    AuditAction.access_revoked: "sessions ou jetons révoqués",
+    AuditAction.accounts_purged: "comptes périmés effacés",
+    AuditAction.guests_purged: "invités sans travail effacés",
+    AuditAction.submissions_requeued: "essais remis à corriger",
+    AuditAction.standings_rebuilt: "bilans refaits",
+    AuditAction.backup_restored: "sauvegarde restaurée",
+    AuditAction.database_moved: "données copiées d’une autre base",
 }
 
 #: Actions on one student, or on all students with a label.
@@ -132,6 +158,32 @@ STUDENT_ACTIONS = frozenset(
         AuditAction.state_decided,
         AuditAction.decision_withdrawn,
         AuditAction.column_mark_changed,
+    }
+)
+
+
+#: Actions of administrators: of no class.
+SERVER_ACTIONS = frozenset(
+    {
+        AuditAction.platform_added,
+        AuditAction.platform_changed,
+        AuditAction.platform_paused,
+        AuditAction.platform_resumed,
+        AuditAction.platform_removed,
+        AuditAction.platform_link_made,
+        AuditAction.account_created,
+        AuditAction.invitation_made,
+        AuditAction.password_link_made,
+        AuditAction.role_changed,
+        AuditAction.account_disabled,
+        AuditAction.account_enabled,
+        AuditAction.access_revoked,
+        AuditAction.accounts_purged,
+        AuditAction.guests_purged,
+        AuditAction.submissions_requeued,
+        AuditAction.standings_rebuilt,
+        AuditAction.backup_restored,
+        AuditAction.database_moved,
     }
 )
 

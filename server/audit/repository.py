@@ -83,16 +83,26 @@ def _with_class() -> Any:
     return query.order_by(AuditEvent.at, AuditEvent.id)
 
 
-def load_server_events(db: Session, limit: int) -> Sequence[tuple[AuditEvent, str | None]]:
-    """Load the newest events of the server, each with the name of its author."""
+def load_server_entries(db: Session, *, limit: int, offset: int = 0) -> Sequence[AuditEntry]:
+    """Load the entries of no class, an administrator's, newest first, with the names of who and about whom."""
+    author, subject = aliased(Account), aliased(Account)
     query = (
-        select(AuditEvent, Account.name)
-        .outerjoin(Account, Account.id == AuditEvent.by)
+        select(AuditEvent, author.id, author.name, subject.id, subject.name)
+        .outerjoin(author, author.id == AuditEvent.by)
+        .outerjoin(subject, subject.id == AuditEvent.student)
         .where(AuditEvent.class_id.is_(None))
         .order_by(AuditEvent.at.desc(), AuditEvent.id.desc())
         .limit(limit)
+        .offset(offset)
     )
-    return [(row[0], row[1]) for row in db.execute(query)]
+    return [
+        _entry(event, _person(by, by_name, None, None), _person(about, about_name, None, None))
+        for event, by, by_name, about, about_name in db.execute(query)
+    ]
+
+
+def count_server_entries(db: Session) -> int:
+    return db.execute(select(func.count()).select_from(AuditEvent).where(AuditEvent.class_id.is_(None))).scalar_one()
 
 
 def move_events(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -52,6 +52,11 @@ FIELDS: Mapping[str, str] = {
     "question": "question",
     "attempts": "essais",
     "marks": "notes saisies",
+    "accounts": "comptes",
+    "accesses": "accès",
+    "corrected": "lignes corrigées",
+    "rows": "lignes",
+    "made_at": "faite le",
 }
 SHOWN = {"usual": "comme d’habitude", "after_due": "après la date de rendu", "after_close": "après la fermeture",
          "never": "jamais"}  # fmt: skip
@@ -65,7 +70,7 @@ VALUES: Mapping[str, Mapping[str, str]] = {
     "hints": SHOWN,
     "diagnosis": SHOWN,
     "solution": SHOWN,
-    "role": {"student": "élève", "assistant": "assistant", "teacher": "enseignant"},
+    "role": {"student": "élève", "assistant": "assistant", "teacher": "enseignant", "administrator": "administrateur"},
 }
 FormatDate = Callable[[datetime], str]
 

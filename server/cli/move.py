@@ -10,10 +10,12 @@ from pathlib import Path
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
+from server.audit.models import AuditAction
 from server.backup.archive import BackupError
 from server.backup.move import move_rows
 from server.base.settings import Settings
 from server.cli import CannotRun
+from server.cli.admin import journal
 from server.cli.configuration import read_settings
 from server.cli.data_lock import exclusive_data_folder
 from server.cli.database import in_words, require_database
@@ -40,9 +42,10 @@ def run(arguments: Namespace) -> int:
             closing(Database(new.url)) as target,
         ):
             moved = move_rows(source, target, metadata.sorted_tables, progress)
+            rows = sum(table.rows for table in moved.values())
+            journal.record_now(target, AuditAction.database_moved, after={"rows": rows})
     except BackupError as error:
         raise CannotRun(str(error)) from error
-    rows = sum(table.rows for table in moved.values())
     if arguments.json:
         print(json.dumps({"rows": rows, "tables": {name: table.rows for name, table in moved.items()}}))
     else:

@@ -57,6 +57,8 @@ def admin(parser: argparse.ArgumentParser) -> None:
     _accounts(action)
     _access(action)
     _upkeep(action)
+    log = action("log", "liste ce que les administrateurs ont fait, du plus récent au plus ancien")
+    log.add_argument("--most", type=positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
 
 
 def _accounts(action: Actions) -> None:

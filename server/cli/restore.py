@@ -2,17 +2,21 @@
 
 import sys
 from argparse import Namespace
+from contextlib import closing
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from server.audit.models import AuditAction
 from server.backup import service
-from server.backup.archive import BackupError
+from server.backup.archive import BackupError, Manifest
+from server.base.settings import Settings
 from server.cli import CannotRun
+from server.cli.admin import journal
 from server.cli.backup import show
 from server.cli.configuration import read_settings
 from server.cli.data_lock import exclusive_data_folder
-from server.database import utc_now
-from server.database.migrate import WrongSchema
+from server.database import Database, utc_now
+from server.database.migrate import WrongSchema, require_current
 from server.tables import metadata
 
 
@@ -26,6 +30,7 @@ def run(arguments: Namespace) -> int:
             manifest, kept = service.restore(
                 settings, arguments.file, metadata.sorted_tables, replace=arguments.replace, now=utc_now()
             )
+            _record(settings, manifest)
     except (BackupError, WrongSchema) as error:
         raise CannotRun(str(error)) from error
     except SQLAlchemyError as error:
@@ -34,3 +39,13 @@ def run(arguments: Namespace) -> int:
     if kept is not None:
         print(f"Ce qui s’y trouvait est gardé dans {kept}.", file=sys.stderr)
     return 0
+
+
+def _record(settings: Settings, manifest: Manifest) -> None:
+    """Record the restoration in the restored audit log, unless that is of an older schema, which `serve` upgrades."""
+    with closing(Database(settings.url)) as database:
+        try:
+            require_current(database.engine)
+        except WrongSchema:
+            return
+        journal.record_now(database, AuditAction.backup_restored, after={"made_at": manifest.made_at})

@@ -13,6 +13,7 @@ import pytest
 from sqlalchemy import delete, select, update
 
 from graders.core.contract.outcomes import Outcome
+from server.audit.models import AuditAction
 from server.cli import main
 from server.cli.admin import ACTIONS
 from server.database import Database, utc_now
@@ -22,6 +23,7 @@ from server.identity.models import Account, BrowserSession, Role
 from server.polls.models import PollAnswer
 from server.queue.models import Job
 from server.submissions.models import Submission
+from tests.support.classes import person
 from tests.support.service import Site, new_account
 
 PASSWORD = "notes sur la machine"
@@ -185,6 +187,7 @@ def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFi
         ("create", "bob", "--name", "Bob"), ("invite",), ("reset-link", "ada"), ("role", "ada", "teacher"),
         ("disable", "ada"), ("enable", "ada"), ("accounts",), ("sessions", "ada"), ("tokens", "ada"),
         ("revoke", "ada", "--all"), ("standings",), ("purge-guests", "--days", "0"), ("requeue",),
+        ("log",),
     ]  # fmt: skip
     assert {name for name, *_ in actions} == ACTIONS.keys() - {"purge", "erase"}, (
         "which have their tests with what it erases"
@@ -194,3 +197,60 @@ def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFi
         said = capsys.readouterr().out
         assert re.search(r"\w", said)
         assert "{" not in said
+
+
+#: A run of each action, after the ones before it; None for those that change nothing.
+RECORDED: dict[str, tuple[tuple[str, ...], AuditAction | None]] = {
+    "create": (("bob", "--name", "Bob"), AuditAction.account_created),
+    "accounts": ((), None),
+    "disable": (("bob",), AuditAction.account_disabled),
+    "enable": (("bob",), AuditAction.account_enabled),
+    "invite": ((), AuditAction.invitation_made),
+    "reset-link": (("bob",), AuditAction.password_link_made),
+    "role": (("bob", "teacher"), AuditAction.role_changed),
+    "revoke": (("bob", "--all"), AuditAction.access_revoked),
+    "sessions": (("bob",), None),
+    "tokens": (("bob",), None),
+    "standings": ((), AuditAction.standings_rebuilt),
+    "requeue": ((), AuditAction.submissions_requeued),
+    "purge": (("--yes",), AuditAction.accounts_purged),
+    "purge-guests": (("--yes",), AuditAction.guests_purged),
+    "erase": (("ada", "--yes"), AuditAction.erasure_requested),
+    "log": ((), None),
+}
+
+
+def test_the_log_has_every_action_that_changes_something(
+    site: Site, admin: Admin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BALISE_SILENT_DAYS", "400")
+    admin("create", "ada", "--name", "Ada")
+    assert set(RECORDED) == set(ACTIONS)
+    for action, (arguments, _) in RECORDED.items():
+        assert "refused" not in admin(action, *arguments), action
+    logged = admin("log")
+    expected = [AuditAction.account_created]
+    expected += [recorded for _, recorded in RECORDED.values() if recorded is not None]
+    assert [AuditAction(event["action"]) for event in logged["actions"]] == expected[::-1]
+    assert logged["total"] == len(expected)
+    role = next(event for event in logged["actions"] if event["action"] == "role_changed")
+    assert (role["before"], role["after"]) == ({"role": "student"}, {"role": "teacher"})
+    assert role["about"].startswith("ligne de commande, utilisateur ")
+
+
+def test_what_only_tells_leaves_no_line_in_the_log(site: Site, admin: Admin) -> None:
+    admin("create", "ada", "--name", "Ada")
+    admin("erase", "ada")
+    admin("purge-guests")
+    assert admin("disable", "nobody")["refused"]
+    assert admin("log")["total"] == 1
+
+
+def test_administrators_read_the_log_on_a_page(site: Site, admin: Admin) -> None:
+    admin("create", "bob", "--name", "Bob le Bref", "--role", "teacher")
+    administrator = person(site, Role.administrator, "Ada")
+    page = administrator.browser(site).get("/administration/journal").text
+    assert "compte créé" in page
+    assert "Bob le Bref" in page
+    assert "enseignant" in page
+    assert person(site, Role.teacher, "Prof").browser(site).get("/administration/journal").status_code == 403

@@ -3,10 +3,12 @@
 from argparse import Namespace
 from datetime import datetime
 
+from server.audit.models import AuditAction
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.cli import CannotRun
+from server.cli.admin import journal
 from server.cli.admin.answer import Answer, told, who
 from server.database import Database
 from server.identity import administration, links, repository, tokens
@@ -59,6 +61,7 @@ def revoke(database: Database, _settings: Settings, arguments: Namespace) -> Ans
                     tokens.revoke_token(db, account, parse_uuid(name, missing))
                 except NotFound as error:
                     raise NotFound(missing) from error
+        journal.record(db, AuditAction.access_revoked, account, after={"accesses": count})
     return Answer([f"{who(account)} : {plural(count, 'accès révoqué', 'accès révoqués')}."], {"revoked": count})
 
 

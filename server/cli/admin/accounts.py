@@ -3,7 +3,9 @@
 from argparse import Namespace
 from datetime import timedelta
 
+from server.audit.models import AuditAction
 from server.base.settings import Settings
+from server.cli.admin import journal
 from server.cli.admin.answer import ROLES, Answer, told, who
 from server.database import Database
 from server.identity import administration, links, repository
@@ -18,6 +20,7 @@ def create(database: Database, settings: Settings, arguments: Namespace) -> Answ
     with database.write() as db:
         account = administration.create_account(db, arguments.login, arguments.name, Role(arguments.role))
         token = links.create_password_link(db, account, timedelta(days=days))
+        journal.record(db, AuditAction.account_created, account, after={"role": account.role})
     first = f"Compte créé : {who(account)}, {ROLES[account.role]}. Son premier mot de passe se choisit par ce lien, qui"
     return _link(f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, told(account))
 
@@ -25,6 +28,7 @@ def create(database: Database, settings: Settings, arguments: Namespace) -> Answ
 def reset_link(database: Database, settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account, token = links.create_reset_link(db, arguments.login, settings)
+        journal.record(db, AuditAction.password_link_made, account)
     hours = plural(settings.password_link_hours, "heure")
     line = f"Pour {who(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
     return _link(line, token, arguments, told(account))
@@ -35,6 +39,7 @@ def invite(database: Database, settings: Settings, arguments: Namespace) -> Answ
     role = Role(arguments.role)
     with database.write() as db:
         token = links.invite(db, role, timedelta(days=days))
+        journal.record(db, AuditAction.invitation_made, after={"role": role})
     line = f"Ce lien ouvre un compte d’{ROLES[role]} ; il ne sert qu’une fois, et pendant {plural(days, 'jour')}."
     return _link(line, token, arguments, {"role": role}, page="bienvenue")
 
@@ -49,7 +54,9 @@ def _link(
 def role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
+        before = account.role
         administration.change_role(db, account, Role(arguments.role))
+        journal.record(db, AuditAction.role_changed, account, before={"role": before}, after={"role": account.role})
     return Answer([f"{who(account)} : {ROLES[account.role]}."], told(account))
 
 
@@ -57,6 +64,7 @@ def disable(database: Database, _settings: Settings, arguments: Namespace) -> An
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
         administration.disable(db, account)
+        journal.record(db, AuditAction.account_disabled, account)
     line = f"{who(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
     return Answer([line], told(account))
 
@@ -65,6 +73,7 @@ def enable(database: Database, _settings: Settings, arguments: Namespace) -> Ans
     with database.write() as db:
         account = links.find_account_by_login(db, arguments.login)
         administration.enable(account)
+        journal.record(db, AuditAction.account_enabled, account)
     return Answer([f"{who(account)} : rétabli, avec le mot de passe qu’il avait."], told(account))
 
 

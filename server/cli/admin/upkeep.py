@@ -3,8 +3,10 @@
 from argparse import Namespace
 from datetime import timedelta
 
+from server.audit.models import AuditAction
 from server.base.settings import Settings
 from server.cli import CannotRun
+from server.cli.admin import journal
 from server.cli.admin.answer import Answer, told, who
 from server.course import Course
 from server.database import Database, utc_now
@@ -21,6 +23,7 @@ from server.web.words import plural
 
 def standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
     total, changed = gradebook.rebuild_all_standings(database)
+    journal.record_now(database, AuditAction.standings_rebuilt, after={"corrected": changed})
     corrected = plural(changed, "ligne corrigée", "lignes corrigées")
     line = f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout."
     return Answer([line], {"standings": total, "changed": changed})
@@ -32,6 +35,8 @@ def purge(database: Database, settings: Settings, arguments: Namespace) -> Answe
         raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
     personal = _personal(database, settings)
     found = personal.erase_expired_students(utc_now()) if arguments.yes else personal.find_expired_students(utc_now())
+    if arguments.yes:
+        journal.record_now(database, AuditAction.accounts_purged, after={"accounts": len(found)})
     more = len(found) == PURGE_BATCH
     end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
     lines = [*(f"  {who(account)}" for account in found), f"{end}{' ; recommencez pour la suite' if more else ''}."]
@@ -53,6 +58,7 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
     if arguments.cancel:
         with database.write() as db:
             erasures.cancel_erasure(db, account, None, account)
+            journal.record(db, AuditAction.erasure_cancelled, account)
         return Answer([f"{person} : effacement annulé."], {**told(account), "cancelled": True})
     counts = [
         plural(shown.attempts, "essai"),
@@ -62,6 +68,8 @@ def erase(database: Database, settings: Settings, arguments: Namespace) -> Answe
         plural(shown.classes, "classe"),
     ]
     lines = [f"{person} : {', '.join(counts)}. Restent le journal des classes, sans son nom, et les sauvegardes."]
+    if arguments.yes:
+        journal.record_now(database, AuditAction.erasure_requested, account, after={"attempts": shown.attempts})
     done = arguments.yes and _personal(database, settings).erase_on_request(account.id)
     if shown.tests:
         when = f"à leur publication, et au plus tard dans {plural(settings.erasure_days, 'jour')}"
@@ -76,6 +84,8 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
     personal = _personal(database, settings)
     before = utc_now() - timedelta(days=arguments.days)
     count = personal.erase_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)
+    if arguments.yes:
+        journal.record_now(database, AuditAction.guests_purged, after={"accounts": count})
     done = "effacé" if arguments.yes else "à effacer, avec --yes"
     many = "effacés" if arguments.yes else done
     kind = plural(count, f"invité sans travail {done}", f"invités sans travail {many}")
@@ -88,6 +98,7 @@ def requeue(database: Database, settings: Settings, arguments: Namespace) -> Ans
     # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
     submissions = Submissions(settings, TableQueue(NullNotifier()))
     found = requeuing.requeue(database, submissions, failed=arguments.failed, names=arguments.submissions)
+    journal.record_now(database, AuditAction.submissions_requeued, after={"attempts": len(found)})
     line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
 

@@ -12,7 +12,7 @@ from fastapi.responses import Response, StreamingResponse
 
 from server.audit import repository
 from server.audit import service as audit
-from server.audit.models import ACTION_LABELS, AuditAction
+from server.audit.models import ACTION_LABELS, SERVER_ACTIONS, AuditAction
 from server.audit.schemas import AuditEntry, AuditFilter
 from server.audit.wording import describe_changes
 from server.base.bulk import BulkResponse
@@ -81,7 +81,11 @@ def _log_page(db: Db, course: Course, access: ClassAccess, filter: AuditFilter, 
         students=tuple(
             GradebookOption(str(student.id), student.name, student.id == filter.student) for student in students
         ),
-        kinds=tuple(GradebookOption(kind, label, kind == filter.what) for kind, label in ACTION_LABELS.items()),
+        kinds=tuple(
+            GradebookOption(kind, label, kind == filter.what)
+            for kind, label in ACTION_LABELS.items()
+            if kind not in SERVER_ACTIONS
+        ),
         newer=address(page_number - 1) if page_number > 1 else "",
         older=address(page_number + 1) if offset + len(entries) < total else "",
         file_query=urlencode(query),

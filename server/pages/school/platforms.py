@@ -13,8 +13,6 @@ from pydantic import BaseModel
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
-from server.audit import repository as audit
-from server.audit.models import ACTION_LABELS
 from server.base.errors import Invalid, InvalidFields, ServiceError
 from server.base.http import LTI_BEGIN_PATH, LTI_LAUNCH_PATH
 from server.base.root_path import service_url
@@ -41,7 +39,6 @@ from server.web.rendering import render_page
 router = APIRouter(include_in_schema=False)
 
 LIST_PATH, PLATFORM_PATH = "/administration/plateformes", "/administration/plateforme/{provider_id}"
-LOG_LINES = 30
 ACTIVITY_LABELS: Mapping[str, str] = {
     ActivityKind.registration: "inscription",
     ActivityKind.sign_in: "entrée d’une personne",
@@ -106,8 +103,6 @@ def list_platforms(request: Request, account: OptionalAccount, database: Databas
             latest=_latest(db, rows),
             labels=ACTIVITY_LABELS,
             protocols=PROTOCOLS,
-            events=audit.load_server_events(db, LOG_LINES),
-            actions=ACTION_LABELS,
             missing="" if is_installed() else MISSING,
         )
 

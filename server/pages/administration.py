@@ -1,0 +1,42 @@
+"""The log of administrators' actions, for administrators."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
+
+from server.audit import repository
+from server.audit.wording import describe_changes
+from server.base.errors import Forbidden
+from server.web.dependencies import CurrentReader
+from server.web.forms import redirect_to_login
+from server.web.rendering import render_page
+from server.web.words import short_moment
+
+router = APIRouter(include_in_schema=False)
+
+LOG_PATH = "/administration/journal"
+ENTRIES_PER_PAGE = 30
+MAX_PAGE = 10**6
+ADMINISTRATORS = "Ce journal est celui des administrateurs de ce serveur."
+
+
+@router.get(LOG_PATH)
+def show_log(
+    request: Request, reader: CurrentReader, number: Annotated[int, Query(alias="page", ge=1, le=MAX_PAGE)] = 1
+) -> Response:
+    if reader.account is None:
+        return redirect_to_login(request)
+    if not reader.account.is_administrator:
+        raise Forbidden(ADMINISTRATORS)
+    skipped = (number - 1) * ENTRIES_PER_PAGE
+    entries = repository.load_server_entries(reader.db, limit=ENTRIES_PER_PAGE + 1, offset=skipped)
+    page: dict[str, Any] = {
+        "entries": [
+            (entry, describe_changes(entry.before, entry.after, short_moment)) for entry in entries[:ENTRIES_PER_PAGE]
+        ],
+        "path": LOG_PATH,
+        "number": number,
+        "more": len(entries) > ENTRIES_PER_PAGE,
+    }
+    return render_page(request, "administration/log.html", reader.account, page=page)
