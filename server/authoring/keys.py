@@ -79,6 +79,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "title": Key("pour qui il est", '"En terminale"'),
         "summary": Key("une phrase : par où il passe", '"Les séances 1 et 2, sans les démonstrations."'),
         "page": Key("nom de la page qui le décrit", '"chemins"'),
+        "exercises": Key("ses exercices, dans son ordre", '["odometrie", "lidar"]'),
     },
     TermEntry: {
         "id": Key("nom, pour les liens `[pose](terme:pose)`", '"pose"'),

@@ -219,11 +219,12 @@ class Drawing:
 
 @dataclass(frozen=True)
 class ReadingPath:
-    """A way through a module for some of its readers; `page` is a lesson's slug, and a label in it (`chemins#s-un`)."""
+    """A way for some readers: `page` is a lesson's slug and a label in it (`chemins#s-un`), `exercises` are slugs."""
 
     title: str
     summary: str
     page: str
+    exercises: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

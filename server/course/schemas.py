@@ -28,11 +28,15 @@ class Strict(BaseModel):
 
 
 class PathEntry(Strict):
-    """A way through a module for some of its readers: `page` is the slug of the lesson that says it, with its label."""
+    """A way through a module for some of its readers: `page` is the slug of the lesson that says it, with its label.
+
+    `exercises` are the slugs of its exercises, in its order.
+    """
 
     title: PlainText
     summary: PlainText
     page: Text
+    exercises: list[Text] = []
 
 
 class ModuleFile(Strict):

@@ -157,7 +157,7 @@ def _load_module(
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
         files=MappingProxyType(library.files),
-        paths=tuple(ReadingPath(entry.title, entry.summary, entry.page) for entry in card.paths),
+        paths=tuple(ReadingPath(way.title, way.summary, way.page, tuple(way.exercises)) for way in card.paths),
         names=library.names,
         folder=path,
     )
@@ -197,6 +197,10 @@ def _module_file_problems(path: Path, card: ModuleFile, library: Library, *, for
         if library.names().pages.get(course_path.page.partition("#")[0]) is None:
             message = f"« page » : page inconnue « {course_path.page} »"
             yield Problem(path, line_of(source, ("paths", number, "page")), message)
+        for place, slug in enumerate(course_path.exercises):
+            if not (path.parent / "exercices" / slug).is_dir():
+                line = line_of(source, ("paths", number, "exercises", place))
+                yield Problem(path, line, f"« exercises » : exercice inconnu « {slug} »")
     for number, reference in enumerate(card.references):
         line = line_of(source, ("references", number))
         yield from problems_of(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)

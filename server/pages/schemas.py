@@ -17,11 +17,12 @@ from server.web.schemas import ModuleLink, OwnProgress, SolutionSwitchView, Verd
 
 @dataclass(frozen=True)
 class NextStep:
-    """The next thing to do in a module; `verb` is the label of its button."""
+    """The next thing to do in a module; `verb` is the label of its button, `path` the chosen path that says so."""
 
     href: str
     verb: str
     title: str
+    path: str = ""
 
 
 @dataclass(frozen=True)

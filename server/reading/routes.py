@@ -6,7 +6,7 @@ from dataclasses import asdict
 from http import HTTPStatus
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Depends, Form, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root_path
@@ -17,13 +17,16 @@ from server.base.turns import out_of_turn
 from server.base.validation import CutAt
 from server.course.dependencies import CourseOf
 from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
+from server.database.dependencies import Db
 from server.figures.dependencies import FiguresOf
 from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.gradebook.dependencies import SolutionToggle
+from server.identity.dependencies import BrowserAccount
 from server.polls import service as polls
 from server.reading import search, service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
+from server.recall import paths
 from server.web.dependencies import CurrentReader
 from server.web.rendering import render_page, with_etag
 from server.web.views import find_module, lesson_href
@@ -41,6 +44,15 @@ router = APIRouter(include_in_schema=False)
 def course_home(request: Request, module: str, reader: CurrentReader) -> HTMLResponse:
     course_module = find_module(reader.course, module)
     return render_page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
+
+
+@router.post("/{module:module}/chemin")
+def choose_path(
+    module: str, course: CourseOf, account: BrowserAccount, db: Db, chemin: Annotated[str, Form(max_length=200)] = ""
+) -> RedirectResponse:
+    """Store the path that the reader takes, which decides of their next exercises; none where it is empty."""
+    paths.save_path(db, account.id, find_module(course, module), chemin)
+    return RedirectResponse(f"/{module}", HTTPStatus.SEE_OTHER)
 
 
 @router.get("/{module:module}/lire/{slug}", dependencies=[Depends(render_lesson)])

@@ -62,11 +62,13 @@ class Shelf:
 
 @dataclass(frozen=True)
 class PathView:
-    """A way through the module, and the place where it is said."""
+    """A way through the module, and the place where it is said; `name` stores it, empty where it cannot be chosen."""
 
     title: str
     summary: str
     href: str
+    name: str = ""
+    is_chosen: bool = False
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.kinds import KINDS, SEANCE
-from server.course.models import Heading, Lesson, Term
+from server.course.models import Heading, Lesson, ReadingPath, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.polls import service as polls
@@ -36,6 +36,7 @@ from server.reading.schemas import (
     Shelf,
     TermView,
 )
+from server.recall import paths
 from server.sandbox.exceptions import USUAL_ERRORS
 from server.studio import service as studio
 from server.text.lines import tidy_line
@@ -73,7 +74,9 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.due_soon(reader.db, reader.account, progress, module.slug)
-    view = home_view(module, progress, due, {edition.number: f"/{edition.slug}" for edition in reader.course.latest})
+    choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
+    others = {edition.number: f"/{edition.slug}" for edition in reader.course.latest}
+    view = home_view(module, progress, due, others, paths.find_path(module, choices))
     names = studio.list_own_of_module(reader.db, reader.account, module.slug)
     found = [exercise for name in names if (exercise := reader.course.exercises.get(name)) is not None]
     proposed = tuple(_rows_by_slug(found, progress).values())
@@ -81,11 +84,15 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
 
 
 def home_view(
-    module: Module, progress: Mapping[str, ExerciseProgress], due: tuple[DueView, ...], others: Mapping[str, str]
+    module: Module,
+    progress: Mapping[str, ExerciseProgress],
+    due: tuple[DueView, ...],
+    others: Mapping[str, str],
+    chosen: ReadingPath | None = None,
 ) -> CourseHome:
     """A module's page for one who stands there in its exercises, and has that to hand in.
 
-    `others` are the addresses of modules, by their numbers.
+    `others` are the addresses of modules, by their numbers; `chosen` is the reader's path.
     """
     rows = _rows_by_slug(exercises_in_reading_order(module), progress)
     way = lessons_in_reading_order(module)
@@ -112,9 +119,12 @@ def home_view(
         around=tuple(NeighbourView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
         references=tuple(Markup(line(reference, module.names)) for reference in module.references),
-        paths=tuple(PathView(path.title, path.summary, f"/{module.slug}/lire/{path.page}") for path in module.paths),
+        paths=tuple(_path_view(module, way, chosen) for way in module.paths),
         start=_lesson_link(way[0]) if way else None,
-        resumed=next_exercise(tuple(rows.values())),
+        resumed=next_exercise(
+            [rows[exercise.slug] for exercise in paths.order_exercises(chosen, exercises_in_reading_order(module))],
+            begun=any(row.own.attempts for row in rows.values()),
+        ),
         sessions=sessions,
         shelves=tuple(_shelves(way)),
         exercises=tuple(row for row in left if not row.stars),
@@ -125,6 +135,11 @@ def home_view(
         total=len(rows),
         due=due,
     )
+
+
+def _path_view(module: Module, way: ReadingPath, chosen: ReadingPath | None) -> PathView:
+    href = f"/{module.slug}/lire/{way.page}"
+    return PathView(way.title, way.summary, href, way.page if way.exercises else "", way is chosen)
 
 
 def _rows_by_slug(exercises: Sequence[Exercise], progress: Mapping[str, ExerciseProgress]) -> dict[str, ExerciseRow]:

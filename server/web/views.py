@@ -92,9 +92,12 @@ def lessons_in_reading_order(module: Module) -> tuple[Lesson, ...]:
     return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
-def next_exercise(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
-    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try."""
-    if not any(row.own.attempts for row in rows):
+def next_exercise(rows: Sequence[ExerciseRow], *, begun: bool = False) -> ExerciseRow | None:
+    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try.
+
+    None for a newcomer; `begun`: the reader has tried another exercise of the module.
+    """
+    if not begun and not any(row.own.attempts for row in rows):
         return None
     waiting = [row for row in rows if not row.own.done]
     return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)

@@ -372,7 +372,7 @@ READERS: tuple[Reader, ...] = (
         parse_value,
         MAX_TYPED_CHARACTERS,
         {**TEXTS, **PROGRAMS},
-        "form:valeur form:erreur form:fonction form:exercice",
+        "form:valeur form:erreur form:fonction form:exercice form:chemin",
     ),
     Reader(
         "a program",

@@ -1,0 +1,48 @@
+"""The chosen path decides of the next exercise, and the module's order agrees with the page that tells the paths."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from server.course import Course
+from server.course.models import ReadingPath
+from tests.hunts.test_service import right
+from tests.support.service import Site
+
+LYCEE = "chemins#s-le-chemin-lycee"
+TOLD = re.compile(r"\(exo:(\w+)\)")
+SKIPPED = "**Ce que l'on peut sauter**"
+
+
+@pytest.mark.parametrize(("number", "heading"), [(0, "## Le chemin lycée"), (1, "## Le chemin prépa")])
+def test_each_path_lists_the_exercises_of_its_page_in_their_order(course: Course, number: int, heading: str) -> None:
+    module = course.modules["l20"]
+    path: ReadingPath = module.paths[number]
+    page = next(lesson for lesson in module.lessons if lesson.slug == "chemins")
+    part = page.text.source.text.split(heading)[1].split("\n## ")[0]
+    todo, _, skipped = part.partition(SKIPPED)
+    told = list(dict.fromkeys(TOLD.findall(todo)))
+    assert [slug for slug in path.exercises if slug in told] == told
+    assert set(path.exercises) - set(told) <= {"verification", "epreuve_calculs", "epreuve_lecture", "epreuve_preuve"}
+    assert not set(path.exercises) & (set(TOLD.findall(skipped)) - {"verification"})
+
+
+def test_the_chosen_path_gives_the_next_exercise_with_its_reason(site: Site) -> None:
+    for slug in ("odometrie",):
+        site.client.post(f"/l20/exercices/{slug}/soumissions", data={"code": "x = 1\n"})
+    assert site.worker_with(right).run_one()
+    assert "Dix outils" in site.client.get("/").text
+    assert site.client.post("/l20/chemin", data={"chemin": LYCEE}).headers["location"] == "/l20"
+    home = site.client.get("/").text
+    assert "Selon votre chemin" in home
+    assert "/l20/exercices/calcul_odometrie" in home
+    assert "Dix outils" not in home
+    module = site.client.get("/l20").text
+    assert "Quitter ce chemin" in module
+    assert re.search(r"calcul_odometrie\">Exercice suivant", module)
+    assert 'calcul_odometrie">Ensuite' in site.client.get("/l20/exercices/odometrie").text
+    assert site.client.post("/l20/chemin", data={"chemin": "ailleurs"}).status_code == 422
+    site.client.post("/l20/chemin", data={"chemin": ""})
+    assert "Dix outils" in site.client.get("/").text
