@@ -2,8 +2,8 @@
 
 A place is recognised by its walls: the last few scans, laid together, are searched on those around an old key pose, as
 far as the robot may have drifted. Half a turn of a lidar sees one side of a place only; several scans see more. A loop
-that odometry contradicts is refused; those that contradict one another are left to robust optimisation, which doubts
-closures and never tracking.
+that odometry contradicts waits for others: robust optimisation, which doubts closures and never tracking, believes
+them once they are so many that odometry must be what errs. It also chooses between those that contradict one another.
 
 Sources: Grisetti, Kümmerle, Stachniss, Burgard, "A Tutorial on Graph-Based SLAM" (2010); Bosse and Zlot, "Map Matching
 and Data Association for Large-Scale Two-dimensional Laser Scan-based SLAM" (2008), for maps matched with maps; Yang,
@@ -30,6 +30,7 @@ ROUGHLY = 1.5
 THIN_MAP, THIN_SCANS = 0.05, 0.1
 TURN_PER_METRE, LEAST_TURN, MOST_TURN = 0.15, 0.1, 0.5
 STRAINED, BELIEVED = 1.0, 0.5
+APART, CONTRADICTED = "the scans have too little in common", "odometry contradicts it"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +61,7 @@ class Mapper:
         self.closures: list[Closure] = []
         self.refused: list[Closure] = []
         self._believed: list[bool] = []
+        self._contradicted: list[Closure] = []
         self._settings = settings
 
     def add(self, cloud: LineCloud, tracked: Tracked) -> None:
@@ -68,15 +70,42 @@ class Mapper:
         self.clouds.append(cloud)
         self.links.append(tracked)
         found = [closure for i, reach in self._candidates() if (closure := self._look(i, reach)) is not None]
-        self.refused += [closure for closure in found if closure.refused]
+        self.refused += [closure for closure in found if closure.refused == APART]
+        self._contradicted += [closure for closure in found if closure.refused == CONTRADICTED]
         accepted = [closure for closure in found if not closure.refused]
         self.closures += accepted
         self._believed += [True] * len(accepted)
-        if any(self._strain(closure) > STRAINED for closure in accepted):
+        if not self._outvoted() and any(self._strain(closure) > STRAINED for closure in accepted):
             self._optimise()
+
+    def _outvoted(self) -> bool:
+        """Let the latest loops that odometry contradicts be weighed against it, once they are many; is any believed?
+
+        Alone, each of them may be false. Together, they cost `gate` apiece to refuse, and only once, what stretches
+        odometry, to believe: robust optimisation compares the two. It is asked where the first may be the greater.
+        """
+        newest, first = len(self.T_map_keys) - 1, len(self.closures)
+        votes = [closure for closure in self._contradicted if newest - closure.j < self._settings.voters]
+        if not votes or votes[-1].j < newest:
+            return False
+        if len(votes) * self._settings.gate < min(closure.disagreement for closure in votes):
+            return False
+        before = self._believed, self.T_map_keys
+        self.closures, self._believed = self.closures + votes, self._believed + [True] * len(votes)
+        self._optimise()
+        won = [vote for vote, good in zip(votes, self._believed[first:], strict=True) if good]
+        self.closures = self.closures[:first] + [replace(vote, refused="") for vote in won]
+        if not won:
+            self._believed, self.T_map_keys = before
+            return False
+        self._believed = self._believed[:first] + [True] * len(won)
+        self._contradicted = [closure for closure in self._contradicted if closure not in won]
+        return True
 
     def settle(self) -> None:
         """Keep the closures that agree with one another and with tracking; refuse the others."""
+        self.refused += self._contradicted
+        self._contradicted = []
         self._optimise()
         for closure, good in zip(self.closures, self._believed, strict=True):
             if not good:
@@ -143,13 +172,13 @@ class Mapper:
         except (IcpError, InvalidCloudError):
             return None
         if match.overlap < rule.loop_overlap:
-            return Closure(i, j, match, np.inf, "the scans have too little in common")
+            return Closure(i, j, match, np.inf, APART)
         gap = difference(match.T_a_b, expected)
         apart = disagreement(gap, np.zeros((3, 3)), match.information)
         if apart > rule.gate:  # more than the match alone can err: how far may odometry have drifted?
             covariance = relative_covariance(self.graph(), np.array(self.T_map_keys), i, j)
             apart = disagreement(gap, covariance, match.information)
-        return Closure(i, j, match, apart, "odometry contradicts it" if apart > rule.gate else "")
+        return Closure(i, j, match, apart, CONTRADICTED if apart > rule.gate else "")
 
     def _around(self, key: int, first: int, last: int) -> LineCloud:
         """The clouds of key poses first to last, in the frame of one of them."""

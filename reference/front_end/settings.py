@@ -56,8 +56,9 @@ class Settings:
     Loops: from a key pose to others `min_gap` before it or more, `tries` of them at most, the nearest first; what is
     matched is the last `behind` key scans with those up to `around` before and after the old pose. A match counts if at
     least `link_overlap` (`loop_overlap`) of its points lie near, and if odometry contradicts it by a squared error of
-    `gate` at most. The search of a loop goes as far as the pose may have drifted, `drift` m a key pose since the last
-    closure, and `farthest` m at most.
+    `gate` at most; loops of the newest `voters` key poses that exceed it are believed together where that costs less
+    than to refuse them all. The search of a loop goes as far as the pose may have drifted, `drift` m a key pose since
+    the last closure, and `farthest` m at most.
     """
 
     key_distance: float = 0.4
@@ -73,8 +74,9 @@ class Settings:
     link_overlap: float = 0.5
     loop_overlap: float = 0.7
     gate: float = CHI2_99
-    drift: float = 0.01
-    farthest: float = 3.0
+    drift: float = 0.02
+    farthest: float = 8.0
+    voters: int = 30
     noise: OdometryNoise = field(default_factory=OdometryNoise)
     matching: Matching = field(default_factory=Matching)
 
@@ -82,7 +84,7 @@ class Settings:
         for name in ("key_distance", "key_turn", "reach", "turn", "gate", "drift", "farthest"):
             if not 0.0 < getattr(self, name) < np.inf:
                 raise FrontEndError(name, f"{getattr(self, name)} is not a positive number")
-        for name, least in (("recent", 1), ("min_gap", 2), ("tries", 1), ("behind", 1), ("around", 0)):
+        for name, least in (("recent", 1), ("voters", 1), ("min_gap", 2), ("tries", 1), ("behind", 1), ("around", 0)):
             if not getattr(self, name) >= least:
                 raise FrontEndError(name, f"{getattr(self, name)} is less than {least}")
         for name in ("key_overlap", "link_overlap", "loop_overlap"):

@@ -14,6 +14,9 @@ from reference.registration.scan_matching import MIN_POINTS
 from reference.se2 import Floats, Pose, compose, compose_covariance, relative
 
 SURE = 3.0
+#: A match that has slid out of the window of its search, by so many times what was searched, and lays less than that
+#: share of the points near a wall, has found other walls; with more of them, the wheels have slipped.
+ASTRAY, CERTAIN = 1.5, 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,9 @@ class Tracker:
             match = match_clouds(self._submap, cloud, expected, matching=rule.matching, window=window)
         except (IcpError, InvalidCloudError):
             return None
-        return match if match.overlap >= rule.link_overlap else None
+        x, y, turned = difference(match.T_a_b, expected).tolist()
+        astray = np.hypot(x, y) > ASTRAY * reach or abs(turned) > ASTRAY * turn
+        return match if match.overlap >= (max(CERTAIN, rule.link_overlap) if astray else rule.link_overlap) else None
 
 
 def _inverse(matrix: Floats) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,9 +15,13 @@ from numpy.typing import NDArray
 
 from reference.formats.carmen import LaserLog, parse_flaser
 from reference.front_end import FrontEndError, OdometryNoise, Settings, Slam, slam
+from reference.front_end import tracker as tracking
+from reference.front_end.mapper import Mapper
+from reference.front_end.tracker import Tracked, Tracker
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import InverseSensorModel, build_map
 from reference.odometry import DifferentialDrive, integrate
+from reference.registration import LineCloud, match_clouds
 from reference.se2 import compose, relative, wrap_angle
 from reference.world.distance_map import distance_to
 from reference.world.grid_map import GridMap
@@ -152,6 +157,48 @@ def test_key_poses_are_far_enough_apart() -> None:
     assert np.all(np.diff(found.keys) > 0)
 
 
+def test_loops_outvote_odometry_that_is_too_sure_of_itself() -> None:
+    """One step errs by 40 times its deviation: odometry contradicts each true loop, but eighteen agree."""
+    _, run = journey(0)
+    keys = range(0, len(run), 3)
+    truth, clouds = run.truth[keys], [LineCloud.of_scan(run.scan(k), np.zeros(3)) for k in keys]
+    steps = relative(truth[:-1], truth[1:])
+    steps[20] += np.array([0.4, 0.1, 0.0])
+    sure = np.diag(np.array([0.01, 0.01, 0.003]) ** -2.0)
+    mapper = Mapper(Settings(), truth[0], clouds[0])
+    for cloud, step in zip(clouds[1:], steps, strict=True):
+        mapper.add(cloud, Tracked(step, sure, None))
+    mapper.settle()
+    assert len(mapper.closures) > 10
+    assert max(closure.disagreement for closure in mapper.closures) > Settings().gate
+    assert not any(closure.refused for closure in mapper.closures)
+    assert absolute_trajectory_error(truth, np.array(mapper.T_map_keys)).rmse < 0.12
+
+
+@pytest.mark.parametrize(
+    ("gap", "overlap", "believed"),
+    [
+        ((0.1, 0.0, 0.0), 0.6, True),
+        ((1.0, 0.9, 0.0), 0.6, False),
+        ((0.0, 0.0, 0.9), 0.6, False),
+        ((0.0, 0.0, 0.9), 0.9, True),
+        ((0.1, 0.0, 0.0), 0.4, False),
+    ],
+    ids=["as expected", "slid away", "turned away", "the wheels slipped", "little in common"],
+)
+def test_a_match_that_has_left_its_window_needs_more_points_to_be_believed(
+    gap: tuple[float, float, float], overlap: float, believed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, run = journey(0)
+    cloud = LineCloud.of_scan(run.scan(0), np.zeros(3))
+    right = match_clouds(cloud, cloud, np.zeros(3))
+    tracker = Tracker(Settings())
+    tracker.see([np.zeros(3)], [cloud])
+    answer = replace(right, T_a_b=np.array(gap), overlap=overlap)
+    monkeypatch.setattr(tracking, "match_clouds", lambda *_, **__: answer)
+    assert (tracker.follow(cloud, np.zeros(3)).match is not None) == believed
+
+
 @settings(deadline=None, max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_scans_that_show_nothing_of_one_another_are_mapped_by_odometry(seed: int) -> None:
@@ -218,6 +265,7 @@ SCAN = Scan.full_turn(np.ones(20), 5.0)
         ("gate", lambda: Settings(gate=0.0)),
         ("min_gap", lambda: Settings(min_gap=1)),
         ("tries", lambda: Settings(tries=0)),
+        ("voters", lambda: Settings(voters=0)),
         ("loop_overlap", lambda: Settings(loop_overlap=1.1)),
         ("metres", lambda: OdometryNoise(metres=0.0)),
         ("per_metre", lambda: OdometryNoise(per_metre=-0.1)),
