@@ -38,10 +38,11 @@ def code_view(code: str, talks: Sequence[Conversation], account: Account | None)
     for talk in talks:
         if talk.lines is not None:
             below.setdefault(talk.lines.last, []).append(talk)
-    numbered = visible(code).split("\n", MOST_NUMBERED)
-    rest = numbered.pop() if len(numbered) > MOST_NUMBERED else ""
+    *numbered, rest = visible(code).removesuffix("\n").split("\n", MOST_NUMBERED)
+    if len(numbered) < MOST_NUMBERED:
+        numbered, rest = [*numbered, rest], ""
     lines = tuple(
         LineView(number, Markup(line), thread_views(below[number], account) if number in below else ())
-        for number, line in enumerate(colour_lines("\n".join(numbered)), 1)
+        for number, line in enumerate(colour_lines("\n".join([*numbered, ""])), 1)
     )
     return CodeView(lines, rest)

@@ -1,4 +1,5 @@
-"""What putting, claiming, ending a job and telling its place take, with few and with many that wait. Run by hand:
+"""What putting, claiming, ending a job and telling its place take, with few and with many that wait; and how many jobs
+a second go through, with turns by address and without, in turn on the same machine. Run by hand:
 
 python tests/benchmarks/bench_queue.py [--url postgresql://…]
 """
@@ -43,6 +44,30 @@ def sender(number: int, of: str) -> Sender:
     return Sender(f"{of}{number % 300}", f"{of}{number % 30}", flow=f"{of}{number % 30}", rank=1)
 
 
+def jobs_a_second(database: Database, waiting: int, *, by_address: bool) -> float:
+    """Put, claim and end jobs of guests while so many others wait, whose addresses have turns or who have their own."""
+
+    def guest(number: int) -> Sender:
+        ours = sender(number, "c")
+        return ours if by_address else Sender(ours.name, ours.address, flow=ours.name, rank=1)
+
+    with database.write() as db:
+        db.execute(delete(Job))
+        for number in range(waiting):
+            QUEUE.enqueue(db, KIND, f"waiting {number}", {}, guest(number))
+    began = time.process_time()
+    for number in range(ROUNDS):
+        with database.write() as db:
+            QUEUE.enqueue(db, KIND, str(number), {}, guest(number))
+        with database.write() as db:
+            lease = QUEUE.claim(db, HERE, [KIND], 60)
+        if lease is None:
+            raise RuntimeError("there was nothing to claim")
+        with database.write() as db:
+            QUEUE.finish(db, lease)
+    return ROUNDS / (time.process_time() - began)
+
+
 def measure(database: Database, waiting: int) -> dict[str, float]:
     with database.write() as db:
         db.execute(delete(Job))
@@ -82,6 +107,9 @@ def main() -> None:
             for waiting in (5, 300, 6000):
                 told = "  ".join(f"{name} {taken:5.0f} µs" for name, taken in measure(database, waiting).items())
                 print(f"{waiting:5d} waiting: {told}")
+                rates = [[jobs_a_second(database, waiting, by_address=each) for each in (False, True)] for _ in "123"]
+                alone, shared = (statistics.median(column) for column in zip(*rates, strict=True))
+                print(f"{'':14} {alone:.0f} jobs a second of processor, ×{shared / alone:.2f} with turns by address")
 
 
 if __name__ == "__main__":
