@@ -48,6 +48,6 @@ def test_the_poses_that_are_shown_are_those_of_our_front_end() -> None:
     with np.load(journeys.LOG) as kept:
         ranges, odometry = kept["centimetres"] / 100.0, kept["odometry"]
     scans = [Scan.from_sensor(row, beam_angles(180), 40.0) for row in ranges]
-    found = slam(scans, odometry)
-    assert absolute_trajectory_error(found.T_map_robot, log.mapped).rmse < 0.3
-    assert absolute_trajectory_error(log.truth, log.mapped).rmse == pytest.approx(0.39, abs=0.01)
+    found = slam(scans, odometry, resolution=0.1)
+    assert absolute_trajectory_error(found.T_map_robot, log.mapped).rmse < 0.1
+    assert absolute_trajectory_error(log.truth, log.mapped).rmse == pytest.approx(0.09, abs=0.01)

@@ -53,7 +53,7 @@ def test_the_whole_log_is_mapped_beside_its_own_map() -> None:
     body = scene("laboratoire", trajet="entier")
     assert body["panels"] == ["Notre carte", "Celle du journal"]
     assert body["frames"][-1]["caption"].startswith("Scan 910")
-    assert error(trajet="entier") == pytest.approx(0.39, abs=0.005)
+    assert error(trajet="entier") == pytest.approx(0.09, abs=0.005)
     (drawn,) = [layer for layer in body["layers"] if layer["kind"] == "segments"]
     assert drawn["until"][0] == 0
     assert np.all(np.diff(drawn["until"]) >= 0)
