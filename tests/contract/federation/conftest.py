@@ -10,12 +10,12 @@ import pytest
 from tests.support.live import Live
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("served") / "data"
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def live(data: Path) -> Iterator[Live]:
     """Serve, with leave to ask servers of this machine."""
     served = Live(data, BALISE_PLATFORM_HTTP="true", BALISE_PLATFORM_NETWORKS="127.0.0.0/8")
