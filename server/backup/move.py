@@ -140,8 +140,8 @@ def _insert_statement(connection: Connection, table: Table) -> Any:
     for column in table.columns:
         if isinstance(column.type, JSON):
             parameter = bindparam(column.name, type_=Text)
-            documents[column.name] = cast(parameter, column.type) if is_postgres else parameter
-    others = {column.name: bindparam(column.name, type_=column.type) for column in table.columns}
+            documents[column.key] = cast(parameter, column.type) if is_postgres else parameter
+    others = {column.key: bindparam(column.name, type_=column.type) for column in table.columns}
     return insert(table).values({**others, **documents})
 
 

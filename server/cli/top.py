@@ -20,7 +20,8 @@ KINDS = {
     "grade": "corrections",
     "regrade": "recorrections",
     "fingerprint": "regroupements d’erreurs",
-    "trial": "essais d’exercices",
+    "trial": "vérifications d’exercices d’enseignants",
+    "tryout": "essais de brouillons d’exercices",
 }
 CHECKS = {
     **{"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service"},

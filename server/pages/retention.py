@@ -173,12 +173,22 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ),
     ),
     lambda _: Row(
-        "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées, absences et dispenses, notes "
-        "tapées par les enseignants",
+        "Devoirs : temps de composition, travail gardé, aménagements, binômes et équipes (ce qu’un élève effacé a "
+        "envoyé pour deux reste à l’autre), notes modifiées, absences et dispenses, notes tapées par les enseignants",
         OWNER,
         AT_ONCE,
         ACCOUNT_SETTINGS,
-        ("sitting", "saved_work", "exemption", "mark_override", "mark_decision", "manual_mark", "rubric_marking"),
+        (
+            "sitting",
+            "saved_work",
+            "exemption",
+            "team_member",
+            "team_proposal",
+            "mark_override",
+            "mark_decision",
+            "manual_mark",
+            "rubric_marking",
+        ),
     ),
     lambda _: Row(
         "Séances : exercices du jour, début et fin ; élèves que l’enseignant a marqués « vu »",

@@ -1,12 +1,14 @@
-"""Data that released versions wrote, upgraded on both engines: verdicts, sessions and tokens are those of then."""
+"""Data that released versions wrote, upgraded on both engines: marks, verdicts, sessions and tokens stay."""
 
 from __future__ import annotations
 
 import json
 import lzma
+import os
 import sqlite3
-from contextlib import closing
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -20,21 +22,26 @@ from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.database.migrate import upgrade
-from server.gradebook.models import Grading
+from server.gradebook.models import Grading, Standing
 from server.tables import metadata
 from tests.support.client import TestClient
+from tests.support.postgres import new_database
 from tests.support.quick import standing_app
 
 FOLDER = Path(__file__).parent / "released"
+PAGES = ("/", "/compte", "/l20", "/l20/exercices/poses", "/l20/exercices/poses/essais", "/classes")
+CLASS_PAGES = ("", "/tableau", "/carnet", "/eleves", "/devoirs", "/semaine", "/objectifs", "/journal", "/questions")
+LOG_IN = "Se connecter"
 
 
 @dataclass(frozen=True)
 class Released:
-    """A file, with what its people hold since then."""
+    """A file, with what its people have: session cookies, or logins with passwords; a student's API token."""
 
     schema: str
-    sessions: dict[str, str]
-    token: str
+    sessions: Mapping[str, str] = field(default_factory=dict)
+    passwords: Mapping[str, str] = field(default_factory=dict)
+    token: str = ""
 
     def unpack(self, path: Path) -> Path:
         path.write_bytes(lzma.decompress((FOLDER / f"schema_{self.schema}.sqlite3.xz").read_bytes()))
@@ -44,21 +51,29 @@ class Released:
 RELEASED = (
     Released(
         "0003",
-        {
+        sessions={
             "student": "Zfi_9qRJTs5VyTol4bj_8GDDbW-MRKRItshD4YphkWU",
             "teacher": "VE0Zf9zUFEZoNv1svkLsMC3RDgsvIg7QQFcriQcC4m4",
             "guest": "bi_zB9czGAAxAXexPZOFx5kgPpG4Dmaa5U2DyZQsgNw",
         },
-        "balise_1OqzMv9ZGl6y8G2o6uvQD7PKswmYycXO0b1LSkTRK1M",
+        token="balise_1OqzMv9ZGl6y8G2o6uvQD7PKswmYycXO0b1LSkTRK1M",
     ),
+    Released("0021", passwords={"martin": "qfgXYNDsoXPV", "yasmine.chevalier": "UGdYCxIXkXie"}),
 )
 
 
-def read_gradings(path: Path) -> dict[UUID, tuple[str, float, Any]]:
-    """Read outcome, score and verdict of each grading, as the file has them."""
+def read_file(path: Path) -> tuple[dict[UUID, Any], dict[tuple[UUID, str], Any], list[UUID]]:
+    """Read the gradings, the standings and the classes of a file, as its own schema has them."""
     with closing(sqlite3.connect(path)) as connection:
-        rows = connection.execute("SELECT id, outcome, score, verdict FROM grading").fetchall()
-    return {UUID(name): (outcome, score, json.loads(verdict)) for name, outcome, score, verdict in rows}
+        gradings = connection.execute("SELECT id, outcome, score, verdict FROM grading").fetchall()
+        standings = connection.execute("SELECT account_id, exercise, best_score, attempts FROM standing").fetchall()
+        is_with_classes = connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'school_class'").fetchone()
+        classes = connection.execute("SELECT id FROM school_class").fetchall() if is_with_classes else []
+    return (
+        {UUID(name): (outcome, score, json.loads(verdict)) for name, outcome, score, verdict in gradings},
+        {(UUID(account), exercise): (best, attempts) for account, exercise, best, attempts in standings},
+        [UUID(name) for (name,) in classes],
+    )
 
 
 @pytest.fixture(params=RELEASED, ids=lambda released: released.schema)
@@ -68,38 +83,61 @@ def released(request: pytest.FixtureRequest) -> Released:
 
 
 @pytest.fixture
-def upgraded(released: Released, settings: Settings, database_url: str | None, tmp_path: Path) -> Settings:
-    """Upgrade the file; on PostgreSQL, move it there."""
+def upgraded(released: Released, settings: Settings, database_url: str | None, tmp_path: Path) -> Iterator[Settings]:
+    """Upgrade the file; on PostgreSQL, move it into a database of its own."""
     file = released.unpack(tmp_path / "released.sqlite3")
-    with closing(Database(f"sqlite:///{file}")) as source:
+    with closing(Database(f"sqlite:///{file}")) as source, ExitStack() as stack:
         upgrade(source.engine)
+        url = f"sqlite:///{file}"
         if database_url is not None:
-            with closing(Database(database_url)) as target:
+            url = stack.enter_context(new_database(database_url, f"balise_released_{os.getpid()}"))
+            with closing(Database(url)) as target:
                 move_rows(source, target, metadata.sorted_tables, lambda _table, _rows: None)
-    return settings.model_copy(update={"database_url": database_url or f"sqlite:///{file}"})
+        yield settings.model_copy(update={"database_url": url})
 
 
-def test_marks_verdicts_sessions_and_tokens_are_those_of_then(
-    released: Released, upgraded: Settings, course: Course, tmp_path: Path
-) -> None:
-    before = read_gradings(released.unpack(tmp_path / "original.sqlite3"))
+def test_verdicts_and_marks_are_those_of_then(released: Released, upgraded: Settings, tmp_path: Path) -> None:
+    gradings, standings, _ = read_file(released.unpack(tmp_path / "original.sqlite3"))
     with closing(Database(upgraded.url)) as database, database.read() as db:
         after = {each.id: (each.outcome, each.score, each.verdict) for each in db.execute(select(Grading)).scalars()}
-    assert before
-    assert after == before
-    app = standing_app(upgraded, course)
-    with TestClient(app) as client:
-        for person, cookie in released.sessions.items():
-            cookies = {"Cookie": f"{SESSION_COOKIE}={cookie}"}
-            for page in ("/", "/compte", "/l20", "/l20/exercices/poses", "/l20/exercices/poses/essais", "/classes"):
-                answer = client.get(page, headers=cookies)
+        best = {
+            (each.account_id, each.exercise): (each.best_score, each.attempts)
+            for each in db.execute(select(Standing)).scalars()
+        }
+    assert gradings
+    assert after == gradings
+    assert standings
+    assert best == standings
+
+
+def test_sessions_passwords_and_tokens_open_every_page(
+    released: Released, upgraded: Settings, course: Course, tmp_path: Path
+) -> None:
+    _, _, classes = read_file(released.unpack(tmp_path / "original.sqlite3"))
+    with TestClient(standing_app(upgraded, course), follow_redirects=False) as client:
+        for person, headers in enter(client, released):
+            for page in PAGES:
+                answer = client.get(page, headers=headers)
                 assert answer.status_code == 200, (person, page)
-                assert "Se connecter" not in answer.text or person == "guest", (person, page)
-        attempts = client.get(
-            "/l20/exercices/poses/essais", headers={"Cookie": f"{SESSION_COOKIE}={released.sessions['student']}"}
-        )
-        assert "20" in attempts.text
-        bearer = {"Authorization": f"Bearer {released.token}"}
-        last = client.get("/api/v1/me/exercises/l20/poses/last", headers=bearer)
-        assert last.status_code == 200, last.text
-        assert "def ramener" in last.json()["code"]
+                assert LOG_IN not in answer.text or person == "guest", (person, page)
+            for school_class in classes if person == "martin" else ():
+                for page in CLASS_PAGES:
+                    answer = client.get(f"/classes/{school_class}{page}", headers=headers)
+                    assert answer.status_code in {200, 303}, (page, answer.text)
+        if released.token:
+            bearer = {"Authorization": f"Bearer {released.token}"}
+            last = client.get("/api/v1/me/exercises/l20/poses/last", headers=bearer)
+            assert last.status_code == 200, last.text
+            assert "def ramener" in last.json()["code"]
+
+
+def enter(client: TestClient, released: Released) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield each person with the headers of their session."""
+    for person, cookie in released.sessions.items():
+        yield person, {"Cookie": f"{SESSION_COOKIE}={cookie}"}
+    for login, password in released.passwords.items():
+        client.cookies.clear()
+        assert client.post("/connexion", data={"login": login, "password": password}).status_code == 303
+        cookie = client.cookies[SESSION_COOKIE]
+        client.cookies.clear()
+        yield login, {"Cookie": f"{SESSION_COOKIE}={cookie}"}

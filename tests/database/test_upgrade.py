@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
 from uuid import UUID
 
 import pytest
-from sqlalchemy import create_engine, func, make_url, select, text
+from sqlalchemy import func, make_url, select
 
 from graders.core.contract.verdict import Outcome
 from server.app import Services
@@ -31,6 +31,7 @@ from server.queue.models import Job
 from server.submissions.models import Submission, Variant
 from server.submissions.service import GRADE
 from tests.support.client import TestClient
+from tests.support.postgres import new_database
 from tests.support.quick import standing_app
 from tests.support.service import QUIET
 
@@ -63,20 +64,8 @@ def of_sqlite(tmp_path_factory: pytest.TempPathFactory) -> tuple[Landed, bytes]:
 
 @pytest.fixture(scope="module")
 def of_postgresql(postgres_url: str) -> Iterator[tuple[Landed, str]]:
-    with _made(postgres_url, f"balise_landed_{os.getpid()}") as url:
+    with new_database(postgres_url, f"balise_landed_{os.getpid()}") as url:
         yield _landed(url), str(make_url(url).database)
-
-
-@contextmanager
-def _made(url: str, name: str, of: str = "") -> Iterator[str]:
-    """A database of PostgreSQL, a copy of another."""
-    administration = create_engine(url, isolation_level="AUTOCOMMIT")
-    with administration.connect() as connection:
-        connection.execute(text(f"CREATE DATABASE {name}" + f" TEMPLATE {of}" * bool(of)))
-    yield make_url(url).set(database=name).render_as_string(hide_password=False)
-    with administration.connect() as connection:
-        connection.execute(text(f"DROP DATABASE {name} WITH (FORCE)"))
-    administration.dispose()
 
 
 @pytest.fixture
@@ -93,7 +82,7 @@ def upgraded(
             path.write_bytes(content)
         else:
             landed, name = request.getfixturevalue("of_postgresql")
-            own = stack.enter_context(_made(database_url, f"{name}_copy", name))
+            own = stack.enter_context(new_database(database_url, f"{name}_copy", name))
             mine = settings.model_copy(update={"database_url": own})
         yield Upgraded(stack.enter_context(closing(Database(mine.url))), mine, landed, course)
 

@@ -184,7 +184,7 @@ def test_an_administrator_registers_changes_tests_pauses_and_removes(
             AuditAction.platform_paused, AuditAction.platform_resumed, AuditAction.platform_removed,
         ]  # fmt: skip
         assert len(db.execute(select(Account)).all()) == 1
-    assert "plateforme retirée" in administrator.get("/administration/plateformes").text
+    assert "plateforme retirée" in administrator.get("/administration/journal").text
 
 
 @folded(

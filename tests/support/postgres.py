@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy import create_engine, make_url, text
+
 
 @contextmanager
 def postgres_of_the_wheel() -> Iterator[Any]:
@@ -24,3 +26,17 @@ def postgres_of_the_wheel() -> Iterator[Any]:
             yield server
         finally:
             server.cleanup()
+
+
+@contextmanager
+def new_database(url: str, name: str, of: str = "") -> Iterator[str]:
+    """Yield the address of a new database of a server, a copy of another where `of` names it; drop it in the end."""
+    administration = create_engine(url, isolation_level="AUTOCOMMIT")
+    with administration.connect() as connection:
+        connection.execute(text(f"CREATE DATABASE {name}" + f" TEMPLATE {of}" * bool(of)))
+    try:
+        yield make_url(url).set(database=name).render_as_string(hide_password=False)
+    finally:
+        with administration.connect() as connection:
+            connection.execute(text(f"DROP DATABASE {name} WITH (FORCE)"))
+        administration.dispose()
