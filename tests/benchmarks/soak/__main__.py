@@ -5,7 +5,7 @@
 Students of one class browse, read and send, as in the crowd; a board is open. Every `--every` seconds a round of duties
 follows: a test is sat, a regrade is applied and undone, pages and files of the gradebook are read, a backup is made.
 Memory (proportional set size), open files and the size of the data are sampled meanwhile. Its status is 1 if a request
-or a duty failed, or if memory, open files or the data of each submission grew once the service was warm.
+or a duty failed, or if memory, open files or the data of each grading grew once the service was warm.
 """
 
 from __future__ import annotations

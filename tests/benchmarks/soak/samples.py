@@ -17,7 +17,9 @@ MEGABYTE = 1e6
 #: By how much the median of the last quarter may exceed that of the second: a share, and an amount.
 GROWTH = 0.10
 SLACK = {"web_mb": 30.0, "graders_mb": 30.0, "figures_mb": 30.0, "open_files": 20.0}
-#: The data of a submission (its code, verdict, figures, replay) may vary by this factor from one half to the other.
+#: Each regrade grades all attempts again: what is stored is counted by gradings, first or anew.
+GRADINGS = "SELECT (SELECT count(*) FROM grading) + (SELECT count(*) FROM regrade_item)"
+#: The data of a grading (code, verdict, figures, replay) may vary by this factor from one half to the other.
 DATA_GROWTH = 1.25
 FEWEST = 16  # samples, below which nothing is said of growth
 
@@ -32,7 +34,7 @@ class Sample:
     figures_mb: float
     open_files: int
     data_mb: float
-    submissions: int
+    gradings: int
 
 
 def take_sample(service: Service, data: Path, seconds: float) -> Sample:
@@ -42,7 +44,7 @@ def take_sample(service: Service, data: Path, seconds: float) -> Sample:
     for child in processes.direct(web):
         (graders if processes.grades(child) else figures).extend([child, *children(child)])
     with closing(sqlite3.connect(f"file:{data / 'balise.sqlite3'}?mode=ro", uri=True, timeout=60.0)) as connection:
-        (submissions,) = connection.execute("SELECT count(*) FROM submission").fetchone()
+        (gradings,) = connection.execute(GRADINGS).fetchone()
     return Sample(
         seconds,
         _memory([web]),
@@ -50,7 +52,7 @@ def take_sample(service: Service, data: Path, seconds: float) -> Sample:
         _memory(figures),
         sum(_open_files(pid) for pid in (web, *graders, *figures)),
         sum(_size(path) for path in data.rglob("*")) / MEGABYTE,
-        submissions,
+        gradings,
     )
 
 
@@ -96,9 +98,9 @@ def _find_growth(samples: Sequence[Sample]) -> Iterator[str]:
         if after > before * (1 + GROWTH) + slack:
             yield f"{name} grew from {before:.0f} to {after:.0f}"
     middle = samples[len(samples) // 2]
-    earlier, later = _bytes_per_submission(samples[quarter], middle), _bytes_per_submission(middle, samples[-1])
+    earlier, later = _bytes_per_grading(samples[quarter], middle), _bytes_per_grading(middle, samples[-1])
     if later > DATA_GROWTH * earlier:
-        yield f"a submission's data grew from {earlier:.0f} to {later:.0f} bytes"
+        yield f"a grading's data grew from {earlier:.0f} to {later:.0f} bytes"
 
 
 def _median(samples: Sequence[Sample], name: str) -> float:
@@ -106,5 +108,5 @@ def _median(samples: Sequence[Sample], name: str) -> float:
     return statistics.median(map(value, samples))
 
 
-def _bytes_per_submission(first: Sample, last: Sample) -> float:
-    return MEGABYTE * (last.data_mb - first.data_mb) / max(1, last.submissions - first.submissions)
+def _bytes_per_grading(first: Sample, last: Sample) -> float:
+    return MEGABYTE * (last.data_mb - first.data_mb) / max(1, last.gradings - first.gradings)
