@@ -32,7 +32,12 @@ def home_page(reader: Reader) -> HomePage:
     if reader.account is None or not solved:
         return HomePage(cards, due)
     recall = load_recall(
-        reader.db, reader.course, reader.account.id, solved, lambda exercise: may_have_hunts(reader.course, exercise)
+        reader.db,
+        reader.course,
+        reader.account.id,
+        solved,
+        lambda exercise: may_have_hunts(reader.course, exercise),
+        choices,
     )
     return HomePage(cards, due, 0 if recall.is_off else len(recall.due), recall.streak)
 

@@ -36,7 +36,8 @@ def read_recall(database: Database, course: CourseOf, account: Account) -> Recal
     with database.read() as db:
         progress = gradebook.load_progress(db, account)
         solved = {name for name, own in progress.items() if own.succeeded}
-        return load_recall(db, course, account.id, solved, lambda exercise: may_have_hunts(course, exercise))
+        choices = repository.load_choices(db, account.id)
+        return load_recall(db, course, account.id, solved, lambda exercise: may_have_hunts(course, exercise), choices)
 
 
 @router.get(PATH)

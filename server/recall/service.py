@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -42,10 +42,19 @@ class Recall:
 
 
 def load_recall(
-    db: Session, course: Course, account_id: UUID, solved: Collection[str], can_ask: Callable[[Exercise], bool]
+    db: Session,
+    course: Course,
+    account_id: UUID,
+    solved: Collection[str],
+    can_ask: Callable[[Exercise], bool],
+    choices: Mapping[str, str],
 ) -> Recall:
-    """Load what comes back, of the solved exercises about which questions can be asked, in three queries."""
-    now, today = utc_now(), school_time.to_local(utc_now()).date()
+    """Load what comes back, of the solved exercises about which questions can be asked, in two queries.
+
+    `choices` are the account's, as `repository.load_choices` loads them.
+    """
+    now = utc_now()
+    today = school_time.to_local(now).date()
     asked = [course.exercises[name] for name in course.exercises if name in solved]
     reviews: dict[str, list[Review]] = defaultdict(list)
     confused: dict[str, list[Candidate]] = defaultdict(list)
@@ -61,14 +70,15 @@ def load_recall(
             reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
     days = [school_time.to_local(answer.answered_at).date() for answer in answers]
     schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
-    due = choose_due(schedules, now, days.count(today))
+    answered_today, counts = days.count(today), Counter(answer.subject for answer in answers)
+    due = choose_due(schedules, now, answered_today)
     return Recall(
         due={subject: (*confused[subject], *_relatives(course, asked, subject, can_ask)) for subject in due},
-        answered_today=days.count(today),
-        answers={subject: sum(answer.subject == subject for answer in answers) for subject in due},
+        answered_today=answered_today,
+        answers={subject: counts[subject] for subject in due},
         streak=count_streak(days, today),
         next_at=min((planned.due_at for planned in schedules.values()), default=None),
-        is_off=repository.load_choices(db, account_id).get(REMINDERS) == OFF,
+        is_off=choices.get(REMINDERS) == OFF,
     )
 
 
