@@ -8,6 +8,7 @@ from pathlib import Path
 
 from graders.core.declared.declaration import is_whole_program
 from graders.core.declared.proposals import WHOLE_PROGRAM, propose_starter
+from graders.core.syntax_trees import parse_source
 from server.authoring.new import write_skeleton
 from server.course.toml_writing import write_table, write_value
 from server.studio.import_drafts import NO_SOLUTION, Draft
@@ -64,13 +65,13 @@ def _card(draft: Draft, order: str) -> str:
 
 def _header(draft: Draft, name: str) -> str:
     """Return the line that defines a function: the solution's, else one with as many parameters as its calls have."""
-    nodes = ast.parse(draft.solution).body if draft.solution else []
+    nodes = parse_source(draft.solution).body if draft.solution else []
     for node in nodes:
         if isinstance(node, ast.FunctionDef) and node.name == name:
             return f"def {name}({ast.unparse(node.args)}):"
         if isinstance(node, ast.ClassDef) and node.name == name:
             return f"class {name}:"
-    calls = (ast.parse(case).body[-1] for check in draft.checks for case in check["cas"])
+    calls = (parse_source(case).body[-1] for check in draft.checks for case in check["cas"])
     own = (node.value for node in calls if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call))
     counts = [len(call.args) for call in own if isinstance(call.func, ast.Name) and call.func.id == name]
     return f"def {name}({', '.join(f'x{k}' for k in range(1, max(counts, default=0) + 1))}):"

@@ -23,6 +23,7 @@ from graders.core.code.stored_answers import same_answers
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.told_apart import text_pair
+from graders.core.syntax_trees import parse_source
 from server.behaviour import place_queries, repository
 from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
 from server.behaviour.fingerprints import tighten_limits
@@ -129,7 +130,7 @@ def shrink_program(program: str, alike: Callable[[str], bool], tries: int = MAX_
 def _smaller_programs(program: str) -> Iterator[str]:
     """The program with one statement less, or with what is inside of one in its place; the outermost first."""
     for place in itertools.count():
-        tree = ast.parse(program)
+        tree = parse_source(program)
         found = next(itertools.islice(_statement_positions(tree), place, None), None)
         if found is None:
             return

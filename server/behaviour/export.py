@@ -15,6 +15,7 @@ from collections.abc import Collection
 
 from graders.core.code.folder import MISCONCEPTIONS
 from graders.core.compare.slips import SLIPS
+from graders.core.syntax_trees import parse_source
 from server.base.errors import Invalid
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import GroupDescription
@@ -79,7 +80,7 @@ def anonymise_program(source: bytes, names: Collection[str] = ()) -> str:
     replaced in its other strings. Raise Invalid.
     """
     try:
-        tree = _Anonymiser(names).visit(ast.parse(source))
+        tree = _Anonymiser(names).visit(parse_source(source))
         return ast.unparse(ast.fix_missing_locations(tree)) + "\n"
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise Invalid(UNREADABLE) from error

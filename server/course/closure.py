@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from functools import cache, lru_cache, partial
 from pathlib import Path
 
+from graders.core.syntax_trees import parse_source
 from server.course.start_cache import StartCache
 
 OWN_PACKAGES = ("graders", "reference")
@@ -66,7 +67,7 @@ def _imported_modules(content: bytes, package: str) -> tuple[str, ...]:
 
 def _parse_imports(content: bytes, package: str) -> Iterator[str]:
     try:
-        tree = ast.parse(content)
+        tree = parse_source(content)
     except (SyntaxError, ValueError):  # discovery has told of it
         return
     for node in _statements(tree.body):

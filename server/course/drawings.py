@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from graders.core.syntax_trees import parse_source
 from server.course import toml_file
 from server.course.code import MANIPULATIONS
 from server.course.models import CourseFault, Drawing, Problem
@@ -38,7 +39,7 @@ def _fault(path: Path, line: int | None, message: str) -> CourseFault:
 
 def _read_file(path: Path) -> Iterator[Drawing]:
     try:
-        tree = ast.parse(toml_file.read_text(path))
+        tree = parse_source(toml_file.read_text(path))
     except (SyntaxError, ValueError) as error:
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise _fault(path, line, f"ce fichier Python ne se compile pas ({error})") from error

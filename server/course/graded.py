@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
@@ -17,6 +16,7 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.declared.exercise import DeclaredDefinition
 from graders.core.declared.grading import DeclaredGrader
+from graders.core.syntax_trees import parse_source
 from server.course import toml_file
 from server.course.closure import Imports
 from server.course.models import CourseFault, Problem
@@ -194,7 +194,7 @@ def python_of(path: Path) -> str:
 
 def _check_compiles(source: str, path: Path) -> str:
     try:
-        ast.parse(source)
+        parse_source(source)
     except (SyntaxError, ValueError) as error:
         line = error.lineno if isinstance(error, SyntaxError) else None
         raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error

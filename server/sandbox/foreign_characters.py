@@ -7,7 +7,6 @@ the file unreadable and another one does not, the latter is told.
 
 from __future__ import annotations
 
-import ast
 import keyword
 import unicodedata
 import warnings
@@ -283,7 +282,7 @@ def _progress(text: str) -> tuple[int, int]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            ast.parse(text)
+            compile(text, "solution.py", "exec", dont_inherit=True)
     except SyntaxError as error:
         return (error.lineno or 0, error.offset or 0)
     except (ValueError, RecursionError, MemoryError):

@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from graders.core.syntax_trees import parse_expression
 from graders.typography import limit_marks
 from server.base.errors import Invalid
 from server.sandbox import Value
@@ -81,7 +82,7 @@ def parse_value(typed: str) -> Value:
     if len(words) > MAX_CHARACTERS:
         raise Invalid(f"Cette valeur est trop longue : {MAX_CHARACTERS} caractères au plus.")
     try:
-        node = ast.parse(words, mode="eval").body
+        node = parse_expression(words).body
     except SyntaxError as error:
         raise Invalid(_describe_break(words, error)) from error
     except (ValueError, RecursionError, MemoryError) as error:
@@ -140,7 +141,7 @@ def _parse_expression(typed: str) -> ast.expr:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of what is typed, a warning concerns nobody
-            return ast.parse(typed, mode="eval").body
+            return parse_expression(typed).body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise Invalid(f"Python ne comprend pas cet appel. {_HOW}") from error
 

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 from graders.core.compare.python_values import python_text
 from graders.core.declared.scenarios import FILE, PROGRAM, TYPE
+from graders.core.syntax_trees import parse_source
 from server.studio.html_text import html_to_markdown
 from server.studio.import_drafts import (
     UNREADABLE,
@@ -96,7 +97,7 @@ def _code_of(test: ElementTree.Element) -> str:
     """Return the code of a test; its extra where the code is a comment alone."""
     code, extra = _text_of(test, "testcode/text"), _text_of(test, "extra/text")
     try:
-        return code if ast.parse(code).body or not ast.parse(extra).body else extra
+        return code if parse_source(code).body or not parse_source(extra).body else extra
     except UNREADABLE:
         return code
 
@@ -104,7 +105,7 @@ def _code_of(test: ElementTree.Element) -> str:
 def _printing_functions(solution: str) -> frozenset[str]:
     """Return the functions of a solution in which something is printed."""
     try:
-        tree = ast.parse(solution)
+        tree = parse_source(solution)
     except UNREADABLE:
         return frozenset()
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
@@ -178,7 +179,7 @@ def _lines_of(test: ElementTree.Element) -> str:
 
 def _body(code: str) -> list[ast.stmt]:
     try:
-        return ast.parse(code).body
+        return parse_source(code).body
     except UNREADABLE:
         return [ast.Pass()]
 

@@ -5,7 +5,6 @@ Nothing of the author's runs here; `ExerciseTrial` asks the sandbox what the sol
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenarios import PROGRAM, Scenario
 from graders.core.declared.trial import ExerciseTrial
 from graders.core.declared.wording import describe_case
+from graders.core.syntax_trees import evaluate_literal
 from graders.typography import unaccented
 from server.studio.drafts import (
     CHECK_CHOICES,
@@ -224,6 +224,6 @@ def _runs(examples: Sequence[CaseDraft], printed: Sequence[str]) -> str:
     for case, text in zip(examples[:SHOWN_EXAMPLES], printed, strict=False):
         words = describe_case(Scenario(parse_scenario(case.call, [PROGRAM])))
         if text[:1] in ("'", '"') and len(text) <= MAX_SHOWN:
-            shown = str(ast.literal_eval(text))
+            shown = str(evaluate_literal(text))
             blocks.append(f"\n{words}, le programme affiche :\n\n```text\n{shown.rstrip()}\n```\n")
     return "".join(blocks)

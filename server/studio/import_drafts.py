@@ -13,6 +13,7 @@ from graders.core.declared.case_reading import parse_expected, parse_scenario
 from graders.core.declared.declaration import MAX_CASES, MAX_CHECKS
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenarios import PROGRAM
+from graders.core.syntax_trees import parse_source
 
 #: What a text that is no Python may raise when it is parsed.
 UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
@@ -96,7 +97,7 @@ class Draft:
 def called_functions(code: str, solution: str) -> list[str]:
     """Return the functions and classes of the solution that the code names, in order; any called name without one."""
     try:
-        tree, defined = ast.parse(code), ast.parse(solution)
+        tree, defined = parse_source(code), parse_source(solution)
     except UNREADABLE:
         return []
     own = {node.name for node in defined.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}

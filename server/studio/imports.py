@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import PurePath
 from typing import Any
 
+from graders.core.syntax_trees import parse_source
 from server.studio.coderunner import read_questions
 from server.studio.import_drafts import UNREADABLE, Draft, ImportRefused, ReadCase, called_functions
 from server.studio.tested import read_suite
@@ -114,7 +115,7 @@ def _read_cell(draft: Draft, place: str, cell: dict[str, Any]) -> None:
 
 def _read_assertions(draft: Draft, place: str, text: str) -> None:
     try:
-        body = ast.parse(text).body
+        body = parse_source(text).body
     except UNREADABLE:
         draft.left.append(f"{place} : ce n’est pas du Python seul")
         return

@@ -14,6 +14,7 @@ import yaml
 
 from graders.core.compare.python_values import python_text
 from graders.core.declared.scenarios import ARGUMENTS, FILE, PROGRAM
+from graders.core.syntax_trees import parse_source
 from server.studio.import_drafts import UNREADABLE, Draft, ImportRefused, ReadCase, program_call
 
 PRINTED, WRITTEN = (("regarder", "affichage"),), (("regarder", "fichiers"),)
@@ -180,7 +181,7 @@ class _ContextReader:
     def _tidy(self, text: str) -> str:
         """Return an expression or a statement as a case writes it: without the module's name nor a type."""
         try:
-            (node,) = ast.parse(text.replace(_MODULE, "").strip()).body
+            (node,) = parse_source(text.replace(_MODULE, "").strip()).body
         except (*UNREADABLE, ValueError) as error:
             raise _Left(f"« {text[:80]} » n’est pas une instruction de Python") from error
         if isinstance(node, ast.AnnAssign) and node.value is not None:
@@ -191,7 +192,7 @@ class _ContextReader:
 
     def _functions(self, call: str) -> list[str]:
         """Return the functions and classes of the program that are called."""
-        calls = [node.func for node in ast.walk(ast.parse(call)) if isinstance(node, ast.Call)]
+        calls = [node.func for node in ast.walk(parse_source(call)) if isinstance(node, ast.Call)]
         names = [node.id for node in calls if isinstance(node, ast.Name) and node.id not in self.names]
         known = [name for name in names if name not in (FILE, ARGUMENTS, "set", "print")]
         if not known:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from graders.core.syntax_trees import parse_source
 from graders.scene.replay import Grid, Segments, View, decimal
 from reference.world.grid_map import GridMap
 
@@ -17,7 +18,7 @@ KIT = Path(__file__).parents[1] / "kit" / "l20.py"
 @cache
 def carte() -> GridMap:
     """Le plan de la trousse."""
-    module = ast.parse(KIT.read_text(encoding="utf-8"))
+    module = parse_source(KIT.read_text(encoding="utf-8"))
     values = {
         target.id: node.value
         for node in module.body

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 
 from graders.core.alterations import calls, expressions, statements
 from graders.core.alterations.text import Change, ProgramText
+from graders.core.syntax_trees import parse_source
 
 RULES = (*expressions.RULES, *calls.RULES, *statements.RULES)
 
@@ -99,7 +100,7 @@ def _differs(altered: str, same: str) -> bool:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SyntaxWarning)
-            tree = ast.parse(altered)
+            tree = parse_source(altered)
             compile(tree, "solution.py", "exec")
     except (SyntaxError, ValueError):
         return False

@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from graders.core.syntax_trees import parse_source
+
 #: Nodes that are not altered: f-strings, imports, declarations.
 _SKIPPED = (ast.JoinedStr, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
@@ -28,7 +30,7 @@ class ProgramText:
 
     def __init__(self, source: str) -> None:
         self.raw = source.encode()
-        self.tree = ast.parse(source)
+        self.tree = parse_source(source)
         self._lines = [0, *(match.end() for match in re.finditer(b"\n", self.raw))]
         self._parents = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
         self.imported = _imported(self.tree)

@@ -7,6 +7,8 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
+from graders.core.syntax_trees import parse_expression
+
 #: Names of numeric libraries; largest sum whose terms are tried in every order.
 MODULES = frozenset({"np", "numpy", "math"})
 MAX_PERMUTED_TERMS = 4
@@ -101,7 +103,7 @@ def signed_terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
 
 def join_terms(terms: Sequence[Term]) -> ast.expr:
     written = "".join(f"{'+' if plus else '-'}({ast.unparse(term)})" for plus, term in terms)
-    return ast.parse(written, mode="eval").body
+    return parse_expression(written).body
 
 
 def _is_product(node: ast.AST) -> bool:

@@ -40,6 +40,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Programs, Reply, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments
+from graders.core.syntax_trees import parse_source
 
 #: Stands for the answer of a function that answers two launches differently.
 UNSTABLE = "variable"
@@ -277,7 +278,7 @@ def _lacks(answers: Sequence[Answer]) -> bool:
 
 def _parameters(source: str, function: str, count: int) -> tuple[str, ...]:
     """Return the names of the first parameters of a function in a source."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parse_source(source)):
         if isinstance(node, ast.FunctionDef) and node.name == function and len(node.args.args) >= count:
             return tuple(argument.arg for argument in node.args.args[:count])
     return tuple(f"argument {number}" for number in range(1, count + 1))

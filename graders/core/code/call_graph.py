@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Collection
 
+from graders.core.syntax_trees import parse_source
+
 
 def find_callers(source: bytes, names: Collection[str]) -> frozenset[str]:
     """Return the functions of a program that call one of these, by others or not; none where it cannot be read."""
     try:
-        tree = ast.parse(source)
+        tree = parse_source(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return frozenset()
     read = {

@@ -10,6 +10,7 @@ from functools import cache
 
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
+from graders.core.syntax_trees import parse_source
 
 _WRONG_CALL = re.compile(
     r"« (\w+) » prend .*? arguments?, et en reçoit|Il manque à l’appel de (\w+) :|"
@@ -79,6 +80,6 @@ def _signatures(solution: str) -> dict[str, str]:
     """Return how the functions of a solution are defined, by name: « odometrie(pose, ds_g, ds_d, L) »."""
     return {
         node.name: f"{node.name}({ast.unparse(node.args)})"
-        for node in ast.parse(solution).body
+        for node in parse_source(solution).body
         if isinstance(node, ast.FunctionDef)
     }

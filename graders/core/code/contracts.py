@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.compare.forms import ValueForm, text_list, with_tolerance
+from graders.core.syntax_trees import parse_source
 
 #: The types of what programs are given.
 PLAIN = "Sauf mention contraire, un nombre est un flottant, et un tableau en contient : c’est un tableau numpy."
@@ -110,7 +111,7 @@ def _toleranced(contract: FunctionContract, checks: Sequence[Check]) -> ValueFor
 def _defaults(solution: str) -> dict[str, tuple[tuple[str, str], ...]]:
     """Return the default values of the functions of a solution, as they are written."""
     found = {}
-    for node in ast.parse(solution).body:
+    for node in parse_source(solution).body:
         if isinstance(node, ast.FunctionDef) and node.args.defaults:
             names = [argument.arg for argument in node.args.args[-len(node.args.defaults) :]]
             values = [ast.unparse(value).replace(".", ",") for value in node.args.defaults]

@@ -19,6 +19,7 @@ from graders.core.code.checks import Check
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.findings import Finding
 from graders.core.contract.outcomes import Outcome
+from graders.core.syntax_trees import evaluate_literal, parse_source
 
 MODIFIED_ARGUMENT, NOTHING, SHORT, IMPRECISE = "argument_modifie", "sans_retour", "simple_precision", "precision_perdue"
 NO_DEFAULT, OTHER_DEFAULT = "defaut_manquant", "defaut_different"
@@ -61,7 +62,7 @@ def find_facts(failed: Failed, source: bytes, solution: str, titles: Sequence[st
 
 def _functions(text: str) -> Mapping[str, ast.FunctionDef]:
     try:
-        return {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+        return {node.name: node for node in parse_source(text).body if isinstance(node, ast.FunctionDef)}
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return {}
 
@@ -152,7 +153,7 @@ def _default_values(function: ast.FunctionDef) -> dict[str, str]:
 
 def _number(text: str) -> float | None:
     try:
-        return float(ast.literal_eval(text))
+        return float(evaluate_literal(text))
     except (ValueError, TypeError, SyntaxError):
         return None
 

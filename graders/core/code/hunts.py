@@ -30,6 +30,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
+from graders.core.syntax_trees import parse_source
 
 SEED = 20
 #: Numbers of the longest input that a hunt may need, and of the longest that is read.
@@ -133,7 +134,7 @@ def list_hunts(definition: CodeExercise) -> Iterator[Hunt]:
 
 def _imports(solution: str) -> str:
     """Return the imports of a solution: a model has none of its own."""
-    nodes = [node for node in ast.parse(solution).body if isinstance(node, ast.Import | ast.ImportFrom)]
+    nodes = [node for node in parse_source(solution).body if isinstance(node, ast.Import | ast.ImportFrom)]
     return "".join(f"{ast.unparse(node)}\n" for node in nodes)
 
 

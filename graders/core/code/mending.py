@@ -7,7 +7,6 @@ something alone. No change is ever shown: it proves where the mistake is, and ho
 
 from __future__ import annotations
 
-import ast
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -29,6 +28,7 @@ from graders.core.contract.program import Programs, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array
 from graders.core.contract.verdict import Diagnosis
+from graders.core.syntax_trees import parse_source
 
 #: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
 MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
@@ -212,7 +212,7 @@ class MendingSearch:
 
 def _parses(source: str) -> bool:
     try:
-        ast.parse(source)
+        parse_source(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
     return True

@@ -23,6 +23,7 @@ from graders.core.code.ast_matching import (
     signed_terms,
 )
 from graders.core.code.mutations import Model
+from graders.core.syntax_trees import parse_source
 
 #: Bounds of the search: nodes of one location, matches of one location, guessed names, combinations, visited nodes.
 MAX_NODES, MAX_MATCHES, MAX_GUESSED_NAMES, MAX_COMBINATIONS, MAX_VISITED = 80, 24, 2, 200, 4000
@@ -72,7 +73,7 @@ def find_repairs(
     if len(source) > MAX_SOURCE:
         return
     try:
-        tree = ast.parse(source)
+        tree = parse_source(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return
     nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
@@ -133,9 +134,9 @@ def _edits(model: Model, mistake: str) -> Iterator[tuple[list[_Difference], dict
             wrong = edit.apply(right.text)
             if wrong is None:
                 continue
-            tree = ast.parse(right.text)
+            tree = parse_source(right.text)
             helpers = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-            differences = _merged(_differences(tree, ast.parse(wrong), ()))
+            differences = _merged(_differences(tree, parse_source(wrong), ()))
             if differences and all(difference.parts for difference in differences):
                 yield differences, helpers
 
@@ -231,7 +232,7 @@ def _repaired(source: str, locations: Sequence[_Location], helpers: Mapping[str,
     pieces, used = [], set[str]()
     for location in locations:
         words = _NameTranslator(location.names, helpers)
-        text = ast.unparse(ast.fix_missing_locations(words.visit(ast.parse(ast.unparse(location.right)))))
+        text = ast.unparse(ast.fix_missing_locations(words.visit(parse_source(ast.unparse(location.right)))))
         if words.missing:
             return None
         used |= words.used
@@ -259,7 +260,7 @@ def _replaced(source: str, pieces: Sequence[tuple[int, int, str]]) -> str:
 def _if_valid(repair: Repair) -> Repair | None:
     """Return the repair if it is syntactically valid, else None."""
     try:
-        ast.parse(repair.text)
+        parse_source(repair.text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
     return repair
@@ -285,7 +286,7 @@ def _called_helpers(helpers: Mapping[str, ast.FunctionDef], used: set[str]) -> l
 
 
 def _helper(helpers: Mapping[str, ast.FunctionDef], name: str) -> str:
-    node = ast.parse(ast.unparse(helpers[name]))
+    node = parse_source(ast.unparse(helpers[name]))
     for part in ast.walk(node):
         if isinstance(part, ast.Name) and part.id in helpers:
             part.id = _renamed(part.id)

@@ -14,6 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
+from graders.core.syntax_trees import parse_source
+
 #: Names that students give to what the course's programs name otherwise.
 SYNONYMS: Mapping[str, tuple[str, ...]] = {
     "c": ("co", "cosinus", "ct"), "s": ("si", "sinus", "st"), "x": ("px", "xx"), "y": ("py", "yy"),
@@ -38,7 +40,7 @@ def student_form(source: str, function: str, seed: int, *, public: Collection[st
     Of a name that is defined twice at the top level, the last definition counts. `public` names keep theirs.
     """
     rng = np.random.default_rng(seed)
-    body = _needed(ast.parse(source).body, function)
+    body = _needed(parse_source(source).body, function)
     taken = _names(body) | set(dir(builtins)) | {"np", "math"}
     helpers = [node.name for node in body if isinstance(node, ast.FunctionDef) and node.name not in {function, *public}]
     new_helpers = _draw_names(helpers, taken, rng)

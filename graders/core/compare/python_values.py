@@ -6,7 +6,6 @@ in the notation in which the student typed it.
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Collection, Iterable
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.contract.values import Value
+from graders.core.syntax_trees import evaluate_literal
 
 MORE = "…"
 #: Bounds of one line: items on a level, items in all, characters of one text, depth.
@@ -168,7 +168,7 @@ def is_python_text(text: str) -> bool:
     if text == "set()":
         return True
     try:
-        ast.literal_eval(text)
+        evaluate_literal(text)
     except (ValueError, SyntaxError, RecursionError, MemoryError):
         return False
     return True

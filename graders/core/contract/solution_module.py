@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from graders.core.syntax_trees import parse_source
+
 NAME = "mes_fonctions"
 GRADERS = Path(__file__).resolve().parents[2]
 
@@ -38,7 +40,7 @@ def _solutions(module: str) -> Mapping[str, Path]:
     homes: dict[str, Path] = {}
     solutions = (GRADERS / module).glob("*/solution.py")
     for path in sorted(solutions, key=lambda path: (path.parent.name.startswith("defi_"), path.parent.name)):
-        for node in ast.parse(path.read_bytes()).body:
+        for node in parse_source(path.read_bytes()).body:
             if isinstance(node, ast.FunctionDef):
                 homes.setdefault(node.name, path)
     return homes

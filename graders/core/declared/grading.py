@@ -33,6 +33,7 @@ from graders.core.declared.playing import Played, Player
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
 from graders.core.declared.wording import describe_case, failed_finding, fault_finding, slip_diagnosis
+from graders.core.syntax_trees import parse_source
 
 #: Bounds of the search for a simpler counterexample: scenarios in one exchange, in all, and seconds.
 SIMPLER_AT_ONCE, MAX_SIMPLER, SIMPLER_SECONDS = 12, 72, 0.25
@@ -237,7 +238,7 @@ class DeclaredGrader:
         """The names of the parameters of the solution's functions."""
         return {
             node.name: tuple(argument.arg for argument in (*node.args.posonlyargs, *node.args.args))
-            for node in ast.parse(self.solution).body
+            for node in parse_source(self.solution).body
             if isinstance(node, ast.FunctionDef)
         }
 

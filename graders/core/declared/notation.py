@@ -5,12 +5,13 @@ from __future__ import annotations
 import ast
 
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.syntax_trees import parse_source
 
 
 def parse_python(text: str, *, described: str = "") -> ast.Module:
     """Return the syntax tree of a text. Raises MalformedDeclaration, which quotes it and calls it `described`."""
     try:
-        return ast.parse(text.strip())
+        return parse_source(text.strip())
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         detail = error.msg if isinstance(error, SyntaxError) else "texte illisible"
         raise MalformedDeclaration(f"« {text.strip()[:80]} »{described} : {detail}") from error

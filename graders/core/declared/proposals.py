@@ -21,6 +21,7 @@ from graders.core.declared.declaration import is_whole_program
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.scenario_values import FunctionSource, Reference
 from graders.core.declared.scenarios import PROGRAM, Statement
+from graders.core.syntax_trees import parse_source
 
 #: Different characters of a proposed alphabet.
 MAX_ALPHABET = 20
@@ -33,7 +34,7 @@ _INTEGER = re.compile(r"0|-?[1-9][0-9]{0,8}")
 def parse_solution(source: str) -> ast.Module | None:
     """Return the syntax tree of a solution; None where it has none."""
     try:
-        return ast.parse(source)
+        return parse_source(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from graders.core.declared.malformed import MalformedDeclaration
+from graders.core.syntax_trees import parse_source
 
 #: Characters of a file whose constructs are looked for.
 MAX_SOURCE = 100_000
@@ -53,7 +54,7 @@ class Rule:
     def broken_at(self, source: bytes) -> tuple[str, int | None] | None:
         """Return why a file breaks the rule, with the line; None where it does not, or cannot be read."""
         try:
-            tree = ast.parse(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
+            tree = parse_source(source[:MAX_SOURCE].decode("utf-8-sig", "replace"))
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             return None
         line = next(self._lines(tree), None)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Sequence
 
 from markdown_it.token import Token
 
+from graders.core.syntax_trees import parse_source
 from server.text.highlight import is_known
 from server.text.markup import blocks
 from server.text.markup.outline import CELL, HEAD, LEFT, RIGHT, Cell, Label, Outline, Reference, Section, Title
@@ -144,7 +144,7 @@ class _OutlineReader:
         line = self._job.source.first_line + token.meta["line"] + 1
         self.found.cells.append(Cell(name, token.content, line))
         try:
-            ast.parse(token.content)
+            parse_source(token.content)
         except (SyntaxError, ValueError) as error:
             inside = (error.lineno or 1) if isinstance(error, SyntaxError) else 1
             self._job.fault(token.meta["line"] + inside, f"cette cellule ne se compile pas ({error})")
