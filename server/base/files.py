@@ -7,9 +7,12 @@ import io
 import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from shutil import disk_usage
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "templates"
+#: Room on a disk below which administrators are warned.
+MIN_FREE_BYTES = 256 << 20
 
 
 def default_cache_dir() -> Path:
@@ -82,3 +85,10 @@ def write_atomically(path: Path, content: str | bytes, mode: int = ANYONE) -> No
     with open(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
         file.write(content.encode() if isinstance(content, str) else content)
     unfinished.replace(path)
+
+
+def free_bytes(folder: Path) -> int:
+    """Return the free space on the disk of a folder, of an existing parent where it is not made yet."""
+    while not folder.exists():
+        folder = folder.parent
+    return disk_usage(folder).free

@@ -118,6 +118,8 @@ class Settings(BaseSettings):
     submission_refill_seconds: Seconds = Field(
         default=3.0, ge=0, description="then one more after so long; 0: as many as one likes"
     )
+    storage_burst: Count = Field(default=64 * 1024, description="KiB of submissions that an account may store at once")
+    storage_refill_seconds: Seconds = Field(default=9.0, ge=0, description="then one more after so long")
     waiting_each: Count = Field(default=20, description="submissions of an account that wait; more are refused")
     waiting_from_address: Count = Field(
         default=1000,
@@ -284,6 +286,10 @@ class Settings(BaseSettings):
     @property
     def submission_bucket(self) -> BucketSettings:
         return BucketSettings(self.submission_burst, self.submission_refill_seconds)
+
+    @property
+    def storage_bucket(self) -> BucketSettings:
+        return BucketSettings(self.storage_burst, self.storage_refill_seconds)
 
     @property
     def guest_bucket(self) -> BucketSettings:

@@ -36,8 +36,8 @@ def select_core(db: Session, statement: TypedReturnsRows[*Ts], values: Mapping[s
     return db.connection().execute(statement, values)
 
 
-def write_core(db: Session, statement: UpdateBase, values: Mapping[str, Any]) -> None:
-    """Execute an INSERT, UPDATE or DELETE, in the session's transaction, after a flush, without the ORM."""
+def write_core(db: Session, statement: UpdateBase, values: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> None:
+    """Execute an INSERT, UPDATE or DELETE, once for each of `values`, in the session's transaction, without the ORM."""
     db.flush()
     db.connection().execute(statement, values)
 

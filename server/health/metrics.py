@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 from uuid import UUID
 
 from server.base.counters import DROPPED_NOTIFICATIONS, REFUSED_LOGINS, TEMPLATE_RENEWALS
+from server.base.files import free_bytes
 from server.database import Database, utc_now
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
 from server.health.event_counter import RENEWALS
-from server.health.readiness import free_bytes
 
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Histogram

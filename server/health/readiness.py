@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import timedelta
 from pathlib import Path
-from shutil import disk_usage
 
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.concurrency import Gate
+from server.base.files import MIN_FREE_BYTES, free_bytes
 from server.database import Database, utc_now
 from server.grading.supervisor import WorkerSupervisor
 from server.health import repository
@@ -17,7 +17,6 @@ from server.health import repository
 BROKER_CHECK = "nats"
 #: With little room on the disk it goes on too, for now.
 DISK_CHECK = "disk"
-MIN_FREE_BYTES = 256 << 20
 #: A submission that nobody takes for so long while nothing is graded: no worker is there.
 NOBODY_GRADES_AFTER = timedelta(seconds=60)
 
@@ -64,10 +63,3 @@ class Readiness:
 
     def _service(self) -> str:
         return "stopping" if self.supervisor.stopping else "ok"
-
-
-def free_bytes(folder: Path) -> int:
-    """Return the free space on the disk of a folder, of an existing parent where it is not made yet."""
-    while not folder.exists():
-        folder = folder.parent
-    return disk_usage(folder).free

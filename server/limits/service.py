@@ -1,10 +1,12 @@
 """Token buckets kept in the database, so that every process and every restart sees the same ones."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, bindparam, delete, select, update
+from sqlalchemy import bindparam, delete, select, update
 from sqlalchemy.orm import Session
 
 from server.base.errors import RateLimited
@@ -13,42 +15,72 @@ from server.database import select_core, table_of, upsert_statement, utc_now, wr
 from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
-_of_key = _allowances.c.key == bindparam("bucket")
-#: On the hot path of every submission: built once.
-LOCK_BUCKET = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
-SET_TOKENS = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
+#: On the hot path of every submission: built once. Locked in one order, for two transactions may share some.
+LOCK_BUCKETS = (
+    select(_allowances.c.key, _allowances.c.tokens, _allowances.c.updated_at)
+    .where(_allowances.c.key.in_(bindparam("buckets", expanding=True)))
+    .order_by(_allowances.c.key)
+    .with_for_update()
+)
+SET_TOKENS = (
+    update(_allowances)
+    .where(_allowances.c.key == bindparam("bucket"))
+    .values(tokens=bindparam("left"), updated_at=bindparam("now"))
+)
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Tokens to take of a bucket, and the French refusal where it has too few, with `{seconds}` for the wait."""
+
+    key: str
+    bucket: BucketSettings
+    refusal: str
+    count: int = 1
 
 
 def take_token(db: Session, key: str, bucket: BucketSettings, refusal: str) -> None:
-    """Take one token of `key`, or raise TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
+    """Take one token of `key`, or raise RateLimited with `refusal` (`{seconds}` is replaced by the wait)."""
+    take_tokens(db, Draw(key, bucket, refusal))
+
+
+def take_tokens(db: Session, *draws: Draw) -> None:
+    """Take tokens of several buckets, or raise RateLimited for the first that has too few.
+
+    A draw of more than a bucket holds takes all that a full one has.
+    """
     now = utc_now()
-    stored, updated_at = _lock_bucket(db, key, bucket, now)
-    tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
-    if tokens < 1:
-        raise too_many(refusal, _seconds_to_token(tokens, bucket))
-    write_core(db, SET_TOKENS, {"bucket": key, "left": tokens - 1, "now": now})
+    stored = _lock_buckets(db, {draw.key: draw.bucket for draw in draws}, now)
+    changes = []
+    for draw in draws:
+        count, (tokens, updated_at) = min(draw.count, draw.bucket.burst), stored[draw.key]
+        tokens = refilled(tokens, (now - updated_at).total_seconds(), draw.bucket)
+        if tokens < count:
+            raise too_many(draw.refusal, _seconds_to_tokens(count, tokens, draw.bucket))
+        changes.append({"bucket": draw.key, "left": tokens - count, "now": now})
+    write_core(db, SET_TOKENS, changes)
 
 
 def seconds_to_token(db: Session, key: str, bucket: BucketSettings) -> int:
     """Return the seconds until `key` has a token, 0 where it has one; none is taken."""
     now = utc_now()
-    stored, updated_at = _lock_bucket(db, key, bucket, now)
+    stored, updated_at = _lock_buckets(db, {key: bucket}, now)[key]
     tokens = refilled(stored, (now - updated_at).total_seconds(), bucket)
-    return 0 if tokens >= 1 else _seconds_to_token(tokens, bucket)
+    return 0 if tokens >= 1 else _seconds_to_tokens(1, tokens, bucket)
 
 
-def _seconds_to_token(tokens: float, bucket: BucketSettings) -> int:
-    return max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
+def _seconds_to_tokens(count: int, tokens: float, bucket: BucketSettings) -> int:
+    return max(1, math.ceil((count - tokens) * bucket.refill_seconds))
 
 
 def too_many(refusal: str, seconds: int) -> RateLimited:
-    """Return the error of a bucket that has no token for so many seconds, which `{seconds}` in `refusal` tells."""
+    """Return the error of a bucket that has no token for so many seconds, which `{seconds}` in `refusal` names."""
     return RateLimited(refusal.format(seconds=seconds), retry_after=seconds)
 
 
-def give_back_token(db: Session, key: str) -> None:
-    """Give back a token; `refilled` keeps the bucket within its bounds."""
-    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
+def give_back_token(db: Session, key: str, count: int = 1) -> None:
+    """Give back tokens; `refilled` keeps the bucket within its bounds."""
+    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + count))
 
 
 def delete_stale_buckets(db: Session, before: datetime) -> None:
@@ -68,10 +100,19 @@ def refilled(tokens: float, elapsed: float, bucket: BucketSettings) -> float:
     return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
 
 
-def _lock_bucket(db: Session, key: str, bucket: BucketSettings, now: datetime) -> Row[float, datetime]:
-    row = select_core(db, LOCK_BUCKET, {"bucket": key}).one_or_none()
-    if row is not None:
-        return row
-    full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
+def _lock_buckets(
+    db: Session, buckets: Mapping[str, BucketSettings], now: datetime
+) -> Mapping[str, tuple[float, datetime]]:
+    """Lock the rows of buckets, and make those that are missing, full; return what each held, and when."""
+    stored = _read_locked(db, buckets)
+    missing = [key for key in buckets if key not in stored]
+    if not missing:
+        return stored
+    full = [{"key": key, "tokens": float(buckets[key].burst), "updated_at": now} for key in sorted(missing)]
     db.execute(upsert_statement(db, Allowance).on_conflict_do_nothing(), full)
-    return select_core(db, LOCK_BUCKET, {"bucket": key}).one()
+    return _read_locked(db, buckets)
+
+
+def _read_locked(db: Session, buckets: Mapping[str, BucketSettings]) -> dict[str, tuple[float, datetime]]:
+    rows = select_core(db, LOCK_BUCKETS, {"buckets": list(buckets)})
+    return {key: (tokens, updated_at) for key, tokens, updated_at in rows}

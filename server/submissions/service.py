@@ -13,8 +13,9 @@ from sqlalchemy.orm import Session
 from graders.core.answers import canonical_json
 from server.assignments import sittings
 from server.base.arrival import arrival_time
-from server.base.errors import Invalid, RateLimited
-from server.base.settings import Settings
+from server.base.errors import Invalid, RateLimited, StorageFull
+from server.base.files import MIN_FREE_BYTES, free_bytes
+from server.base.settings import BucketSettings, Settings
 from server.base.validation import encode_bounded, parse_uuid
 from server.classes import presence
 from server.course.models import SEED_BITS, Exercise
@@ -34,6 +35,22 @@ TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
 )
+STORAGE_USED = {
+    "account": "Vous avez envoyé énormément ces derniers jours : la place réservée à vos propositions est pleine, et "
+    "se libère peu à peu. Celle-ci sera acceptée dans {seconds} s ; plus courte, plus tôt.",
+    "address": "La place réservée, à votre adresse, aux personnes qui ne sont dans aucune classe est pleine, et se "
+    "libère peu à peu. Cette proposition sera acceptée dans {seconds} s ; d’un élève d’une classe, tout de suite.",
+}
+DISK_NEARLY_FULL = (
+    "Le disque du serveur est presque plein : ce qui reste est gardé aux élèves des classes. Votre proposition "
+    "n’est pas enregistrée. Gardez-la, et renvoyez-la plus tard, ou rejoignez votre classe."
+)
+#: Room on the disk below which only members of classes may store, and seconds after which others may try again.
+MIN_FREE_FOR_STRANGERS, DISK_RETRY_SECONDS = 2 * MIN_FREE_BYTES, 3600
+#: KiB that a submission takes besides its source: its verdict, figures and films.
+VERDICT_KIB = 16
+#: Accounts' shares of storage that all strangers of an address have together: anybody becomes any number of guests.
+STRANGERS_SHARES = 32
 TOO_MANY_SAVES = "Vous enregistrez très souvent : le prochain enregistrement est possible dans {seconds} s."
 QUEUE_FULL = {
     "sender": "Vos {each} dernières propositions attendent encore leur correction : la suivante sera possible dès que "
@@ -93,7 +110,7 @@ class Submissions:
     def submit(
         self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
     ) -> Submission:
-        """Store a submission and enqueue it. Raises TooLarge, TooMany, NotNow or Invalid, in French.
+        """Store a submission and enqueue it. Raises TooLarge, RateLimited, WrongMoment or Invalid, in French.
 
         Submitted again under the same idempotency `key` of this account, return the stored one.
         """
@@ -116,7 +133,8 @@ class Submissions:
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Store what a student had saved as their test ended, as if submitted then; no limit applies."""
-        return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers)
+        is_member = presence.is_member(db, account.id, seen=True)
+        return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers, is_member=is_member)
 
     def save_work(
         self, db: Session, account: Account, exercise_id: str, source: bytes, base_version: str | None = None
@@ -153,16 +171,21 @@ class Submissions:
         *,
         answers: bool,
     ) -> Submission:
-        now, bucket, submission_id = arrival_time(), limits.submission_key(account.id), _submission_id(account, key)
+        now, submission_id = arrival_time(), _submission_id(account, key)
         if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
             return stored
         if not sittings.require_may_submit(db, account.id, exercise_id, now).tests:
             sittings.require_no_tested_imports(
                 db, account.id, source, [exercise.id for exercise in self._reused_exercises(exercise_id)]
             )
-        limits.take_token(db, bucket, self._settings.submission_bucket, TOO_FAST)
+        is_member = presence.is_member(db, account.id, seen=True)
+        if not is_member and free_bytes(self._settings.data_dir) < MIN_FREE_FOR_STRANGERS:
+            raise StorageFull(DISK_NEARLY_FULL, retry_after=DISK_RETRY_SECONDS)
+        draws = self._draws(account, len(source), None if is_member else address)
+        limits.take_tokens(db, *draws)
         if key is not None and (stored := _find_resubmission(db, account, submission_id, exercise_id, source)):
-            limits.give_back_token(db, bucket)  # another process was first, and held the bucket until its commit
+            for draw in draws:  # another process was first, and held the buckets until its commit
+                limits.give_back_token(db, draw.key, draw.count)
             return stored
         backlog_limits = BacklogLimits(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
@@ -175,6 +198,7 @@ class Submissions:
                 now,
                 submission_id,
                 answers=answers,
+                is_member=is_member,
                 backlog_limits=backlog_limits,
             )
         except QueueFullError as error:
@@ -193,17 +217,30 @@ class Submissions:
         submission_id: UUID,
         *,
         answers: bool,
+        is_member: bool,
         backlog_limits: BacklogLimits | None = None,
     ) -> Submission:
         seed = variants.get_or_create_seed(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": code_digest(source.decode()), "seed": seed, "created_at": sent_at}
         submission = repository.add(db, id=submission_id, account_id=account.id, exercise=exercise_id, **values)
-        sender = queue_sender(account, address, member=presence.is_member(db, account.id, seen=True))
+        sender = queue_sender(account, address, member=is_member)
         needs = version_requirement(exercise_id, self._needed_version(exercise_id))
         self._queue.enqueue(
             db, GRADE, job_key(submission.id), sender=sender, limits=backlog_limits, required_version=needs
         )
         return submission
+
+    def _draws(self, account: Account, size: int, stranger_address: str | None) -> list[limits.Draw]:
+        """Return what a submission of `size` bytes takes: of its account and, unless in a class, of its address."""
+        kib, bucket = VERDICT_KIB + -(-size // 1024), self._settings.storage_bucket
+        draws = [
+            limits.Draw(limits.submission_key(account.id), self._settings.submission_bucket, TOO_FAST),
+            limits.Draw(f"storage:{account.id}", bucket, STORAGE_USED["account"], kib),
+        ]
+        if stranger_address is not None:
+            shared = BucketSettings(STRANGERS_SHARES * bucket.burst, bucket.refill_seconds / STRANGERS_SHARES)
+            draws.append(limits.Draw(f"storage-from:{stranger_address}", shared, STORAGE_USED["address"], kib))
+        return draws
 
     def requeue(self, db: Session, submission: Submission, account: Account) -> bool:
         """Enqueue a submission (again); False where it is queued already."""

@@ -9,13 +9,15 @@ from uuid import UUID, uuid4
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlalchemy import update
 from sqlalchemy.orm import Session
 
-from server.base.errors import Forbidden, Invalid, NotFound, RateLimited, TooLarge
+from server.base.errors import Forbidden, Invalid, NotFound, RateLimited, StorageFull, TooLarge
+from server.base.files import MIN_FREE_BYTES
 from server.base.settings import Settings
 from server.classes import service as classes
 from server.classes.models import Status
-from server.database import Database
+from server.database import Database, utc_now
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
@@ -25,7 +27,7 @@ from server.limits.models import Allowance
 from server.submissions import service
 from server.submissions.job_events import stream_sse
 from server.submissions.models import Submission, SubmissionState
-from server.submissions.service import GradingProgress, Submissions
+from server.submissions.service import VERDICT_KIB, GradingProgress, Submissions
 from tests.support.classes import new_class, seat
 from tests.support.quick import in_a_loop
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
@@ -106,6 +108,41 @@ def test_our_error_gives_the_allowance_back(desk: Desk, ada: Account) -> None:
         desk.submit(ada)
     with pytest.raises(RateLimited):
         desk.submit(ada)
+
+
+def test_what_an_account_stores_is_bounded(desk: Desk, ada: Account) -> None:
+    """Three short files, or two long ones; whoever is in no class shares what is left at their address."""
+    short = VERDICT_KIB + 1
+    settings = desk.settings.model_copy(update={"storage_burst": 3 * short, "storage_refill_seconds": 3600.0})
+    bounded = Desk(desk.database, settings, Submissions(settings, QUIET))
+    for _ in range(3):
+        bounded.submit(ada)
+    with pytest.raises(RateLimited, match="place réservée à vos propositions") as refused:
+        bounded.submit(ada)
+    assert refused.value.retry_after == short * 3600
+    with desk.database.read() as db:
+        assert gradebook.list_attempts(db, ada, EXERCISE, 1).total == 3
+    bounded.submit(long_writer := new_account(desk.database), "#" * 64 * 1024)
+    with pytest.raises(RateLimited):
+        bounded.submit(long_writer)
+
+    pupil = new_account(desk.database)
+    seat(desk.database, new_class(desk.database, new_account(desk.database, Role.teacher)), pupil)
+    with desk.database.write() as db:
+        key = f"storage-from:{ADDRESS}"
+        db.execute(update(Allowance).where(Allowance.key == key).values(tokens=short * 1.5, updated_at=utc_now()))
+    bounded.submit(new_account(desk.database))
+    with pytest.raises(RateLimited, match="aucune classe"):
+        bounded.submit(new_account(desk.database))
+    bounded.submit(pupil)
+
+
+def test_the_last_room_on_the_disk_is_for_classes(desk: Desk, ada: Account, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(service, "free_bytes", lambda _folder: MIN_FREE_BYTES + 1)
+    with pytest.raises(StorageFull, match="gardé aux élèves des classes"):
+        desk.submit(ada)
+    seat(desk.database, new_class(desk.database, new_account(desk.database, Role.teacher)), ada)
+    desk.submit(ada)
 
 
 def test_a_class_is_graded_before_other_accounts(desk: Desk, ada: Account) -> None:

@@ -50,6 +50,7 @@ def preview_settings(kept: Path) -> Settings:
         workers=0,
         warm_figures=False,
         submission_burst=UNLIMITED,
+        storage_refill_seconds=0.0,
         waiting_each=UNLIMITED,
         waiting_from_address=UNLIMITED,
         guest_burst=UNLIMITED,
