@@ -32,7 +32,7 @@ GUESTS = 20
 #: What is bounded for each account is not what is measured.
 WIDE = {
     f"BALISE_{name}_{what}": value
-    for name in ("SUBMISSION", "CELL", "STEP")
+    for name in ("SUBMISSION", "STORAGE", "CELL", "STEP")
     for what, value in (("BURST", "100000"), ("REFILL_SECONDS", "0"))
 }
 #: What makes a process's number the one of its clock (Linux, `clock_getcpuclockid`).
