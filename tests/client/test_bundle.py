@@ -12,7 +12,7 @@ import pytest
 
 from server.base.version import VERSION
 from server.client.bundle import MAX_BYTES, build
-from server.client.program import report
+from server.client.program import commands, report
 from server.client.program.values import layout
 from tests.support.service import Site
 
@@ -74,3 +74,13 @@ def test_long_values_are_cut_and_say_so() -> None:
 def test_control_characters_of_a_program_do_not_reach_the_terminal() -> None:
     verdict = {"outcome": "ok", "exercise": "a/b", "points": 20, "max_points": 20, "checks": [], "stdout": "\x1b[2Jx"}
     assert "\x1b" not in report.render({"verdict": verdict}, "http://x")
+
+
+@pytest.mark.parametrize("arguments", [[], ["-h"], ["submit"], ["submit", "-h"], ["frobnicate"]])
+def test_its_help_is_in_french(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        commands.main(arguments)
+    captured = capsys.readouterr()
+    help_text = captured.out + captured.err
+    assert help_text.count("utilisation :") == 1
+    assert not [word for word in ("usage", "positional", "required", "invalid", "show ") if word in help_text]

@@ -8,7 +8,6 @@ import re
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
 from getpass import getpass
 from html import unescape
 from pathlib import Path
@@ -17,6 +16,8 @@ from typing import Any
 from . import report, tokens, vscode
 from .connection import Connection
 from .errors import ClientError
+from .exercises import find_exercise
+from .french import FrenchParser
 from .release import SERVER, VERSION
 
 #: The first line that `get` writes, by which `submit` and `watch` know what a file is for.
@@ -39,16 +40,18 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="balise.pyz", description="Envoie vos programmes à Balise.")
-    parser.add_argument("--version", action="version", version=f"balise.pyz {VERSION}")
-    commands = parser.add_subparsers(metavar="COMMANDE", required=True)
+def _parser() -> FrenchParser:
+    parser = FrenchParser(prog="balise.pyz", description="Envoie vos programmes à Balise.")
+    version = f"balise.pyz {VERSION}"
+    parser.arguments.add_argument("--version", action="version", version=version, help="affiche la version")
+    commands = parser.add_subparsers(title="commandes", metavar="COMMANDE", required=True)
 
-    def add(name: str, run: Any, help_text: str) -> argparse.ArgumentParser:
+    def add(name: str, run: Any, help_text: str) -> Any:
         command = commands.add_parser(name, help=help_text, description=help_text)
-        command.add_argument("--server", default=SERVER, metavar="URL", help="adresse du serveur (%(default)s)")
+        address = "adresse du serveur (%(default)s)"
+        command.arguments.add_argument("--server", default=SERVER, metavar="URL", help=address)
         command.set_defaults(run=run)
-        return command
+        return command.arguments
 
     add("login", _login, "garde le jeton créé sur la page « Mon compte »")
     add("list", _list, "liste les exercices")
@@ -96,7 +99,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 def _get(arguments: argparse.Namespace) -> int:
     connection = _connect(arguments)
-    name = _known(connection, arguments.exercise)
+    name = find_exercise(connection, arguments.exercise)
     exercise = connection.exercise(name)
     if exercise["kind"] != "code":
         raise ClientError(f"« {name} » se fait sur sa page : {connection.server}/{exercise['module']}")
@@ -192,6 +195,8 @@ def _content(file: Path) -> dict[str, Any]:
 def _read(file: Path) -> str:
     try:
         return file.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError as error:
+        raise ClientError(f"{file} n’existe pas dans le dossier {Path.cwd()}.") from error
     except OSError as error:
         raise ClientError(f"{file} ne se lit pas : {error.strerror}.") from error
     except UnicodeDecodeError as error:
@@ -204,21 +209,6 @@ def _exercise_and_file(connection: Connection, names: list[str]) -> tuple[str, P
         raise ClientError("donnez l’exercice et le fichier, ou le fichier seul.")
     file = Path(names[-1])
     if len(names) == 2:
-        return _known(connection, names[0]), file
+        return find_exercise(connection, names[0]), file
     marked = MARKER.search(_read(file))
-    return _known(connection, marked[1] if marked else file.stem), file
-
-
-def _known(connection: Connection, name: str) -> str:
-    """Return the id of an exercise, of which the last part will do. Raises ClientError with near names."""
-    ids = [str(exercise["id"]) for exercise in connection.exercises()]
-    by_slug = [exercise for exercise in ids if exercise == name or exercise.rpartition("/")[2] == name]
-    if len(by_slug) == 1:
-        return by_slug[0]
-    slugs = {exercise.rpartition("/")[2]: exercise for exercise in ids}
-    near = by_slug or [
-        *get_close_matches(name, ids, 3, 0.6),
-        *(slugs[slug] for slug in get_close_matches(name, list(slugs), 3, 0.6)),
-    ]
-    meant = f" Vouliez-vous dire {' ou '.join(dict.fromkeys(near))} ?" if near else " « list » les donne tous."
-    raise ClientError(f"aucun exercice ne s’appelle « {name} ».{meant}")
+    return find_exercise(connection, marked[1] if marked else file.stem), file

@@ -9,6 +9,7 @@ from typing import Any
 from . import report, tokens
 from .connection import Connection
 from .errors import ClientError
+from .exercises import find_exercise
 from .release import SERVER
 
 
@@ -50,7 +51,7 @@ def grade_cell(exercise: str, cell: str) -> NotebookVerdict:
     if not exercise:
         raise ClientError("quel exercice ? Écrivez par exemple « %%balise l20/poses » en tête de la cellule.")
     connection = Connection(SERVER, tokens.token_of(SERVER))
-    submission = connection.follow(connection.submit(exercise, {"code": cell}))
+    submission = connection.follow(connection.submit(find_exercise(connection, exercise), {"code": cell}))
     page = connection.attempt_page(submission)
     return NotebookVerdict(report.render(submission, page), page, _first_figure(connection, submission))
 

@@ -93,6 +93,9 @@ def test_a_mistyped_exercise_is_refused_with_near_names(student: Student) -> Non
     status, _, err = student.run("get", "l20/pose")
     assert status == 2
     assert f"Vouliez-vous dire {EXERCISE}" in err
+    status, out, err = run_in_notebook(student, "l20/pose", "x = 1\n")
+    assert f"Vouliez-vous dire {EXERCISE}" in out
+    assert student.run("submit", "absent.py")[2].startswith("balise : absent.py n’existe pas dans le dossier ")
 
 
 def test_a_save_is_sent(student: Student) -> None:
@@ -120,7 +123,8 @@ def test_an_editor_reads_the_problems(student: Student) -> None:
     assert (problem[1], problem[2]) == (str(student.folder / "poses.py"), "2")
 
 
-def test_a_notebook_shows_the_verdict_with_its_figure(student: Student) -> None:
+def run_in_notebook(student: Student, exercise: str, cell: str) -> tuple[int, str, str]:
+    """Run a cell under the magic command; print its verdict as a notebook shows it."""
     script = """
 import sys
 sys.path.insert(0, "balise.pyz")
@@ -130,18 +134,23 @@ class Shell:
     def register_magic_function(self, function, kind, name): self.magic = function
 shell = Shell()
 balise.load_ipython_extension(shell)
-print(shell.magic("l20/poses", open("poses.py").read())._repr_html_())
+verdict = shell.magic(sys.argv[1], sys.argv[2])
+print(verdict._repr_html_() if verdict else "")
 """
-    wrong = the_course().exercises[EXERCISE].solution.replace("cos", "sin")
-    (student.folder / "poses.py").write_text(wrong)
     done = subprocess.run(
-        [sys.executable, "-c", script], cwd=student.folder, env=student.environment, capture_output=True, text=True,
-        timeout=300, check=False,
+        [sys.executable, "-c", script, exercise, cell], cwd=student.folder, env=student.environment,
+        capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "/20" in done.stdout
-    assert "data:image/svg+xml;base64," in done.stdout
-    assert "/soumissions/" in done.stdout
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_a_notebook_shows_the_verdict_with_its_figure(student: Student) -> None:
+    wrong = the_course().exercises[EXERCISE].solution.replace("cos", "sin")
+    status, out, err = run_in_notebook(student, EXERCISE, wrong)
+    assert status == 0, err
+    assert "/20" in out
+    assert "data:image/svg+xml;base64," in out
+    assert "/soumissions/" in out
 
 
 def test_the_recipes_of_continuous_integration_run(student: Student, token: str) -> None:
