@@ -85,6 +85,17 @@ def _create_private_file(file: Path) -> None:
     file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     with suppress(OSError):  # SQLite gives the reason where the file cannot be written
         os.close(os.open(file, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
+        return
+    for path in (file.parent, *(file.with_name(file.name + suffix) for suffix in ("", "-wal", "-shm"))):
+        _take_from_others(path)
+
+
+def _take_from_others(path: Path) -> None:
+    """Remove all rights but the owner's, which versions before 1.0 granted. A path of somebody else stays as it is."""
+    with suppress(OSError):
+        status = path.stat()
+        if status.st_uid == os.geteuid() and status.st_mode & 0o077:
+            path.chmod(status.st_mode & 0o700)
 
 
 def writing_engine(engine: Engine) -> Engine:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import stat
 import subprocess
 import sys
@@ -116,8 +117,14 @@ def test_a_second_database_object_keeps_the_locks_of_the_first(tmp_path: Path) -
             assert (tmp_path / "balise.sqlite3-wal").exists()
 
 
-def test_the_file_of_the_database_is_for_its_owner_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("older", [False, True])
+def test_the_file_of_the_database_is_for_its_owner_alone(tmp_path: Path, older: bool) -> None:
+    """Also where an older version made it with the modes of the umask."""
     folder = tmp_path / "data"
+    if older:
+        folder.mkdir(mode=0o755)
+        sqlite3.connect(folder / "balise.sqlite3").close()
+        folder.joinpath("balise.sqlite3").chmod(0o644)
     with closing(Database(f"sqlite:///{folder}/balise.sqlite3")) as database:
         upgrade(database.engine)
         modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in [folder, *folder.iterdir()]}
