@@ -128,7 +128,7 @@ def test_the_image_is_of_this_version_and_has_what_it_needs() -> None:
     assert compose()["x-balise"]["image"] == f"balise:{version}"
     assert documents("kubernetes/kustomization.yaml")[0]["images"] == [{"name": "balise", "newTag": version}]
     extras = set(re.search(r"ARG EXTRAS=(.*)", container)[1].split(","))  # type: ignore[index]
-    assert {"postgresql", "nats", "fast"} <= extras <= set(PROJECT["project"]["optional-dependencies"])
+    assert {"postgresql", "nats", "federation", "traces"} <= extras <= set(PROJECT["project"]["optional-dependencies"])
     python = re.search(r"ARG PYTHON=([\d.]+)", container)
     assert python
     assert tuple(map(int, python[1].split("."))) >= (3, 11)

@@ -6,7 +6,9 @@ import asyncio
 import os
 import shutil
 import socket
+import stat
 import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import suppress
@@ -16,6 +18,7 @@ import nkeys
 import pytest
 from sqlalchemy import make_url
 
+from server.base.files import ROOT
 from server.base.settings import Settings
 from server.database.engine import make_engine
 from server.grading.job_lanes import JOB_LANES
@@ -25,8 +28,7 @@ from server.queue.jetstream.credentials import NatsConfigurationError, connect_o
 from server.queue.jetstream.stream_layout import build_layout
 from tests.support.cluster import PATIENCE, Nats
 
-SEED = nkeys.encode_seed(bytes(range(32)), nkeys.PREFIX_BYTE_USER)
-PUBLIC = nkeys.from_seed(bytearray(SEED)).public_key.decode()
+PAGE = ROOT / "server" / "docs" / "plusieurs_machines.md"
 TOKEN = "un secret"
 
 
@@ -44,6 +46,18 @@ def certificates(folder: Path) -> None:
         subprocess.run([*of, *extra], cwd=folder, check=True, **QUIET)
 
 
+def make_seed_as_documented(seed: Path) -> str:
+    """Run what the page says, but for the owner; return the public key that it shows."""
+    lines = [line for line in PAGE.read_text().splitlines() if line.endswith(" /etc/balise/nats.seed")]
+    recipe = [line for line in lines if not line.startswith("chown")]
+    assert len(recipe) == 3
+    script = "\n".join(recipe).replace("/etc/balise/nats.seed", str(seed))
+    script = script.replace("/opt/balise/bin/python", sys.executable)
+    done = subprocess.run(["sh", "-euc", script], check=True, capture_output=True, text=True)
+    assert stat.S_IMODE(seed.stat().st_mode) == 0o600
+    return done.stdout.strip()
+
+
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
@@ -52,10 +66,12 @@ def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nats]:
     """It wants a certificate of its authority, and a nkey."""
     folder = tmp_path_factory.mktemp("guarded")
     certificates(folder)
-    (folder / "seed").write_bytes(SEED)
+    public_key = make_seed_as_documented(folder / "seed")
     (folder / "wrong_seed").write_bytes(nkeys.encode_seed(os.urandom(32), nkeys.PREFIX_BYTE_USER))
     tls = f'tls {{ cert_file: "{folder}/server.pem", key_file: "{folder}/server.key", ca_file: "{folder}/ca.pem"'
-    server = Nats(folder, f"{tls}, verify: true }}", f"  A: {{ jetstream: enabled, users: [{{ nkey: {PUBLIC} }}] }}")
+    server = Nats(
+        folder, f"{tls}, verify: true }}", f"  A: {{ jetstream: enabled, users: [{{ nkey: {public_key} }}] }}"
+    )
     server.start()
     yield server
     server.stop()
