@@ -30,7 +30,7 @@ from server.grading.trial_task import TrialTask
 from server.grading.tryout_task import TryoutTask
 from server.queue.engine import create_nats_engine
 from server.queue.graceful_stop import GracefulStop
-from server.queue.interfaces import QueueNotifier, Tasks, WorkerCapabilities, WorkSource
+from server.queue.interfaces import BACKGROUND, QueueNotifier, Tasks, WorkerCapabilities, WorkSource
 from server.queue.lease_owner import process_owner
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
@@ -159,6 +159,7 @@ def _run_worker(
                     queue,
                     settings,
                     tasks,
+                    background=[kind for kind, lane in JOB_LANES.items() if lane == BACKGROUND],
                     capabilities=_capabilities(settings, course),
                     graceful_stop=_graceful_stop,
                 )

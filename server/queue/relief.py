@@ -3,13 +3,15 @@
 A job is let in once it has waited for a while, if its rank is higher than that of the worker's own job, or, after a
 longer wait, if its flow is another. So no flow holds a worker for long, and nobody waits for those of a lower rank;
 with one worker, too. There is one such seat: a job of a lower rank that holds it is given back untried to one of a
-higher rank. So is a job whose programs have been stopped for long: another worker may have time for it.
+higher rank. So is a job whose programs have been stopped for long: another worker may have time for it. A job of the
+background goes on for a moment after BACKGROUND_TURN others: it would never end behind a queue that is never empty.
 """
 
+import itertools
 import logging
 import threading
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -19,6 +21,8 @@ from server.queue.job_runner import JobRunner
 log = logging.getLogger(__name__)
 
 CLOSING_SECONDS = 2.0
+#: So many jobs of higher ranks go before one of the background, in a row.
+BACKGROUND_TURN = 10
 
 
 @dataclass(frozen=True)
@@ -42,10 +46,12 @@ class ReliefSeat:
         main: JobRunner,
         relief: JobRunner,
         kinds: Collection[str],
+        background: Collection[str] = (),
         patience: Patience = DEFAULT_PATIENCE,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._main, self._relief, self._kinds, self._patience, self._clock = main, relief, kinds, patience, clock
+        self._main, self._relief, self._kinds, self._background = main, relief, kinds, background
+        self._patience, self._clock = patience, clock
         self._closing = threading.Event()
         self._watcher = threading.Thread(target=self._watch, name="relief-watch", daemon=True)
         self._thread: threading.Thread | None = None
@@ -114,15 +120,18 @@ class ReliefSeat:
             self._relief.programs.abandon(relieving.token)
 
     def _run_jobs(self, running: Lease) -> None:
-        """Run the next job that goes before, then all of a higher rank; the programs of the worker's own job stop."""
+        """Run the next job that goes before, then those of a higher rank; the programs of the worker's own job stop."""
 
         def stop_own() -> None:
             self._main.programs.stop(running.token)
 
         precedence = self._precedence(running)
+        turns: Iterable[int] = range(BACKGROUND_TURN) if running.kind in self._background else itertools.count()
         try:
             with self._relief.heartbeat:
-                while not self._closing.is_set() and self._relief.claim_and_run(self._kinds, stop_own, precedence):
+                for _ in turns:
+                    if self._closing.is_set() or not self._relief.claim_and_run(self._kinds, stop_own, precedence):
+                        return
                     if self._main.running is not running:
                         return
                     precedence = Precedence(running.rank)

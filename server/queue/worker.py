@@ -6,7 +6,7 @@ It learns of work from a source that wakes it (`run`), or from messages that ent
 import logging
 import os
 import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from sqlalchemy.exc import DBAPIError, OperationalError
 
@@ -24,7 +24,7 @@ from server.queue.interfaces import (
 )
 from server.queue.job_runner import DATABASE_PAUSE, JobRunner
 from server.queue.lease_owner import LeaseOwner, process_owner
-from server.queue.relief import DEFAULT_PATIENCE, Patience, ReliefSeat
+from server.queue.relief import BACKGROUND_TURN, DEFAULT_PATIENCE, Patience, ReliefSeat
 
 log = logging.getLogger(__name__)
 
@@ -32,7 +32,9 @@ log = logging.getLogger(__name__)
 class Worker:
     """Runs one job at a time, of the kinds in `tasks`; with `capabilities`, only jobs it has the version for.
 
-    While that takes long, its relief seat runs those who go before: with a job stopped, one more runs.
+    While that takes long, its relief seat runs those who go before: with a job stopped, one more runs. Jobs of the
+    kinds `background` have the lowest ranks, and yet a share: one goes first after BACKGROUND_TURN others behind which
+    more waited.
     """
 
     def __init__(
@@ -45,25 +47,37 @@ class Worker:
         *,
         capabilities: WorkerCapabilities | None = None,
         graceful_stop: GracefulStop | None = None,
+        background: Collection[str] = (),
         patience: Patience = DEFAULT_PATIENCE,
     ) -> None:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
         self._capabilities, self._stop = capabilities, graceful_stop or GracefulStop()
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
         self._owner = owner or process_owner(os.getpid())
+        self._background, self._jobs_in_a_row = frozenset(background), 0
 
         def make_runner(stop: GracefulStop) -> JobRunner:
             return JobRunner(database, queue, settings, tasks, self._owner, capabilities, stop)
 
         self._runner = make_runner(self._stop)
-        self._relief = ReliefSeat(self._runner, make_runner(GracefulStop()), tasks.keys(), patience)
+        self._relief = ReliefSeat(self._runner, make_runner(GracefulStop()), tasks.keys(), self._background, patience)
 
     def run_one(self) -> bool:
         """Run one job; False when none waits."""
         return self._claim_and_run() is not None
 
     def _claim_and_run(self) -> Lease | None:
-        return self._runner.claim_and_run(self._tasks.keys(), lambda: None)
+        return self._run_next(self._tasks.keys(), lambda: None)
+
+    def _run_next(self, kinds: Collection[str], keep_alive: Callable[[], None]) -> Lease | None:
+        """Run the next job of these kinds, after one of the background whose turn has come; return the former."""
+        if self._background and self._jobs_in_a_row >= BACKGROUND_TURN:
+            self._jobs_in_a_row = 0
+            self._runner.claim_and_run(self._background, keep_alive)
+        lease = self._runner.claim_and_run(kinds, keep_alive)
+        others_wait = lease is not None and lease.more_waiting and lease.kind not in self._background
+        self._jobs_in_a_row = self._jobs_in_a_row + 1 if others_wait else 0
+        return lease
 
     def run(self, work: WorkSource) -> None:
         """Work until `work` ends or a stop is requested."""
@@ -110,7 +124,7 @@ class Worker:
         try:
             if message.redelivered:
                 self._runner.write(lambda db: self._queue.recover_lost(db, self._owner, self._give_ups))
-            job_done = self._runner.claim_and_run(message.kinds, message.in_progress) is not None
+            job_done = self._run_next(message.kinds, message.in_progress) is not None
             acknowledged = job_done or not self._refuse(message.kinds)
             if acknowledged:
                 message.ack(job_done=job_done)

@@ -18,12 +18,12 @@ from server.database import Database
 from server.queue.interfaces import Lease, Precedence, Sender, WaitingJob, WorkerCapabilities
 from server.queue.lease_owner import process_owner
 from server.queue.models import Job
-from server.queue.relief import Patience
+from server.queue.relief import BACKGROUND_TURN, Patience
 from server.queue.worker import Worker
 from server.sandbox.seat import current_seat
 from tests.support.service import QUIET
 
-KIND = "bake"
+KIND, BACKGROUND_KIND = "bake", "clean"
 MEMBER, ACCOUNT, GUEST = 0, 1, 2
 #: No time is told: jobs are let in at the second look that sees them.
 AT_ONCE = Patience(look=0.005, rank=0.0, flow=0.0)
@@ -150,8 +150,9 @@ class Kitchen:
 
     @contextmanager
     def working(self, patience: Patience = AT_ONCE) -> Iterator[None]:
-        tasks: Any = {KIND: self.oven}
-        worker, bell = Worker(self.database, self.queue, self.settings, tasks, patience=patience), Bell()
+        tasks: Any = {KIND: self.oven, BACKGROUND_KIND: self.oven}
+        options: Any = {"patience": patience, "background": [BACKGROUND_KIND]}
+        worker, bell = Worker(self.database, self.queue, self.settings, tasks, **options), Bell()
         thread = threading.Thread(target=worker.run, args=(bell,), daemon=True)
         thread.start()
         try:
@@ -252,6 +253,20 @@ def test_a_job_claimed_beside_a_long_one_of_the_second_seat_has_not_been_stopped
         assert not again.killed.is_set()
         assert not again.stopped.is_set()
         assert len(kitchen.oven.began) == 3
+
+
+def test_a_job_of_the_background_goes_on_for_a_moment_behind_many_others(kitchen: Kitchen) -> None:
+    kitchen.put("regrade", GUEST, "class", kind=BACKGROUND_KIND)
+    with kitchen.working():
+        regrade = kitchen.oven.next_beginning(0)
+        for number in range(BACKGROUND_TURN + 1):
+            kitchen.put(f"answer {number}", MEMBER, f"student {number}")
+        for number in range(BACKGROUND_TURN):
+            assert not regrade.goes_on.is_set()
+            kitchen.oven.next_beginning(1 + number).done.set()
+        kitchen.oven.next_beginning(1 + BACKGROUND_TURN)
+        assert regrade.goes_on.is_set(), "before the next of the others"
+        assert not regrade.killed.is_set()
 
 
 def test_a_worker_that_ends_gives_the_job_of_its_second_seat_back_untried(kitchen: Kitchen) -> None:
