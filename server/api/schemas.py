@@ -99,6 +99,9 @@ class CheckOut(Strict):
         dict[str, Json] | None,
         Field(description="Map, range and seed of a check that ran on another map; left out otherwise."),
     ] = None
+    case: Annotated[
+        str | None, Field(description="The case that shows the failure, as Python writes it; left out otherwise.")
+    ] = None
 
 
 class DiagnosisOut(Strict):

@@ -49,13 +49,14 @@ class CellTraceRequest(_Frozen):
 
 
 class CallTraceRequest(_Frozen):
-    """A request to trace a call that the student typed, on a program of an exercise."""
+    """A request to trace a call that the student typed, on a program of an exercise; `is_declared` tells its kit."""
 
     kind: Literal["call"] = "call"
     exercise: str
     source: Bytes
     library: tuple[LibraryFileData, ...]
     call: str
+    is_declared: bool = False
 
 
 class ReplayTraceRequest(_Frozen):
@@ -84,7 +85,21 @@ class ReplayTraceRequest(_Frozen):
         return [(name, value, defaults[name]) for name, value in self.limits.items()]
 
 
-TraceRequest = Annotated[CellTraceRequest | CallTraceRequest | ReplayTraceRequest, Field(discriminator="kind")]
+class ScenarioTraceRequest(_Frozen):
+    """A request to play a case of a declared exercise, with typed `lines` and `files`; `kit` are its parameters."""
+
+    kind: Literal["scenario"] = "scenario"
+    source: Bytes
+    functions: tuple[str, ...]
+    case: str
+    lines: tuple[str, ...] | None
+    files: tuple[tuple[str, str], ...]
+    kit: dict[str, Any]
+
+
+TraceRequest = Annotated[
+    CellTraceRequest | CallTraceRequest | ReplayTraceRequest | ScenarioTraceRequest, Field(discriminator="kind")
+]
 
 
 class TraceQuestion(_Frozen):

@@ -9,6 +9,7 @@ from graders.core.code.checks import Untouched
 from graders.core.code.grading import CodeGrader
 from graders.core.compare.words import MORE
 from graders.core.contract.verdict import CheckResult
+from graders.core.declared.grading import DeclaredGrader
 from server.course import Exercise
 
 #: Numbers that JSON holds as text.
@@ -20,11 +21,12 @@ def can_replay(exercise: Exercise, check: CheckResult) -> bool:
     """Whether the counterexample of a check is one call of a function, with complete arguments.
 
     That holds where the check says so, or where its inputs are the arguments of the one function that it judges. A
-    check of several functions does not say which one it called, except for checks of unmodified arguments.
+    check of several functions does not say which one it called, except for checks of unmodified arguments. A declared
+    exercise plays its cases again.
     """
     counterexample, grader = check.counterexample, exercise.grader
     if exercise.kind != "code" or check.passed or counterexample is None or not isinstance(grader, CodeGrader):
-        return False
+        return isinstance(grader, DeclaredGrader) and grader.find_failing_case(check) is not None
     graded = next((candidate for candidate in grader.checks if candidate.id == check.id), None)
     if graded is None or not _is_whole(counterexample.inputs):
         return False

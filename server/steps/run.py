@@ -9,10 +9,13 @@ from dataclasses import dataclass, replace
 
 from graders import discovery
 from graders.core.code.exercise import CodeDefinition
+from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Reply
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, same_value
+from graders.core.declared.case_reading import parse_scenario
+from graders.core.declared.scenarios import Scenario
 from server.grading.sandbox_grader import SandboxPrograms
 from server.sandbox import FaultKind, Kit, Policy, ProgramFault, Sandbox, TraceResult, Value
 from server.steps import calls, marks, replaying, trace_messages, values
@@ -21,6 +24,7 @@ from server.steps.questions import (
     CellTraceRequest,
     LibraryFileData,
     ReplayTraceRequest,
+    ScenarioTraceRequest,
     TraceQuestion,
     TraceRequest,
 )
@@ -49,7 +53,10 @@ POLICY = Policy(
 
 @dataclass(frozen=True)
 class _TracedProgram:
-    """A source, the call to trace (None: its top level), its kit, and the call as text."""
+    """A source, the call to trace (None: its top level), its kit, and the call as text.
+
+    `driven`: a driver plays the call, and returns no value of the program.
+    """
 
     source: bytes
     filename: str
@@ -59,6 +66,7 @@ class _TracedProgram:
     kit: Kit
     call: str = ""
     drawing: bool = False
+    driven: bool = False
 
 
 def answer_question(sandbox: Sandbox, question: TraceQuestion) -> TraceOut:
@@ -76,6 +84,8 @@ def _dispatch(sandbox: Sandbox, request: TraceRequest) -> TraceOut:
             return _trace_call(sandbox, request)
         case ReplayTraceRequest():
             return _trace_replay(sandbox, request)
+        case ScenarioTraceRequest():
+            return _trace_scenario(sandbox, request)
 
 
 def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
@@ -85,7 +95,12 @@ def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
 
 def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
     call = calls.parse_call(request.call)
-    kit = _make_kit(_find_definition(request.exercise).kit(stream(SEED, "kit")), request.library)
+    settings = (
+        KitSettings(SCENARIOS, {"seed": SEED})
+        if request.is_declared
+        else _find_definition(request.exercise).kit(stream(SEED, "kit"))
+    )
+    kit = _make_kit(settings, request.library)
     return _trace_program(
         sandbox,
         _TracedProgram(
@@ -115,6 +130,18 @@ def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
     repairs = SandboxPrograms(sandbox, brief, library)
     mark = marks.locate_mistake(definition, request.mistakes, request.source, request.check, repairs, seed=request.seed)
     return _trace_program(sandbox, program, before=case.reply, mark=mark)
+
+
+def _trace_scenario(sandbox: Sandbox, request: ScenarioTraceRequest) -> TraceOut:
+    """Trace a case of a declared exercise. Its driver returns what all steps gave: each return tells its own value."""
+    scenario = Scenario(parse_scenario(request.case, request.functions), request.lines, request.files)
+    kit = Kit(SCENARIOS, dict(request.kit))
+    return _trace_program(
+        sandbox,
+        _TracedProgram(
+            request.source, FILENAME, scenario.function, scenario.arguments(), {}, kit, scenario.text(), driven=True
+        ),
+    )
 
 
 def _find_definition(exercise: str) -> CodeDefinition:
@@ -148,7 +175,7 @@ def _trace_program(
     with session:
         result = session.trace(program.function, *program.arguments, named=program.named)
     reader = TraceReader(len(_split_lines(program.source)))
-    end, reply = read_trace(reader, result, is_top_level=is_top_level)
+    end, reply = read_trace(reader, result, shows_value=not (is_top_level or program.driven))
     omissions = trace_messages.omission_messages(reader.omissions, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
         omissions.append(trace_messages.ANSWERED_OTHERWISE)
@@ -166,13 +193,13 @@ def _trace_program(
     )
 
 
-def read_trace(reader: TraceReader, result: TraceResult, *, is_top_level: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def read_trace(reader: TraceReader, result: TraceResult, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:
     """Read the steps; return the end, and the returned value in a tuple where it could be sent."""
     fault = result.fault
     try:
         reader.read(result.steps)
         if fault is None:
-            return _read_returned(result.value, is_top_level=is_top_level)
+            return _read_returned(result.value, shows_value=shows_value)
     except MalformedTrace:
         fault = ProgramFault(FaultKind.INVALID_OUTPUT, trace_messages.FORGED)
     if fault.kind == FaultKind.TIMEOUT and trace_messages.was_tracing_stopped(reader.omissions):
@@ -180,12 +207,12 @@ def read_trace(reader: TraceReader, result: TraceResult, *, is_top_level: bool) 
     return _fault_end(fault), ()
 
 
-def _read_returned(answer: Value, *, is_top_level: bool) -> tuple[EndOut, tuple[Value, ...]]:
+def _read_returned(answer: Value, *, shows_value: bool) -> tuple[EndOut, tuple[Value, ...]]:
     match answer:
         case (described, tuple() as reply) if len(reply) < 2:
             value = values.read_value(described)
             if len(value.model_dump_json().encode()) <= MAX_VALUE_BYTES:
-                return EndOut(kind="returned", value=None if is_top_level else value), reply
+                return EndOut(kind="returned", value=value if shows_value else None), reply
     raise MalformedTrace("no answer of a tracer")
 
 

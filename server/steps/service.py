@@ -9,6 +9,9 @@ from typing import Protocol
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
+from graders.core.contract.kits import SCENARIOS
+from graders.core.contract.verdict import CheckResult
+from graders.core.declared.grading import DeclaredGrader
 from server.assignments import feedback, sittings
 from server.base.errors import InternalFailure, Invalid, NotFound, Overloaded, WrongMoment
 from server.base.settings import Settings
@@ -28,6 +31,7 @@ from server.steps.questions import (
     CellTraceRequest,
     LibraryFileData,
     ReplayTraceRequest,
+    ScenarioTraceRequest,
     TraceQuestion,
     TraceRequest,
 )
@@ -80,7 +84,11 @@ class StepService:
             own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
             tested = sittings.load_tested_exercises(db, account.id, utc_now())
             return CallTraceRequest(
-                exercise=exercise.id, source=source, library=self._library(exercise.id, own, tested), call=new.call
+                exercise=exercise.id,
+                source=source,
+                library=self._library(exercise.id, own, tested),
+                call=new.call,
+                is_declared=exercise.kit == SCENARIOS,
             )
 
         return await self._trace_with_token(account, address, build)
@@ -105,6 +113,8 @@ class StepService:
             exercise = self.course.exercises.get(submission.exercise)
             if verdict is None or check is None or exercise is None or not can_replay(exercise, check):
                 raise Invalid(NO_REPLAY)
+            if isinstance(exercise.grader, DeclaredGrader):
+                return _scenario_request(exercise.grader, check, submission.source, verdict.seed)
             assert check.counterexample is not None
             sittings.require_no_tested_imports(db, account.id, submission.source, self._reused_exercises(exercise.id))
             own = importable_files.load_importable_files(db, self.course, submission)
@@ -159,6 +169,21 @@ class StepService:
         except (Overloaded, InternalFailure):
             await run_in_threadpool(give_back)
             raise
+
+
+def _scenario_request(grader: DeclaredGrader, check: CheckResult, source: bytes, seed: int) -> ScenarioTraceRequest:
+    """Return the request to play the case of a failed check again. Raises Invalid."""
+    scenario = grader.find_failing_case(check)
+    if scenario is None or check.case is None:
+        raise Invalid(NO_REPLAY)
+    return ScenarioTraceRequest(
+        source=source,
+        functions=grader.functions,
+        case=check.case,
+        lines=scenario.lines,
+        files=scenario.files,
+        kit=dict(grader.kit(seed).parameters),
+    )
 
 
 def _unix_newlines(code: str) -> str:

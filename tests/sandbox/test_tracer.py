@@ -25,7 +25,7 @@ def followed(
     waits = function is None
     told = TraceReader(len(source.split("\n")))
     with sandbox.open(source.encode(), kit=kit, policy=POLICY, deferred=waits, echo_last=waits) as session:
-        end, _ = run.read_trace(told, session.trace(function, *args, named=named), is_top_level=waits)
+        end, _ = run.read_trace(told, session.trace(function, *args, named=named), shows_value=not waits)
     return told, end, session.stdout()
 
 

@@ -127,7 +127,7 @@ def test_a_trace_of_which_every_character_is_spelled_out_stays_within_what_an_an
     assert told.omissions == ["nodes"]
     assert sum(len(step.model_dump_json().encode()) for step in told.steps) <= MAX_TRACE_BYTES
     with pytest.raises(MalformedTrace):
-        _read_returned(((*items[:4], items[4] * 2), ()), is_top_level=True)
+        _read_returned(((*items[:4], items[4] * 2), ()), shows_value=False)
 
 
 def test_a_trace_is_json_that_the_schema_reads() -> None:

@@ -53,8 +53,9 @@ class CheckResult:
 
     `cause` is the outcome of a failed check, where it is no wrong answer; `repeats`, the id of an earlier check that
     failed for the same reason, which is told there; `neutral` is a check without a fault, whose points wait for
-    another one; `kit`, the map, range and seed of a check that ran on another map than the others. JSON has these only
-    where there is something to say.
+    another one; `kit`, the map, range and seed of a check that ran on another map than the others; `case`, the case of
+    a declared exercise that shows the failure, as Python writes it. JSON has these only where there is something to
+    say.
 
     Raises ValueError unless it has all of its points when it passed, and less when it did not.
     """
@@ -72,6 +73,7 @@ class CheckResult:
     repeats: str | None = None
     neutral: bool = False
     kit: dict[str, Any] | None = None
+    case: str | None = None
 
     def __post_init__(self) -> None:
         if self.passed != (self.points == self.max_points) or not 0 <= self.points <= self.max_points:
@@ -93,6 +95,7 @@ class CheckResult:
             **({"repeats": self.repeats} if self.repeats else {}),
             **({"neutral": True} if self.neutral else {}),
             **({"kit": self.kit} if self.kit else {}),
+            **({"case": self.case} if self.case else {}),
         }
 
     @classmethod
@@ -112,6 +115,7 @@ class CheckResult:
                 "repeats": members.text("repeats") if members.has("repeats") else None,
                 "neutral": members.flag("neutral") if members.has("neutral") else False,
                 "kit": members.object("kit") if members.has("kit") else None,
+                "case": members.text("case") if members.has("case") else None,
             }
         try:
             return cls(**read)

@@ -27,8 +27,11 @@ from graders.core.contract.protocol import KnownSubmission, WhileNaming, no_earl
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Value
 from graders.core.contract.verdict import CheckResult, Diagnosis
+from graders.core.declared.case_reading import parse_scenario
 from graders.core.declared.declaration import Declaration, DeclaredCheck
+from graders.core.declared.figure_data import describe_figure
 from graders.core.declared.judging import Case, Failure, expected_is_given, fails_alike, is_answered, judge, observed
+from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
@@ -107,9 +110,8 @@ class DeclaredGrader:
         ended = time.perf_counter()
         timings = {"checks_ms": checked - started, "diagnosis_ms": ended - checked, "total_ms": ended - started}
         milliseconds = {name: round(1000.0 * seconds, 3) for name, seconds in timings.items()}
-        return Judgement(
-            make_verdict(self.exercise, version, seed, findings, diagnosis, stdout=stdout, timings=milliseconds)
-        )
+        verdict = make_verdict(self.exercise, version, seed, findings, diagnosis, stdout=stdout, timings=milliseconds)
+        return Judgement(verdict, {each.result.id: each.figure for each in findings if each.figure is not None})
 
     def cases(self, check: DeclaredCheck, seed: int) -> list[Case]:
         """Return the cases of a check: by hand, then drawn from the seed."""
@@ -193,7 +195,7 @@ class DeclaredGrader:
         expected = observed(check, failure.right, failure.step)
         if failure.mismatch is None:
             assert fault is not None
-            return fault_finding(check, fault, inputs=inputs, expected=expected, text=scenario.text())
+            return fault_finding(check, fault, inputs=inputs, expected=expected, case=scenario)
         got = observed(check, failure.got, failure.step)
         texts = python_pair(expected, got)
         if check.watched != "value":
@@ -215,6 +217,8 @@ class DeclaredGrader:
             got=got,
             cause=failure.mismatch.cause,
             slip=failure.mismatch.slip,
+            figure=describe_figure(statement.callee or scenario.function, expected, got),
+            case=scenario,
         )
 
     def _inputs(self, scenario: Scenario) -> dict[str, Value]:
@@ -252,6 +256,17 @@ class DeclaredGrader:
         finally:
             player.close()
         return ""
+
+    def find_failing_case(self, result: CheckResult) -> Scenario | None:
+        """Return the case that shows why a check failed, None where it cannot be played again."""
+        check = next((each for each in self.declaration.checks if each.id == result.id), None)
+        if check is None or result.passed or not result.case:
+            return None
+        written = next((case for case in check.cases if case.exact_text() == result.case), None)
+        try:
+            return written or Scenario(parse_scenario(result.case, self.functions))
+        except MalformedDeclaration:
+            return None
 
     def probes(self) -> list[Scenario]:
         """Return the scenarios by whose answers mistakes are known: the same for every seed."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.compare.python_values import Opaque, Raised, python_text
+from graders.core.compare.python_values import DIGITS, Opaque, Raised, python_text
 from graders.core.contract.values import Value
 
 
@@ -41,22 +41,28 @@ class NestedCall:
         return self.base.function if isinstance(self.base, NestedCall) else self.callee.partition(".")[0]
 
 
-def call_text(callee: str, arguments: Iterable[Value], named: Iterable[tuple[str, Value]]) -> str:
-    """Return a call as Python writes it."""
-    parts = [*map(value_text, arguments), *(f"{name}={value_text(value)}" for name, value in named)]
+def call_text(
+    callee: str,
+    arguments: Iterable[Value],
+    named: Iterable[tuple[str, Value]],
+    digits: int | None = DIGITS,
+) -> str:
+    """Return a call as Python writes it; see `python_text` for `digits`."""
+    parts = [value_text(value, digits) for value in arguments]
+    parts += [f"{name}={value_text(value, digits)}" for name, value in named]
     return f"{callee}({', '.join(parts)})"
 
 
-def value_text(value: Value) -> str:
-    """Return a value of a case as Python writes it."""
+def value_text(value: Value, digits: int | None = DIGITS) -> str:
+    """Return a value of a case as Python writes it; see `python_text` for `digits`."""
     if isinstance(value, NestedCall):
-        base = f"{value_text(value.base)}." if isinstance(value.base, NestedCall) else ""
-        return base + call_text(value.callee, value.arguments, value.named)
+        base = f"{value_text(value.base, digits)}." if isinstance(value.base, NestedCall) else ""
+        return base + call_text(value.callee, value.arguments, value.named, digits)
     if isinstance(value, FunctionSource):
         return value.source
     if isinstance(value, Reference):
         return value.name
-    return python_text(value)
+    return python_text(value, digits)
 
 
 def encode_value(value: Value) -> Value:

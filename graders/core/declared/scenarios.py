@@ -11,12 +11,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from graders.core.compare.python_values import DIGITS, MORE
 from graders.core.contract.values import Value
 from graders.core.declared.scenario_values import NestedCall, call_text, encode_value, value_text
 
 #: What a case may call besides functions: lines that are typed, a file that may be read; the whole program.
 TYPE, FILE, ARGUMENTS, PROGRAM = "clavier", "fichier", "arguments", "programme"
 PRINT = "print"
+#: Characters of a case that a verdict keeps as it is.
+MAX_EXACT = 2000
 #: A step as the driver reads it (see `contract.scenario_kit`).
 Step = tuple[Any, ...]
 
@@ -72,9 +75,10 @@ class Statement:
             return "call", self.into, self.callee, tuple(map(encode_value, self.arguments)), named
         return ("let", self.into, encode_value(self.value)) if self.into else ("show", encode_value(self.value))
 
-    def text(self) -> str:
-        """Return the statement as Python writes it."""
-        line = call_text(self.callee, self.arguments, self.named) if self.callee else value_text(self.value)
+    def text(self, digits: int | None = DIGITS) -> str:
+        """Return the statement as Python writes it; see `python_text` for `digits`."""
+        called = (self.callee, self.arguments, self.named)
+        line = call_text(*called, digits) if self.callee else value_text(self.value, digits)
         return f"{self.into} = {line}" if self.into else line
 
 
@@ -117,3 +121,8 @@ class Scenario:
     def text(self) -> str:
         """Return the case as Python writes it."""
         return "; ".join(statement.text() for statement in self.statements)
+
+    def exact_text(self) -> str | None:
+        """Return the case with all digits, from which it can be read again; None where that would be too long."""
+        text = "; ".join(statement.text(None) for statement in self.statements)
+        return text if len(text) <= MAX_EXACT and MORE not in text else None

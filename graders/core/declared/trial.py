@@ -277,7 +277,9 @@ class ExerciseTrial:
                 if failure is None:
                     continue
                 if not is_known:
-                    return TriedChange(**{**asdict(change), "case": failure.case.scenario.text(), "check": at})
+                    return TriedChange(
+                        **{**asdict(change), "case": failure.case.scenario.exact_text() or "", "check": at}
+                    )
                 words = grader.describe_failure(checks[at], failure).result.message
                 return TriedChange(**{**asdict(change), "refusal": words[:MAX_MESSAGE], "check": at})
         finally:

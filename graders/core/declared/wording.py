@@ -9,7 +9,7 @@ from graders.core.compare.python_values import in_counterexample
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.told_apart import tidy_pair
 from graders.core.compare.words import to_jsonable
-from graders.core.contract.findings import Finding
+from graders.core.contract.findings import FigureData, Finding
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Value
@@ -55,7 +55,10 @@ def failed_finding(
     cause: Outcome = Outcome.WRONG_ANSWER,
     slip: str | None = None,
     sign: object = None,
+    figure: FigureData | None = None,
+    case: Scenario | None = None,
 ) -> Finding:
+    """Return the finding of a failed check; `case` is the one that shows it, `figure` what is drawn of it."""
     counterexample = None
     if inputs is not None:
         shown = {name: to_jsonable(_shown(value)) for name, value in inputs.items()}
@@ -70,9 +73,11 @@ def failed_finding(
         message=message,
         counterexample=counterexample,
         hint=(check.hint or None) if cause is Outcome.WRONG_ANSWER else None,
+        figure=None if figure is None else check.id,
         cause=None if cause is Outcome.WRONG_ANSWER else cause,
+        case=None if case is None else case.exact_text(),
     )
-    return Finding(result, cause, slip, None, None if sign is None else str(sign))
+    return Finding(result, cause, slip, figure, None if sign is None else str(sign))
 
 
 def fault_finding(
@@ -81,12 +86,12 @@ def fault_finding(
     *,
     inputs: Mapping[str, Value] | None = None,
     expected: Value = None,
-    text: str = "",
+    case: Scenario | None = None,
 ) -> Finding:
     where = "".join(f"\n  {frame}" for frame in fault.frames)
     got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
     finding = failed_finding(
-        check, fault.message + where, inputs=inputs, expected=expected, cause=fault.outcome,
+        check, fault.message + where, inputs=inputs, expected=expected, cause=fault.outcome, case=case,
         sign=(fault.outcome.value, fault.exception, fault.line) if fault.line else fault.message,
     )  # fmt: skip
     example = finding.result.counterexample

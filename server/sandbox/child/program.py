@@ -161,7 +161,7 @@ class Program:
         Return the encoded description of the returned value (`ValueDescriber.describe`) and, in a tuple, the value
         itself where it can be sent.
         """
-        tracer = Tracer(self._filename, self._globals, tell)
+        tracer = Tracer(self._filename, self._globals, tell, whole_program=bool(self._whole_program))
         action = (
             self._run_deferred if function is None else partial(self._call_with_driver, function, arguments, **named)
         )

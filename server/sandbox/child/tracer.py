@@ -53,9 +53,14 @@ class Tracer:
 
     ("frame", function, line, number of the caller's or None), ("step", event, frame, line, changes, names that are
     gone, a tuple of the value that comes back, name and text of an exception), ("left", reason).
+
+    Of a `whole_program`, the first run of the top level is followed, whatever module it has.
     """
 
-    def __init__(self, filename: str, names: dict[str, Any], tell: Callable[[Value], None]) -> None:
+    def __init__(
+        self, filename: str, names: dict[str, Any], tell: Callable[[Value], None], *, whole_program: bool = False
+    ) -> None:
+        self._awaits_run = whole_program
         self._filename, self._names, self._emit = filename, names, tell
         self._described = ValueDescriber()
         self._entries: dict[int, _FollowedCall] = {}
@@ -164,6 +169,8 @@ class Tracer:
 
     def _on_module(self, frame: FrameType) -> Any:
         """Trace the top level of the file, which may come in two parts; the body of a class is not traced."""
+        if self._awaits_run and frame.f_globals is frame.f_locals:
+            self._awaits_run, self._names, self._before = False, frame.f_globals, dict(frame.f_globals)
         if frame.f_globals is not self._names or frame.f_locals is not self._names:
             return None
         if self._module is None:
