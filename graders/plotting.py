@@ -17,8 +17,8 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from graders.core.declared.figure_data import KINDS
-
+#: The module that draws declared exercises: their kinds are named « declared_… ».
+DECLARED = "graders.core.declared.figures"
 EXPECTED = "#2a78c8"
 OBTAINED = "#d9622b"
 THIRD = "#3d9a5f"
@@ -151,7 +151,7 @@ def to_bytes(figure: Figure, extension: str) -> bytes:
 def counterexample(exercise: str, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
     """The figure whose data a verdict of this exercise left, as a "svg" or "png" file."""
     own = f"graders.{exercise.replace('/', '.')}.figures"
-    module = importlib.import_module("graders.core.declared.figures" if data["kind"] in KINDS else own)
+    module = importlib.import_module(DECLARED if data["kind"].startswith("declared_") else own)
     with drawing(theme) as figure:
         module.FIGURES[data["kind"]](figure, data)
         return to_bytes(figure, extension)

@@ -27,19 +27,21 @@ from graders.core.code.stored_answers import (
     serialize_answers,
     structure_hash,
 )
-from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.program import Programs
 from graders.core.contract.verdict import Verdict
+from graders.core.declared.behaviour import DeclaredObserver
+from graders.core.declared.grading import DeclaredGrader
 from server.behaviour import repository
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import FingerprintRequest, Observation, ObservedBehaviour
 from server.course import reuse
-from server.course.models import Course
+from server.course.models import Course, Exercise
 from server.database import Database, utc_now
 from server.gradebook import importable_files
 from server.queue.interfaces import GiveUpHandler, Lease, Queue, Sender
 from server.sandbox.policy import Policy
 from server.sandbox.values import LibraryFile
+from server.studio import repository as studio
 
 log = logging.getLogger(__name__)
 
@@ -91,9 +93,16 @@ def search_limits(policy: Policy) -> Policy:
 
 
 def observable_versions(course: Course) -> Mapping[str, str]:
-    """Return the versions of the exercises whose programs can be observed, by exercise."""
-    exercises = (each for each in course.exercises.values() if each.kind == "code" and each.kit != SCENARIOS)
-    return {exercise.id: exercise.version for exercise in exercises}
+    """Return the versions of the course's exercises whose programs can be observed, by exercise."""
+    return {exercise.id: exercise.version for exercise in course.exercises.values() if exercise.kind == "code"}
+
+
+def _find_next(db: Session, course: Course, since: datetime) -> UUID | None:
+    """Return the newest grading to observe that ended after `since`, also of an exercise that a teacher wrote."""
+    packaged = observable_versions(course)
+    names = repository.list_unobserved_exercises(db, since, packaged)
+    authored = studio.list_current_versions(db, names) if names else {}
+    return repository.find_grading_to_observe(db, {**packaged, **authored}, since)
 
 
 def queue_fingerprint(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:
@@ -134,7 +143,7 @@ class FingerprintSweeper:
         with self._database.read() as db:
             if self._is_queued(db):
                 return
-            grading_id = repository.find_grading_to_observe(db, observable_versions(self._course), since)
+            grading_id = _find_next(db, self._course, since)
         if grading_id is None:
             self._swept_until = now
             return
@@ -154,14 +163,14 @@ class FingerprintTask:
 
     def __init__(self, course: Course, queue: Queue, start: StartProgram, find: PlaceFinder = find_place) -> None:
         self._course, self._queue, self._start, self._find = course, queue, start, find
-        self._versions = observable_versions(course)
-        self._observers: dict[str, BehaviourObserver] = {}
+        self._observers: dict[str, tuple[str, BehaviourObserver | DeclaredObserver]] = {}
         self.give_up = give_up
 
     def read(self, db: Session, lease: Lease) -> FingerprintRequest | None:
         """Return the request; None where the attempt is gone, or the exercise has another version by now."""
         request = repository.load_request(db, _grading_id(lease), datetime.fromisoformat(lease.payload["since"]))
-        if request is None or self._versions.get(request.exercise) != request.version:
+        exercise = None if request is None else self._course.exercises.get(request.exercise)
+        if request is None or exercise is None or exercise.kind != "code" or exercise.version != request.version:
             return None
         if not self._course.reused(request.exercise):
             return request
@@ -183,7 +192,8 @@ class FingerprintTask:
     def _place(self, request: FingerprintRequest, library: Sequence[LibraryFile]) -> FoundPlace | None:
         """Return the places of the mistakes that the verdict does not name for certain; None after an error of ours."""
         exercise = self._course.exercises[request.exercise]
-        assert isinstance(exercise.grader, CodeGrader), "only attempts at exercises of code are read"
+        if not isinstance(exercise.grader, CodeGrader):
+            return None  # the model of a declared exercise has no places
         try:
             verdict, source = Verdict.from_json(request.verdict), request.source.decode()
             programs = self._start(search_limits(exercise.policy), library)
@@ -196,12 +206,13 @@ class FingerprintTask:
             log.exception("grading %s: the places of its mistakes could not be searched", request.grading_id)
             return None
 
-    def _observer(self, exercise_id: str) -> BehaviourObserver:
-        if exercise_id not in self._observers:
-            exercise = self._course.exercises[exercise_id]
-            assert isinstance(exercise.grader, CodeGrader), "only attempts at exercises of code are read"
-            self._observers[exercise_id] = BehaviourObserver(exercise.grader, exercise.version)
-        return self._observers[exercise_id]
+    def _observer(self, exercise_id: str) -> BehaviourObserver | DeclaredObserver:
+        exercise = self._course.exercises[exercise_id]
+        version, observer = self._observers.get(exercise_id, ("", None))
+        if observer is None or version != exercise.version:
+            observer = _make_observer(exercise)
+            self._observers[exercise_id] = exercise.version, observer
+        return observer
 
     def record(self, db: Session, request: FingerprintRequest, result: Observation) -> None:
         """Store the group of the program and the places of its mistakes, and queue the next observation."""
@@ -209,9 +220,17 @@ class FingerprintTask:
             observed = observed_behaviour(request, result.behaviour)
             group = None if observed is None else find_or_create_group(db, observed)
             repository.add_fingerprint(db, request.grading_id, group, result.place)
-        next_grading = repository.find_grading_to_observe(db, self._versions, request.since)
+        next_grading = _find_next(db, self._course, request.since)
         if next_grading is not None:
             queue_fingerprint(db, self._queue, next_grading, request.since)
+
+
+def _make_observer(exercise: Exercise) -> BehaviourObserver | DeclaredObserver:
+    grader = exercise.grader
+    if isinstance(grader, DeclaredGrader):
+        return DeclaredObserver(grader)
+    assert isinstance(grader, CodeGrader), "only attempts at exercises of code are read"
+    return BehaviourObserver(grader, exercise.version)
 
 
 def observed_behaviour(request: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:

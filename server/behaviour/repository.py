@@ -64,6 +64,22 @@ def find_grading_to_observe(db: Session, versions: Mapping[str, str], since: dat
     return db.execute(query).scalar_one_or_none()
 
 
+def list_unobserved_exercises(db: Session, since: datetime, known: Collection[str]) -> Sequence[str]:
+    """Return the exercises besides `known` ones that have failed gradings without fingerprint since then."""
+    query = (
+        select(Submission.exercise)
+        .join(Grading, Submission.grading_id == Grading.id)
+        .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .where(
+            Grading.finished_at >= since,
+            Grading.outcome.in_(OBSERVABLE_OUTCOMES),
+            Fingerprint.grading_id.is_(None),
+            Submission.exercise.not_in(list(known)),
+        )
+    )
+    return db.execute(query.distinct()).scalars().all()
+
+
 def load_request(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
     """Load what an observation needs; None where the grading is gone, or has its fingerprint."""
     query = (

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from uuid import UUID
 
-from sqlalchemy import Row, delete, func, select
+from sqlalchemy import Row, delete, func, select, tuple_
 from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import ClassRole, Membership, SchoolClass, Status
@@ -49,6 +49,20 @@ def find_current_number(db: Session, module: str, slug: str) -> Row[UUID, int] |
         AuthoredExercise.module == module, AuthoredExercise.slug == slug, AuthoredExercise.number > 0
     )
     return db.execute(query).one_or_none()
+
+
+def list_current_versions(db: Session, names: Collection[str]) -> dict[str, str]:
+    """Return the current versions of those of these exercises ("l20/…") that are authored and published, by name."""
+    pairs = [tuple(name.split("/", 1)) for name in names if "/" in name]
+    query = (
+        select(AuthoredExercise.module, AuthoredExercise.slug, ExerciseVersion.version)
+        .join(
+            ExerciseVersion,
+            (ExerciseVersion.exercise_id == AuthoredExercise.id) & (ExerciseVersion.number == AuthoredExercise.number),
+        )
+        .where(tuple_(AuthoredExercise.module, AuthoredExercise.slug).in_(pairs))
+    )
+    return {f"{module}/{slug}": version for module, slug, version in db.execute(query)}
 
 
 def find_version(db: Session, exercise_id: UUID, number: int) -> ExerciseVersion | None:

@@ -29,9 +29,11 @@ def draw_curve(figure: Figure, data: dict[str, Any]) -> None:
 
 def draw_points(figure: Figure, data: dict[str, Any]) -> None:
     axes = figure.add_subplot()
-    axes.scatter(*np.transpose(data["expected"][0]), color=EXPECTED, marker="o", s=42, label="attendu")
+    x, y = np.transpose(data["expected"][0])
+    axes.scatter(x, y, color=EXPECTED, marker="o", s=42, label="attendu")
     if data["got"]:
-        axes.scatter(*np.transpose(data["got"][0]), color=OBTAINED, marker="x", s=42, label="obtenu")
+        x, y = np.transpose(data["got"][0])
+        axes.scatter(x, y, color=OBTAINED, marker="x", s=42, label="obtenu")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_title(data["title"])
     axes.legend()

@@ -14,11 +14,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-
 from graders.core.code.calling import tell_once
 from graders.core.code.folder import Specimen, read_specimens
-from graders.core.compare.python_values import python_pair, python_text
+from graders.core.compare.python_values import python_pair
 from graders.core.contract.findings import Finding, Judgement, make_verdict
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.outcomes import Outcome
@@ -33,6 +31,7 @@ from graders.core.declared.figure_data import describe_figure
 from graders.core.declared.judging import Case, Failure, expected_is_given, fails_alike, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
+from graders.core.declared.probe_answers import probe_answer
 from graders.core.declared.scenario_values import Reference
 from graders.core.declared.scenarios import Scenario
 from graders.core.declared.wording import describe_case, failed_finding, fault_finding, slip_diagnosis
@@ -42,8 +41,6 @@ from graders.core.syntax_trees import parse_source
 SIMPLER_AT_ONCE, MAX_SIMPLER, SIMPLER_SECONDS = 12, 72, 0.25
 #: Drawn cases of one check among the probes, and the seed of their draws.
 PROBES_OF_A_CHECK, PROBE_SEED = 8, 20
-#: Digits by which two programs are told apart.
-PROBE_DIGITS = 9
 #: Programs of a grading: the student's and the solution's.
 LAUNCHES = 2
 #: Answers of a program to the probes.
@@ -270,8 +267,12 @@ class DeclaredGrader:
 
     def probes(self) -> list[Scenario]:
         """Return the scenarios by whose answers mistakes are known: the same for every seed."""
+        return [case.scenario for _, case in self.probe_cases()]
+
+    def probe_cases(self) -> list[tuple[DeclaredCheck, Case]]:
+        """Return the cases of the probes, with their checks."""
         return [
-            case.scenario
+            (check, case)
             for check in self.declaration.checks
             for case in (
                 *map(Case, check.cases),
@@ -289,7 +290,7 @@ class DeclaredGrader:
         """Return what a file answers to the probes."""
         player = Player(programs, source, self.kit(PROBE_SEED))
         try:
-            return tuple(map(_probe_answer, player.play(self.probes())))
+            return tuple(map(probe_answer, player.play(self.probes())))
         finally:
             player.close()
 
@@ -303,7 +304,7 @@ class DeclaredGrader:
 
     def _named(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
         """Return the known mistake that answers every probe as the student's file does."""
-        answers = tuple(map(_probe_answer, student.play(self.probes())))
+        answers = tuple(map(probe_answer, student.play(self.probes())))
         known = self._known_fingerprints(programs)
         mistake = next((each for each in self.declaration.mistakes if known.get(each.id) == answers), None)
         if mistake is None:
@@ -330,24 +331,6 @@ class DeclaredGrader:
     def specimens(self) -> Iterator[Specimen]:
         """Yield the submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder) if self.folder else iter(())
-
-
-def _probe_answer(played: Played) -> str:
-    if played.fault is not None:
-        return f"{played.fault.outcome.value} {played.fault.exception or ''}"
-    written = [dict(played.written)] if played.written else []
-    return python_text(_typeless([*played.values, played.printed, *written]), PROBE_DIGITS)
-
-
-def _typeless(value: Value) -> Value:
-    """Return a value in which 1.0 is 1, and a tuple or an array is a list: what comparators take for the same."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_typeless(item) for item in value]
-    if isinstance(value, dict):
-        return {key: _typeless(value[key]) for key in sorted(value, key=repr)}
-    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _always(source: bytes) -> Callable[[int], bytes]:

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.verdict import Verdict
+from graders.core.declared.grading import DeclaredGrader
 from server.behaviour import service as behaviour
 from server.behaviour.models import BehaviourName
 from server.behaviour.schemas import ClassGroup
@@ -97,6 +98,8 @@ def _failed_check_hints(db: Session, account: Account, read: Submission) -> tupl
 
 
 def _misconception_titles(exercise: Exercise | None) -> tuple[str, ...]:
+    if exercise is not None and isinstance(exercise.grader, DeclaredGrader):
+        return tuple(mistake.title for mistake in exercise.grader.declaration.mistakes)
     if exercise is None or not isinstance(exercise.grader, CodeGrader):
         return ()
     return tuple(dict.fromkeys(misconception.title for misconception in exercise.grader.misconceptions))
