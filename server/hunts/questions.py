@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
+
+OUTSIDE = (
+    "Cette entrée sort de ce que l’énoncé promet : des programmes justes n’y répondent pas tous pareil. "
+    "Donnez des valeurs que la fonction peut recevoir."
+)
+GONE = "Cette chasse n’existe plus : prenez-en une autre."
 
 
 class HuntMessage(BaseModel):
@@ -46,9 +52,10 @@ class PredictionTrial(HuntMessage):
 
 
 class HuntQuestion(HuntMessage):
-    """A question of the service, recognised by its only field."""
+    """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
     hunts: Annotated[HuntOffer | InputTrial | PredictionTrial, Field(discriminator="kind")]
+    declarations: dict[str, dict[str, Any]] = {}
 
 
 class Argument(HuntMessage):
@@ -61,7 +68,8 @@ class Argument(HuntMessage):
 
 
 class OfferedHunt(HuntMessage):
-    """A hunt that can be made. `index` is its place among those asked for; `numbers` and `nonzero`, its answer's size.
+    """A hunt that can be made. `index` is its place among those asked for; `numbers` and `nonzero`, its answer's size,
+    0 where that is not told in numbers.
 
     `predictable`: what the wrong program answers to the witness is short enough to be typed; `returns` says what it is.
     """

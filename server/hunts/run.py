@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +26,10 @@ from graders.core.contract.program import Program, StudentFault
 from graders.core.contract.values import Arguments, Value
 from server.base.errors import Invalid
 from server.grading.sandbox_grader import SandboxPrograms
+from server.hunts.declared import DeclaredHuntRunner
 from server.hunts.questions import (
+    GONE,
+    OUTSIDE,
     Argument,
     HuntName,
     HuntOffer,
@@ -46,10 +49,6 @@ POLICY = Policy(cpu_seconds=3.0, wall_seconds=5.0, memory_bytes=512 * MIB)
 MAX_OFFERS = 12
 #: Numbers of an answer that one predicts, and how near the prediction must be.
 MAX_PREDICTED, PREDICTION_TOLERANCE = 6, 0.011
-OUTSIDE = (
-    "Cette entrée sort de ce que l’énoncé promet : des programmes justes n’y répondent pas tous pareil. "
-    "Donnez des valeurs que la fonction peut recevoir."
-)
 
 
 @dataclass(frozen=True)
@@ -67,9 +66,12 @@ class HuntRunner:
     def __init__(self, sandbox: Sandbox) -> None:
         self._sandbox = sandbox
         self._known: dict[HuntName, KnownHunt | None] = {}
+        self._declared = DeclaredHuntRunner(sandbox, POLICY)
 
     def answer(self, question: HuntQuestion) -> HuntReply:
         """Answer one question. Raises SandboxFault when the fault is ours."""
+        if any(name.exercise in question.declarations for name in _names_of(question)):
+            return self._declared.answer(question)
         match question.hunts:
             case HuntOffer() as asked:
                 return HuntReply(offer=self._offer(asked))
@@ -110,7 +112,7 @@ class HuntRunner:
     def _try_input(self, trial: InputTrial) -> TrialOutcome:
         hunt = next(_hunts_of(trial.hunt), None)
         if hunt is None or (known := self._find(trial.hunt, hunt)) is None:
-            return TrialOutcome(refusal="Cette chasse n’existe plus : prenez-en une autre.")
+            return TrialOutcome(refusal=GONE)
         try:
             args = hunt.read_input(_parse_arguments(trial.typed))
         except InputFault as fault:
@@ -143,6 +145,11 @@ class HuntRunner:
             np.allclose(typed.ravel(), right, rtol=0.002, atol=PREDICTION_TOLERANCE)
         )
         return TrialOutcome(is_right=close, expected=text(known.got), got=text(_as_read(typed)))
+
+
+def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
+    """Return the hunts that a question is about."""
+    return question.hunts.hunts if isinstance(question.hunts, HuntOffer) else (question.hunts.hunt,)
 
 
 def _as_read(typed: np.ndarray) -> Value:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -13,6 +14,8 @@ from starlette.concurrency import run_in_threadpool
 
 from graders.core.code.grading import CodeGrader
 from graders.core.code.hunts import list_hunts
+from graders.core.declared import hunts as declared
+from graders.core.declared.grading import DeclaredGrader
 from server.assignments import feedback
 from server.base.errors import Forbidden, InternalFailure, NotFound, Overloaded, WrongMoment
 from server.base.settings import Settings
@@ -85,8 +88,13 @@ class HuntService:
         """Offer the first of these hunts that can be made; the caller knows that the account may see them."""
         if not hunts:
             return None
-        question = HuntQuestion(hunts=HuntOffer(hunts=tuple(hunts), seed=form_seed(account, hunts[0].exercise)))
-        return (await self._ask(account, question, address)).offer
+        # The process answers questions about declared exercises apart: those of one exercise go together.
+        declared = [name for name in hunts if self._declarations([name])]
+        asked = declared if declared and hunts[0] == declared[0] else [name for name in hunts if name not in declared]
+        offer = HuntOffer(hunts=tuple(asked), seed=form_seed(account, asked[0].exercise))
+        question = HuntQuestion(hunts=offer, declarations=self._declarations(asked))
+        found = (await self._ask(account, question, address)).offer
+        return found and found.model_copy(update={"index": hunts.index(asked[found.index])})
 
     async def try_input(self, account: Account, hunt: HuntName, typed: Mapping[str, str], address: str) -> TrialOutcome:
         """Run both programs on a typed input, and store whether it shows the mistake. Raises as `offer`."""
@@ -113,7 +121,8 @@ class HuntService:
     ) -> TrialOutcome:
         exercise = self._exercise(hunt.exercise)
         await self._read(lambda db: require_may_hunt(db, account, exercise))
-        reply = await self._ask(account, HuntQuestion(hunts=trial), address)
+        question = HuntQuestion(hunts=trial, declarations=self._declarations([hunt]))
+        reply = await self._ask(account, question, address)
         if reply.outcome is None:
             raise InternalFailure("La question n’a pas pu être posée : l’incident est de notre côté. Réessayez.")
         # A wrong input is no answer yet: one looks on. A wrong prediction is one.
@@ -135,6 +144,16 @@ class HuntService:
                 repository.add_answer(db, answer)
 
         await run_in_threadpool(write)
+
+    def _declarations(self, hunts: Sequence[HuntName]) -> dict[str, dict[str, Any]]:
+        """Return the declarations of those exercises that are declared."""
+        names = dict.fromkeys(hunt.exercise for hunt in hunts)
+        graders = {name: self.course.exercises[name].grader for name in names if name in self.course.exercises}
+        return {
+            name: dict(grader.declaration.data)
+            for name, grader in graders.items()
+            if isinstance(grader, DeclaredGrader)
+        }
 
     def _exercise(self, exercise_id: str) -> Exercise:
         exercise = self.course.exercises.get(exercise_id)
@@ -175,16 +194,18 @@ class HuntService:
 
 
 def may_have_hunts(course: Course, exercise: Exercise) -> bool:
-    """Whether an exercise may have hunts: one of the course itself, whose author has not refused them.
-
-    Loads its grader.
-    """
-    return exercise.hunts != "never" and course.exercises.is_packaged(exercise.id) and _has_hunts(exercise)
+    """Whether an exercise may have hunts: its author has not refused them, and knows mistakes. Loads its grader."""
+    return exercise.hunts != "never" and _has_hunts(exercise)
 
 
 @lru_cache(maxsize=512)
 def _has_hunts(exercise: Exercise) -> bool:
-    return exercise.kind == "code" and isinstance(exercise.grader, CodeGrader) and any(list_hunts(exercise.grader))
+    if exercise.kind != "code":
+        return False
+    grader = exercise.grader
+    if isinstance(grader, DeclaredGrader):
+        return any(declared.list_hunts(grader))
+    return isinstance(grader, CodeGrader) and any(list_hunts(grader))
 
 
 def require_may_hunt(db: Session, account: Account, exercise: Exercise) -> None:
@@ -199,7 +220,8 @@ def require_may_hunt(db: Session, account: Account, exercise: Exercise) -> None:
 
 def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> list[HuntName]:
     """Return the hunts of an exercise: one's own mistakes first, then the others in an order of one's own."""
-    names = list(list_misconceptions(exercise))
+    filed, grader = list(list_misconceptions(exercise)), exercise.grader
+    names = filed if not isinstance(grader, DeclaredGrader) else [it.id for it in grader.declaration.mistakes]
     rank = {name: place for place, name in enumerate(dict.fromkeys(own))}
     shuffled = [names[k] for k in np.random.default_rng(form_seed(account, exercise.id)).permutation(len(names))]
     ordered = sorted(shuffled, key=lambda name: rank.get(name, len(rank)))

@@ -143,7 +143,7 @@ class DeclaredGrader:
             if failure is None:
                 findings.append(Finding(CheckResult(check.id, check.title, True, check.points, check.points)))
                 continue
-            simplest = self._simplest(check, failure, student, solution, clock)
+            simplest = self.simplest(check, failure, student, solution, clock, clock() + SIMPLER_SECONDS)
             findings.append(self.describe_failure(check, simplest))
         return findings
 
@@ -161,11 +161,17 @@ class DeclaredGrader:
                 raise SolutionFault(f"{scenario.text()} : la solution donne {obtained}, et « attendus » dit {wanted}")
         return right
 
-    def _simplest(
-        self, check: DeclaredCheck, failure: Failure, student: Player, solution: Player, clock: Callable[[], float]
+    def simplest(
+        self,
+        check: DeclaredCheck,
+        failure: Failure,
+        student: Player,
+        solution: Player,
+        clock: Callable[[], float],
+        until: float,
     ) -> Failure:
         """Return the simplest failure found from one, within bounds; the same kind of failure throughout."""
-        until, left = clock() + SIMPLER_SECONDS, MAX_SIMPLER
+        left = MAX_SIMPLER
         while failure.case.drawn is not None and check.drawn is not None and left > 0 and clock() < until:
             if failure.got.fault is not None and failure.got.fault.fatal:
                 break
@@ -222,7 +228,7 @@ class DeclaredGrader:
         """Return what a counterexample gives: the arguments by name for one call of a function, else the whole case."""
         given: dict[str, Value] = {}
         first = scenario.statements[0]
-        names = self._parameters.get(first.callee, ())
+        names = self.parameters.get(first.callee, ())
         if scenario.runs_program:
             given = {"ce que l’on tape": list(scenario.typed or ())}
         elif len(scenario.statements) == 1 and len(first.arguments) <= len(names) and not first.named:
@@ -235,7 +241,7 @@ class DeclaredGrader:
         return given
 
     @cached_property
-    def _parameters(self) -> dict[str, tuple[str, ...]]:
+    def parameters(self) -> dict[str, tuple[str, ...]]:
         """The names of the parameters of the solution's functions."""
         return {
             node.name: tuple(argument.arg for argument in (*node.args.posonlyargs, *node.args.args))
