@@ -19,6 +19,8 @@ from graders.core.contract.values import same_value
 from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis
 
 MIN_AGREEMENT = 0.9
+#: First words of what a diagnosis leaves unexplained.
+EXPLAINS = "Cela explique"
 
 
 @dataclass(frozen=True)
@@ -101,10 +103,13 @@ def combine_diagnoses(
     return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
 
 
-def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult], doubtful: Collection[str] = ()) -> Diagnosis:
+def tell_remainder(
+    diagnosis: Diagnosis, checks: Sequence[CheckResult], doubtful: Collection[str] = (), *, is_quoted: bool = False
+) -> Diagnosis:
     """Return the diagnosis with how many of the lost points it explains, and the other failed checks, if any.
 
-    Nothing is said of the `doubtful` checks, which may fail for the same reason.
+    Nothing is said of the `doubtful` checks, which may fail for the same reason. If `is_quoted`, the first other one is
+    told with its message.
     """
     explained = {check for ids in diagnosis.explains for check in ids}.union(doubtful)
     lost = [check for check in checks if not check.passed]
@@ -115,11 +120,14 @@ def tell_remainder(diagnosis: Diagnosis, checks: Sequence[CheckResult], doubtful
     explained_points = lost_points - sum(check.max_points for check in left)
     named = " ; ".join(f"« {check.title} »" for check in left)
     remains = "Restent sans explication" if len(left) > 1 else "Reste sans explication"
-    told = f"Cela explique {_number(explained_points)} des {_number(lost_points)} points perdus. {remains} : {named}."
+    if is_quoted and left[0].message and not left[0].repeats:
+        named += f". {left[0].message.splitlines()[0].removesuffix('.')}"
+    share = f"{number_text(explained_points)} des {number_text(lost_points)} points perdus"
+    told = f"{EXPLAINS} {share}. {remains} : {named}."
     return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
 
 
-def _number(points: float) -> str:
+def number_text(points: float) -> str:
     return f"{points:g}".replace(".", ",")
 
 

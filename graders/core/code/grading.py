@@ -17,7 +17,7 @@ from graders.core.code.contracts import FunctionContract
 from graders.core.code.decimal_commas import decimal_comma_diagnosis
 from graders.core.code.diagnosis import choose_explanation, combine_diagnoses, slip_diagnosis, tell_remainder
 from graders.core.code.explaining import KitMaker, MistakeExplainer
-from graders.core.code.facts import IMPRECISIONS, find_facts
+from graders.core.code.facts import IMPRECISIONS, Fact, find_facts
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, RecognisedMistakes
 from graders.core.code.probes import explains_itself
@@ -42,6 +42,20 @@ DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
 FRESH_REENACTOR = Reenactor()
 #: Budget of a counterexample that is not shown.
 NO_SHRINKING = Budget(calls=0)
+
+
+@dataclass(frozen=True)
+class NamedMistakes:
+    """The mistakes named in a program: ids of the catalogue, facts, and for each the checks that it explains.
+
+    `certain` is as in `Diagnosis`; `failed` are the ids of the checks that the program is at fault in.
+    """
+
+    ids: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
+    explains: tuple[tuple[str, ...], ...] = ()
+    certain: bool = False
+    failed: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -151,11 +165,51 @@ class CodeGrader:
         self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int, source: bytes
     ) -> Diagnosis | None:
         """Name the mistake: by the probes, else by re-enactment for functions without probes, else as a slip."""
-        pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
-        if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
+        pairs = self._failed_pairs(findings)
+        if not pairs:
             return None
         if (comma := decimal_comma_diagnosis(source)) is not None:
             return comma
+        named = self._named_mistakes(pairs, runner, seed, source)
+        if not named.ids and all(fact.slip.id in IMPRECISIONS for fact in named.facts):
+            rounded = rounded_constant_diagnosis(source) if all(f.cause in JUDGED for _, f in pairs) else None
+            if rounded is not None:
+                return rounded
+        if named.ids or named.facts:
+            diagnosis = self.describe_mistakes(named)
+            at_fault = [check for check, finding in pairs if not finding.result.neutral]
+            doubtful = self._possibly_explained(source, at_fault, diagnosis.explains)
+            return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
+        return slip_diagnosis(
+            [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
+        )
+
+    def name_mistakes(self, source: str, programs: Programs, seed: int) -> NamedMistakes:
+        """Return the checks that a program fails and the mistakes named in it, without simplifying anything."""
+        kit = self.kit(stream(seed, "kit"))
+        runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
+        try:
+            findings = self._findings(runner, kit, seed, source.encode())
+            pairs = self._failed_pairs(findings)
+            named = self._named_mistakes(pairs, runner, seed, source.encode()) if pairs else NamedMistakes()
+        finally:
+            runner.close()
+        failed = (finding.result for finding in findings if not finding.passed)
+        return replace(named, failed=frozenset(result.id for result in failed if not result.neutral))
+
+    def describe_mistakes(self, named: NamedMistakes) -> Diagnosis:
+        """Return the diagnosis of named mistakes, without what it leaves unexplained."""
+        diagnosis = combine_diagnoses(named.ids, self.misconceptions, [fact.slip for fact in named.facts])
+        return replace(diagnosis, explains=named.explains, certain=named.certain)
+
+    def _failed_pairs(self, findings: Sequence[Finding]) -> list[tuple[Check, Finding]]:
+        """Return the failed checks with their findings; none where none has a cause that a mistake may explain."""
+        pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
+        return [] if all(finding.cause not in DIAGNOSED for _, finding in pairs) else pairs
+
+    def _named_mistakes(
+        self, pairs: Sequence[tuple[Check, Finding]], runner: Runner, seed: int, source: bytes
+    ) -> NamedMistakes:
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
         found = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
@@ -165,25 +219,13 @@ class CodeGrader:
         reenacted = self._reenacted(found.mistakes, left, runner, seed)
         ids = self._borne_out((*found.mistakes, *reenacted) or found.fallback, failed)
         facts = find_facts(pairs, source, self.solution, [self._title(mistake) for mistake in ids])
-        if not ids and all(fact.slip.id in IMPRECISIONS for fact in facts):
-            rounded = rounded_constant_diagnosis(source) if all(f.cause in JUDGED for _, f in pairs) else None
-            if rounded is not None:
-                return rounded
-        if ids or facts:
-            at_fault = [check for check, finding in pairs if not finding.result.neutral]
-            following = set(found.consequences) if ids == found.mistakes else set()
-            explains = [
-                *(self._explained(mistake, at_fault, following) for mistake in ids),
-                *(fact.checks for fact in facts),
-            ]
-            diagnosis = combine_diagnoses(ids, self.misconceptions, [fact.slip for fact in facts])
-            certain = found.certain and not reenacted and ids == found.mistakes
-            diagnosis = replace(diagnosis, explains=tuple(explains), certain=certain)
-            doubtful = self._possibly_explained(source, at_fault, explains)
-            return tell_remainder(diagnosis, [finding.result for finding in findings], doubtful)
-        return slip_diagnosis(
-            [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
+        at_fault = [check for check, finding in pairs if not finding.result.neutral]
+        following = set(found.consequences) if ids == found.mistakes else set()
+        explains = (
+            *(self._explained(mistake, at_fault, following) for mistake in ids),
+            *(fact.checks for fact in facts),
         )
+        return NamedMistakes(ids, tuple(facts), explains, found.certain and not reenacted and ids == found.mistakes)
 
     def _borne_out(self, ids: Sequence[str], failed: Sequence[Check]) -> tuple[str, ...]:
         """Return the ids whose words the failed checks do not contradict: nothing fails that they say to be right."""

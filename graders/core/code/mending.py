@@ -8,7 +8,8 @@ something alone. No change is ever shown: it proves where the mistake is, and ho
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +33,8 @@ from graders.core.syntax_trees import parse_source
 
 #: Probes whose wrong answer selects changes; changes run through the checks; changes of one program in all.
 MAX_PIVOTS, MAX_VERIFIED, MAX_STEPS = 3, 8, 2
-#: Changes after which another one is searched.
-MAX_BEGUN = 2
+#: Changes after which another one is searched; those that are run through the checks though the time is spent.
+MAX_BEGUN, MAX_LATE = 2, 3
 #: Changed programs that answer in one exchange, between two looks at the time.
 SLICE = 200
 
@@ -50,11 +51,15 @@ class MendingStep:
 @dataclass(frozen=True)
 class Mending:
     """The steps found, the ids of the checks that still fail after them, and a name: that of what the last step mends,
-    where another one comes before it and the mended program has that name for certain."""
+    where another one comes before it and the mended program has that name for certain.
+
+    `beside_right_ones`: right functions stood in the place of some of the program's.
+    """
 
     steps: tuple[MendingStep, ...]
     left: frozenset[str]
     last_name: Diagnosis | None = None
+    beside_right_ones: bool = False
 
     @property
     def mended(self) -> frozenset[str]:
@@ -67,60 +72,71 @@ class OutOfTimeError(Exception):
 
 
 class MendingSearch:
-    """Searches in one program of an exercise, on the inputs of one seed, until the time is `spent`."""
+    """Searches in one program of an exercise, on the inputs of one seed, until the time is `spent`.
 
-    def __init__(self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool]) -> None:
+    Each changed program runs with the `suffix`, which may put right functions in the place of some.
+    """
+
+    def __init__(
+        self, grader: CodeGrader, programs: Programs, seed: int, spent: Callable[[], bool], suffix: str = ""
+    ) -> None:
         self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
-        self._caller = VariantCaller(programs)
+        self._caller, self._suffix = VariantCaller(programs, suffix), suffix
         self.tried = 0
 
-    def search(self, source: str) -> Mending | None:
-        """Return the changes that mend checks of a failed program; None where there is none."""
+    def search(self, source: str, functions: Collection[str] = ()) -> Mending | None:
+        """Return the changes that mend checks of a failed program, in some functions if given; None without any."""
         if not _parses(source):
             return None
-        failed = self._failed_checks(source)
-        if not failed or (len(failed) == len(self._grader.checks) and not self._loads(source)):
-            return None
-        left = frozenset(check.id for check in failed)
         try:
-            steps = self._steps(source, left, MAX_STEPS)
+            failed = self._failed_checks(source)
+            if not failed or (len(failed) == len(self._grader.checks) and not self._loads(source)):
+                return None
+            left = frozenset(check.id for check in failed)
+            steps = self._steps(source, left, MAX_STEPS, functions)
         except OutOfTimeError:
             return None
         if not steps:
             return None
-        last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 else None
-        return Mending(tuple(steps), left.difference(*(step.mended for step in steps)), last_name)
+        left = left.difference(*(step.mended for step in steps))
+        last_name = self._certain_name(steps[0].change.text) if len(steps) > 1 or left else None
+        return Mending(tuple(steps), left, last_name, bool(self._suffix))
 
     def _certain_name(self, source: str) -> Diagnosis | None:
-        verdict = self._grader.grade(source.encode(), self._programs, seed=self._seed, version="").verdict
-        return verdict.diagnosis if verdict.diagnosis and verdict.diagnosis.certain else None
+        named = self._grader.name_mistakes(source + self._suffix, self._programs, self._seed)
+        return self._grader.describe_mistakes(named) if named.ids and named.certain else None
 
     def values_at(self, source: str, line: int, function: str, arguments: Arguments) -> list[tuple[str, float]]:
-        """Return the numbers that a line reads when a call first comes to it."""
+        """Return the numbers that a line reads when a call first comes to it, in the program as it is."""
         noted = noted_line(source, line)
         if noted is None:
             return []
-        return self._caller.look(noted[0], function, arguments, noted[1], self._grader.kit(stream(self._seed, "kit")))
+        kit = self._grader.kit(stream(self._seed, "kit"))
+        return VariantCaller(self._programs).look(noted[0], function, arguments, noted[1], kit)
 
     def _loads(self, source: str) -> bool:
         try:
-            self._programs.open(source.encode(), self._grader.kit(stream(self._seed, "kit"))).close()
+            self._programs.open((source + self._suffix).encode(), self._grader.kit(stream(self._seed, "kit"))).close()
         except StudentFault:
             return False
         return True
 
-    def _steps(self, source: str, failed: frozenset[str], most: int) -> list[MendingStep]:
+    def _steps(self, source: str, failed: frozenset[str], most: int, within: Collection[str] = ()) -> list[MendingStep]:
         """Return at most `most` changes, one after the other, that mend as many of the failed checks as possible.
 
-        A change of which no check passes counts where the next one mends more than it would alone.
+        A change of which no check passes counts where the next one mends more than it would alone. Where the time is
+        spent, what was found before is returned.
         """
-        functions = sorted({name for check in self._grader.checks if check.id in failed for name in check.functions})
+        blamed = {name for check in self._grader.checks if check.id in failed for name in check.functions}
+        functions = sorted(blamed.intersection(within) or blamed)
         model = self._grader.prober.model if self._grader.prober else None
         changes = find_changes(source, functions, model, self._spent)
         self.tried += len(changes)
         tried: list[tuple[ProgramChange, frozenset[str]]] = []
         for change in self._screened(source, changes, functions)[:MAX_VERIFIED]:
-            left = frozenset(check.id for check in self._failed_checks(change.text))
+            if self._spent() and tried:
+                break
+            left = frozenset(check.id for check in self._failed_checks(change.text, is_late=len(tried) < MAX_LATE))
             if left <= failed:
                 tried.append((change, left))
             if not left:
@@ -134,34 +150,47 @@ class MendingSearch:
         if most == 1 or not left:
             return steps
         for change, other in tried[:MAX_BEGUN]:
-            further = self._steps(change.text, other, most - 1)
+            if self._spent():
+                break
+            further = self._steps(change.text, other, most - 1, within)
             if further and (mended := (failed - other).union(*(step.mended for step in further))) > failed - left:
                 steps, left = [MendingStep(change, failed - other), *further], failed - mended
         return steps
 
     def _screened(self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str]) -> list[ProgramChange]:
-        """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first."""
-        prober = self._grader.prober
+        """Return the changes that mend numbers of the answers to probes and spoil none, the most mending first.
+
+        Those that were seen until the time was spent.
+        """
         gains: dict[int, float] = {}
+        with suppress(OutOfTimeError):
+            self._add_gains(source, changes, functions, gains)
+        order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
+        return [changes[number] for number in order]
+
+    def _add_gains(
+        self, source: str, changes: Sequence[ProgramChange], functions: Sequence[str], gains: dict[int, float]
+    ) -> None:
+        prober = self._grader.prober
         for index, probes in enumerate(prober.probes if prober else ()):
             if probes.function not in functions or probes.random:
                 continue
             everything = range(len(probes.calls))
             before = self._agreements(index, [count_turns(source)], everything)[0]
             wrong = [k for k in everything if not before[k].all()]
-            for k in wrong[:MAX_PIVOTS]:
-                left = [number for number in range(len(changes)) if number not in gains]
-                texts = [changes[number].counted for number in left]
-                pivots = self._agreements(index, texts, [k])
+            pivots, left = wrong[:MAX_PIVOTS], range(len(changes)) if wrong else ()
+            for begin in range(0, len(left), SLICE):
+                numbers = left[begin : begin + SLICE]
+                seen = self._agreements(index, [changes[number].counted for number in numbers], pivots)
                 hits = [
-                    number for number, (after,) in zip(left, pivots, strict=True) if _is_better([before[k]], [after])
+                    number
+                    for number, marks in zip(numbers, seen, strict=True)
+                    if any(_is_better([before[k]], [after]) for k, after in zip(pivots, marks, strict=True))
                 ]
                 answers = self._agreements(index, [changes[number].counted for number in hits], everything)
                 for number, after in zip(hits, answers, strict=True):
                     if _is_better(before, after):
                         gains[number] = gains.get(number, 0.0) + _gain(before, after) / max(1, len(wrong))
-        order = sorted(gains, key=lambda number: (-round(gains[number], 6), number))
-        return [changes[number] for number in order]
 
     def _agreements(self, index: int, texts: Sequence[str], indices: Sequence[int]) -> list[list[NDArray[np.bool_]]]:
         """Return, for each program and probe among `indices`, which numbers of its answer are right.
@@ -186,13 +215,16 @@ class MendingSearch:
                 agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
         return agreements
 
-    def _failed_checks(self, source: str) -> list[Check]:
-        """Return the checks that a program fails, without shrinking; all of them where it does not load."""
-        if self._spent():
+    def _failed_checks(self, source: str, is_late: bool = False) -> list[Check]:
+        """Return the checks that a program fails, without shrinking; all of them where it does not load.
+
+        Raises OutOfTimeError where the time is spent, unless it may be late.
+        """
+        if self._spent() and not is_late:
             raise OutOfTimeError
         grader = self._grader
         kit = grader.kit(stream(self._seed, "kit"))
-        runner = Runner(self._programs, source.encode(), kit, budget=NO_SHRINKING)
+        runner = Runner(self._programs, (source + self._suffix).encode(), kit, budget=NO_SHRINKING)
         failed = []
         try:
             _ = runner.program

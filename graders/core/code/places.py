@@ -14,9 +14,10 @@ import numpy as np
 
 from graders.core.code.changes import ProgramChange
 from graders.core.code.checks import Check
-from graders.core.code.diagnosis import combine_diagnoses, tell_remainder
+from graders.core.code.diagnosis import EXPLAINS, combine_diagnoses, lowercase_title, tell_remainder
 from graders.core.code.experiments import Experimenter
 from graders.core.code.grading import CodeGrader
+from graders.core.code.isolation import isolate_functions, name_isolated, replacing_suffix, tell_shares
 from graders.core.code.mending import Mending, MendingSearch, MendingStep
 from graders.core.code.probes import explains_itself
 from graders.core.code.seen_facts import SeenFact
@@ -24,7 +25,7 @@ from graders.core.compare import words as render
 from graders.core.compare.slips import Slip
 from graders.core.contract.program import Programs
 from graders.core.contract.values import Arguments
-from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
+from graders.core.contract.verdict import AND_ALSO, CheckResult, Diagnosis, Verdict
 
 PLACE, LOOK = "lieu", "Regardez-y"
 EXPERIMENT, SEEN_ALSO = "essais", "Ce que montrent d’autres essais"
@@ -106,7 +107,8 @@ def describe_mending(
 ) -> Diagnosis:
     """Return the diagnosis of the places found; `values` are what is worth seeing at a line, in French."""
     titles = {check.id: check.title for check in checks}
-    told = [_described(step, mending, source, titles, values or {}) for step in mending.steps]
+    is_all = len(mending.steps) == 1 and not mending.left
+    told = [_described(step, mending, source, titles, values or {}, is_all) for step in mending.steps]
     diagnosis = combine_diagnoses((), (), told)
     explanation = diagnosis.explanation
     if mending.last_name is not None:
@@ -119,24 +121,92 @@ def describe_mending(
 def find_place(
     grader: CodeGrader, source: str, verdict: Verdict, programs: Programs, spent: Callable[[], bool]
 ) -> FoundPlace | None:
-    """Search the places of a failed program's mistakes; None where it is not worth it, or none is found."""
-    if not is_worth_searching(verdict):
+    """Search the places of a failed program's mistakes; None where it is not worth it, or none is found.
+
+    Names that the functions show one by one are told instead of the verdict's.
+    """
+    if not is_worth_searching(verdict) and not _may_hide_others(grader, verdict):
         return None
-    facts = Experimenter(grader, programs, verdict.seed, spent).find_facts(source, _unexplained(grader, verdict))
-    search = MendingSearch(grader, programs, verdict.seed, spent)
-    mending = search.search(source)
-    if mending is None:
-        return FoundPlace(describe_facts(facts, grader.checks, verdict.checks), "") if facts else None
-    values = {}
-    call = _example_call(grader, verdict)
-    if call is not None:
-        line, (title, function, arguments) = mending.steps[0].change.line, call
-        if words := _value_words(search.values_at(source, line, function, arguments)):
-            values[line] = f"Dans l'exemple de « {title} », {words}."
-    operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps)
-    found = describe_mending(mending, source, verdict.checks, values)
-    mended = {name for check in grader.checks if check.id in mending.mended - mending.left for name in check.functions}
-    return FoundPlace(_with_facts(found, [fact for fact in facts if fact.function not in mended]), operators)
+    isolated = isolate_functions(grader, source, programs, verdict.seed, spent)
+    named, functions, suffix = None, _unexplained(grader, verdict), ""
+    if isolated is not None and isolated.guilty():
+        named = name_isolated(grader, isolated, verdict.checks)
+        functions = isolated.unexplained()
+        suffix = replacing_suffix(grader, isolated.explained()) if functions else ""
+    facts, mending, values = [], None, dict[int, str]()
+    if functions:
+        facts = Experimenter(grader, programs, verdict.seed, spent).find_facts(source, functions)
+        search = MendingSearch(grader, programs, verdict.seed, spent, suffix)
+        mending = search.search(source, functions)
+        call = _example_call(grader, verdict)
+        if mending is not None and call is not None:
+            line, (title, function, arguments) = mending.steps[0].change.line, call
+            if words := _value_words(search.values_at(source, line, function, arguments)):
+                values[line] = f"Dans l'exemple de « {title} », {words}."
+    operators = " ; ".join(step.change.operator or step.change.mistake for step in mending.steps) if mending else ""
+    found = _told_together(grader, verdict, source, named, mending, values, facts)
+    if isolated is not None and isolated.guilty():
+        found = found or (verdict.diagnosis if len(isolated.guilty()) > 1 else None)
+        if found is not None:
+            found = tell_shares(isolated, verdict.checks, _without_remainder(found))
+            found = tell_remainder(found, verdict.checks, isolated.doubtful(), is_quoted=True)
+    return None if found is None or found == verdict.diagnosis else FoundPlace(found, operators)
+
+
+def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
+    """Whether a check of several functions fails, of which names explain some: the others may be wrong too."""
+    titles = verdict.diagnosis.titles if verdict.diagnosis is not None else ()
+    named = {name for each in grader.misconceptions if each.title in titles for name in each.functions}
+    failed = {check.id for check in verdict.checks if not (check.passed or check.neutral or _says_enough(check))}
+    return any(check.id in failed and named and not named.issuperset(check.functions) for check in grader.checks)
+
+
+def _told_together(
+    grader: CodeGrader, verdict: Verdict, source: str, named: Diagnosis | None, mending: Mending | None,
+    values: Mapping[int, str], facts: Sequence[SeenFact],
+) -> Diagnosis | None:  # fmt: skip
+    """Return one diagnosis of a program's names, places and facts; None where the verdict tells as much."""
+    known = named or verdict.diagnosis
+    place = describe_mending(mending, source, verdict.checks, values) if mending is not None else None
+    if place is not None and mending is not None and known is not None and not _is_disproved(known, place):
+        known = named = _with_places(known, mending, source, verdict.checks, values)
+    elif place is not None:
+        known = named = place
+    if named is not None:
+        return _with_facts(named, facts)
+    return describe_facts(facts, grader.checks, verdict.checks) if facts else None
+
+
+def _with_places(
+    named: Diagnosis, mending: Mending, source: str, checks: Sequence[CheckResult], values: Mapping[int, str]
+) -> Diagnosis:
+    """Return named mistakes with the places found: another mistake where one mends checks that no name explains."""
+    titles = {check.id: check.title for check in checks}
+    explained = {check for ids in named.explains for check in ids}
+    named = _without_remainder(named)
+    for step in mending.steps:
+        place = _described(step, mending, source, titles, values, False)
+        mended = step.mended or mending.mended
+        if mended <= explained:
+            where = place.explanation.partition(LOOK)[0].strip()
+            told = f"Dans votre programme : {lowercase_title(place.title)}. {where}"
+        else:
+            title = place.title.replace("Une erreur", "Une autre erreur")
+            told = f"{title}. {place.explanation}\n\n{place.question}"
+            explains = (*named.explains, tuple(sorted(mended - explained)))
+            named = replace(named, title=f"{named.title}{AND_ALSO}{place.title}", explains=explains, certain=False)
+        named = replace(named, explanation=f"{named.explanation}\n\n{told}")
+    last = mending.last_name
+    if last is not None and last.title not in named.titles:
+        told = f"Ce qui reste, une fois l'autre ligne écrite autrement : {last.title}. {last.explanation}"
+        named = replace(named, explanation=f"{named.explanation}\n\n{told}")
+    return tell_remainder(named, checks)
+
+
+def _without_remainder(diagnosis: Diagnosis) -> Diagnosis:
+    """Return a diagnosis without what `tell_remainder` has added to it."""
+    left = [text for text in diagnosis.explanation.split("\n\n") if not text.startswith(EXPLAINS)]
+    return replace(diagnosis, explanation="\n\n".join(left))
 
 
 def _unexplained(grader: CodeGrader, verdict: Verdict) -> list[str]:
@@ -197,6 +267,11 @@ def join_place(diagnosis: Diagnosis | None, place: Diagnosis) -> Diagnosis:
     """
     if diagnosis is None or _is_disproved(diagnosis, place):
         return place
+    if place.id not in (PLACE, EXPERIMENT):
+        if diagnosis.source is None:
+            return place
+        told = f"{SEEN_ALSO} : {lowercase_title(place.title)}. {place.explanation}"
+        return replace(diagnosis, explanation=f"{diagnosis.explanation}\n\n{told}")
     where = place.explanation.partition("\n\n")[0].partition(LOOK)[0].strip()
     if place.id == EXPERIMENT:
         others = [text for text in place.explanation.split("\n\n") if text.startswith(SEEN_ALSO)]
@@ -214,26 +289,28 @@ def _is_disproved(diagnosis: Diagnosis, place: Diagnosis) -> bool:
 
 
 def _described(
-    step: MendingStep, mending: Mending, source: str, titles: Mapping[str, str], values: Mapping[int, str]
+    step: MendingStep, mending: Mending, source: str, titles: Mapping[str, str], values: Mapping[int, str], is_all: bool
 ) -> Slip:
+    """Return the place of a step in words; `is_all` where it alone mends all that fails in the program."""
     line = step.change.line
     lines = sorted({line, *(rival.line for rival in step.rivals)})
     aspect = _aspect((step.change, *step.rivals))
-    title = "Tout se joue" if len(mending.steps) == 1 and not mending.left else "Une erreur se trouve"
+    title = "Tout se joue" if is_all else "Une erreur se trouve"
     title += f" ligne {' ou '.join(map(str, lines[:MAX_LINES]))}"
     where = f"Ligne {line} : « {_quoted(source, line)} »."
     seen = f" {values[line]}" if line in values else ""
     look = f" {LOOK} {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
-    return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles)}{look}", aspect.question)
+    return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles, is_all)}{look}", aspect.question)
 
 
-def _proof(step: MendingStep, mending: Mending, titles: Mapping[str, str]) -> str:
+def _proof(step: MendingStep, mending: Mending, titles: Mapping[str, str], is_all: bool) -> str:
     if not step.mended:
         return "Écrite autrement, avec l'autre ligne en cause, elle fait réussir ce qui échoue."
-    names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(step.mended))
-    if len(mending.steps) == 1 and not mending.left:
+    if is_all:
         return "Écrite autrement, cette seule ligne fait réussir tout ce qui échoue."
-    return f"Écrite autrement, cette seule ligne fait réussir {names}."
+    names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(step.mended))
+    others = ", les autres fonctions une fois justes" if mending.beside_right_ones else ""
+    return f"Écrite autrement, cette seule ligne fait réussir {names}{others}."
 
 
 def _aspect(changes: Sequence[ProgramChange]) -> Aspect:

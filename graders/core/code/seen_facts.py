@@ -57,7 +57,7 @@ class FunctionTrial:
 
     def plainest(self, numbers: Iterable[int]) -> int:
         """Return the number of the call with the fewest numbers in its arguments."""
-        return min(numbers, key=lambda k: sum(np.size(value) for value in self.calls[k]))
+        return min(numbers, key=lambda k: sum(map(_count_values, self.calls[k])))
 
     def wrong_views(self) -> list[ReturnedValue]:
         """Return the values that are wrong in several calls."""
@@ -69,6 +69,15 @@ class FunctionTrial:
 
     def shown(self, call: Arguments) -> str:
         return " ; ".join(f"{name} = {shown_value(value)}" for name, value in zip(self.names, call, strict=False))
+
+
+def _count_values(value: Value) -> int:
+    """Return how many numbers and texts an argument has, whatever its form: rows may be of different lengths."""
+    if isinstance(value, np.ndarray):
+        return value.size
+    if isinstance(value, dict):
+        return sum(map(_count_values, value.values()))
+    return sum(map(_count_values, value)) if isinstance(value, list | tuple) else 1
 
 
 def _part(part: int, values: Sequence[Floats]) -> Floats:

@@ -13,12 +13,13 @@ from graders.core.contract.program import Answer, KitSettings, PlannedCalls, Pro
 from graders.core.contract.values import Arguments
 
 #: Turns of all loops of one call; characters of one driver file; deaths after which no driver is launched again.
-MAX_TURNS, MAX_DRIVER, MAX_DEATHS = 20_000, 50_000, 8
+MAX_TURNS, MAX_DRIVER, MAX_DEATHS = 20_000, 120_000, 8
 CALL, LOOK = "appeler_une_variante", "regarder_une_variante"
 #: The call by which a program has the variables of a place noted.
 NOTE = "_noter(locals())"
 _DRIVER = """
 _textes, _modules, _de_base, _tours = {texts!r}, {{}}, dict(globals()), [0]
+_suite = compile({suffix!r}, "solution.py", "exec")
 
 def _tour():
     _tours[0] += 1
@@ -31,6 +32,7 @@ def {call}(numero, fonction, arguments):
         if numero not in _modules:
             _modules[numero] = noms = dict(_de_base, _tour=_tour)
             exec(compile(_textes[numero], "solution.py", "exec"), noms)
+            exec(_suite, noms)
         return _modules[numero][fonction](*arguments), ""
     except Exception as erreur:
         return None, type(erreur).__name__
@@ -45,10 +47,10 @@ def {look}(numero, fonction, arguments, demandes):
 
 
 class VariantCaller:
-    """Calls variants of a program, with the kit of a grading."""
+    """Calls variants of a program, with the kit of a grading; `suffix` is executed behind each."""
 
-    def __init__(self, programs: Programs) -> None:
-        self._programs, self._deaths = programs, 0
+    def __init__(self, programs: Programs, suffix: str = "") -> None:
+        self._programs, self._deaths, self._suffix = programs, 0, suffix
 
     def answers(
         self, variants: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings
@@ -66,7 +68,7 @@ class VariantCaller:
     ) -> list[tuple[str, float]]:
         """Return those of the variables that are numbers when a program first notes them (`NOTE`) in a call."""
         try:
-            program = self._programs.open(_driver([text]).encode(), kit)
+            program = self._programs.open(_driver([text], self._suffix).encode(), kit)
         except StudentFault:
             return []
         try:
@@ -87,7 +89,7 @@ class VariantCaller:
         kit: KitSettings,
     ) -> int:
         """Call variants in one process and return how many it is done with: up to one that kills it."""
-        driver = _driver(variants)
+        driver = _driver(variants, self._suffix)
         asked = [(k, function, list(call)) for k in range(len(variants)) for call in calls]
         count = 0
         try:
@@ -120,8 +122,8 @@ def _chunks(variants: Sequence[str]) -> Iterator[tuple[int, int]]:
         yield begin, len(variants)
 
 
-def _driver(variants: Sequence[str]) -> str:
-    return _DRIVER.format(texts=list(variants), turns=MAX_TURNS, call=CALL, look=LOOK)
+def _driver(variants: Sequence[str], suffix: str) -> str:
+    return _DRIVER.format(texts=list(variants), suffix=suffix, turns=MAX_TURNS, call=CALL, look=LOOK)
 
 
 def _unpacked(answer: Answer) -> Answer:

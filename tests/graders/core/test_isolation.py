@@ -1,0 +1,77 @@
+"""A mistake that hides another one: each function beside right ones, the names and the places that are told then."""
+
+from __future__ import annotations
+
+import pytest
+
+from graders.core.code.isolation import isolate_functions, replacing_suffix
+from graders.core.code.places import find_place
+from graders.core.contract.local import LOCAL
+from tests.support.shipped import CODE
+
+GAIN = """
+def gain(v, r):
+    return v / (v + r)
+
+
+def fusionner(mesures, variances):
+    poids = 1 / variances ** 2
+    return (poids * mesures).sum() / poids.sum(), 1 / poids.sum()
+
+
+def enchainer(m, v, mesures, variances):
+    lignes = []
+    for mesure, r in zip(mesures, variances):
+        v = (1 - gain(v, r)) * v
+        m = m + gain(v, r) * (mesure - m)
+        lignes.append([m, v])
+    return np.array(lignes)
+"""
+NEES = """
+def nees(vraie, estimee, P):
+    e = vraie - estimee
+    return np.sqrt(e @ np.linalg.solve(P, e))
+"""
+
+
+def place_of(exercise: str, source: str):  # type: ignore[no-untyped-def]
+    grader = CODE[exercise]
+    verdict = grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict
+    return verdict, find_place(grader, source, verdict, LOCAL, lambda: False)
+
+
+def test_a_mistake_that_another_function_hides_is_named_beside_a_right_one() -> None:
+    grader = CODE["l19/coherence"]
+    head, tail = grader.solution.split("def bande(")
+    source = head.split("def nees(")[0] + NEES + "\n\ndef bande(" + tail
+    swapped = source.replace("moyenne, 1", "moyenne, 2").replace("moyenne, -1", "moyenne, 1").replace(", 2", ", -1")
+    verdict, found = place_of("l19/coherence", swapped)
+    assert verdict.diagnosis.titles == ("Une racine carrée est prise en trop",)
+    assert found is not None
+    assert found.diagnosis.titles == ("Une racine carrée est prise en trop", "Les deux avis sont échangés")
+    isolated = isolate_functions(grader, source, LOCAL, 3, lambda: False)
+    assert isolated is not None
+    assert isolated.guilty() == ["nees"]
+    assert isolated.explained() == ["nees", "coherence"]
+    assert isolate_functions(grader, source, LOCAL, 3, lambda: True) is None
+
+
+def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
+    source = "import numpy as np\n" + GAIN
+    verdict, found = place_of("l19/gain", source)
+    assert found is not None
+    name, place = found.diagnosis.titles
+    assert name == verdict.diagnosis.title
+    assert place == "Une erreur se trouve ligne 15"
+    assert "Une autre erreur se trouve ligne 15" in found.diagnosis.explanation
+    assert "jugée avec les autres justes : fusionner 7 sur 15, enchainer 7." in found.diagnosis.explanation
+    assert not set(found.diagnosis.explains[0]) & set(found.diagnosis.explains[1])
+    assert "sans explication" not in found.diagnosis.explanation
+
+
+@pytest.mark.parametrize("exercise", ["l19/gain", "l20/tf_date", "l20/poses"])
+def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
+    grader = CODE[exercise]
+    for function in grader.functions:
+        others = [name for name in grader.functions if name != function]
+        assert not grader.name_mistakes(grader.solution + replacing_suffix(grader, others), LOCAL, 3).failed
