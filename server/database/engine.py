@@ -11,6 +11,7 @@ import sqlite3
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +22,16 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from server.base import traces
 from server.database.base import Base, table_of
+from server.database.write_turns import BEGIN_AND_LOCK, BUSY_TIMEOUT, Turnstile, begin_in_turn
 
 log = logging.getLogger(__name__)
 
 #: `busy_timeout` comes first: switching a new file to WAL takes an exclusive lock.
-PRAGMAS = ("busy_timeout=15000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
+PRAGMAS = (BUSY_TIMEOUT, "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
 WAL_TIMEOUT, WAL_RETRY_SECONDS = 15.0, 0.01
 AFTER_COMMIT = "after_commit"
 #: Execution option: how a transaction of SQLite begins.
 BEGIN_STATEMENT = "balise_begin"
-BEGIN_AND_LOCK = "BEGIN IMMEDIATE"
 POOL_SIZE = 10
 #: Connections that one process may open: one or two per thread that answers a request.
 MAX_CONNECTIONS = 50
@@ -72,7 +73,7 @@ def make_engine(url: str) -> Engine:
     else:
         _create_private_file(Path(database_url.database or ""))
         event.listen(engine, "connect", _configure_sqlite)
-        event.listen(engine, "begin", _begin_sqlite)
+        event.listen(engine, "begin", partial(_begin_sqlite, Turnstile()))
     return engine
 
 
@@ -103,9 +104,15 @@ def writing_engine(engine: Engine) -> Engine:
     return engine.execution_options(**{BEGIN_STATEMENT: BEGIN_AND_LOCK})
 
 
-def _begin_sqlite(connection: Connection) -> None:
+def _begin_sqlite(turnstile: Turnstile, connection: Connection) -> None:
     """Begin the transaction explicitly: the driver's implicit BEGIN comes after the first read."""
-    connection.exec_driver_sql(connection.get_execution_options().get(BEGIN_STATEMENT, "BEGIN"))
+    statement = connection.get_execution_options().get(BEGIN_STATEMENT, "BEGIN")
+    begin = partial(connection.exec_driver_sql, statement)
+    driver_connection = connection.connection.driver_connection
+    if statement == BEGIN_AND_LOCK and driver_connection is not None:
+        begin_in_turn(turnstile, driver_connection, begin)
+    else:
+        begin()
 
 
 def _configure_sqlite(connection: Any, _record: object) -> None:
