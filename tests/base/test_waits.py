@@ -25,6 +25,7 @@ KNOWN = {
     "server.classes.sheets": "refused beyond four at once, and a reader has a deadline",
     "server.course.code": "an author's file is imported once",
     "server.database.engine": "as the service starts, and a few times while SQLite changes its mode",
+    "server.database.write_turns": "the lock of a SQLite file, for which SQLite itself waited there, out of turn",
     "server.federation.lti.access_tokens": "a dictionary's look-up; requests go from threads of their own",
     "server.federation.outbox_task": "in a worker: threads of its own",
     "server.federation.outgoing": "threads of its own, beyond whose queue requests are refused",
