@@ -41,6 +41,7 @@ from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
 from server.pages.hunts import router as hunts_router
 from server.pages.notebook import router as notebook_router
+from server.pages.objectives import router as own_objectives_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.pages.school.content import router as content_router
@@ -73,6 +74,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     notebook_router,
+    own_objectives_router,
     hunts_router,
     two_minutes_router,
     administration_router,

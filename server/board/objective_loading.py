@@ -26,8 +26,8 @@ from server.board.objectives import (
 from server.board.progress import ClassProgress
 from server.board.schemas import BoardStudent
 from server.classes import repository as classes
-from server.classes.models import SchoolClass
-from server.course import Course
+from server.classes.models import SchoolClass, Status
+from server.course import Course, Module
 from server.gradebook.histories import Attempts, load_attempts, load_revisions
 
 
@@ -100,6 +100,21 @@ def load_student_states(
     own = group_by_student(attempts).get(student, {})
     if as_student:
         own = hide_held_attempts(own, feedback.load_all_holds(db, student))
+    return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
+
+
+def load_own_states(
+    db: Session, course: Course, module: Module, account_id: UUID, now: datetime
+) -> tuple[ObjectiveState, ...]:
+    """Return the states that an account may know of itself: in its class of the module, or of all exercises of it."""
+    for joined in classes.load_joined_classes(db, account_id):
+        school_class, membership = joined.school_class, joined.membership
+        is_student = membership.status is Status.active and not membership.is_staff
+        if is_student and school_class.module == module.slug and school_class.archived_at is None:
+            return load_student_states(db, course, school_class, account_id, now, None, as_student=True)
+    counted = [exercise.id for exercise in module.exercises]
+    own = group_by_student(load_attempts(db, load_revisions(db, [account_id]), counted, None)).get(account_id, {})
+    own = hide_held_attempts(own, feedback.load_all_holds(db, account_id))
     return find_states(counting_objectives(module, frozenset(counted)), own, MistakeFinder(course))
 
 

@@ -95,6 +95,10 @@ class MistakeFinder:
             self._functions[key] = find_misconception(self._course, exercise, misconception).functions
         return objective.carries(exercise.partition("/")[2], misconception, self._functions[key])
 
+    def title(self, exercise: str, misconception: str) -> str:
+        """Return the title of a misconception."""
+        return find_misconception(self._course, exercise, misconception).diagnosis.title
+
 
 def find_states(
     objectives: Sequence[PractisedObjective], own: Mapping[str, Attempts], finder: MistakeFinder

@@ -17,12 +17,12 @@ from server.web.schemas import ModuleLink, OwnProgress, SolutionSwitchView, Verd
 
 @dataclass(frozen=True)
 class NextStep:
-    """The next thing to do in a module; `verb` is the label of its button, `path` the chosen path that says so."""
+    """The next thing to do in a module; `verb` is the label of its button, `reason` a clause."""
 
     href: str
     verb: str
     title: str
-    path: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -193,9 +193,15 @@ class ReusedView:
 
 @dataclass(frozen=True)
 class Onward:
-    """The way on from a solved exercise: the address and title of the next, and where its bug hunts are, or empty."""
+    """The way on from a solved exercise.
+
+    The address and title of the next exercise (None: nothing is left on the way) with the `reason`, a clause; a harder
+    question; where its bug hunts are, or empty.
+    """
 
     following: tuple[str, str] | None
+    reason: str
+    challenge: tuple[str, str] | None
     hunts: str
 
 

@@ -122,7 +122,7 @@ def common_parts(
     attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
     work = _work(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
-    previous, following = onward.find_neighbours(module, exercise)
+    previous, following = onward.find_neighbours(module, exercise, onward.find_path(reader, module))
     return {
         "id": exercise.id,
         "title": exercise.title,

@@ -12,6 +12,7 @@ from pydantic import Field
 from server.base.validation import RequestBody
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
+from server.web.next_step import NextExercise
 from server.web.schemas import EditionNote, ExerciseRow, FigureView, ModuleLink, SolutionSwitchView
 
 
@@ -95,7 +96,7 @@ class CourseHome:
     references: tuple[Markup, ...]
     paths: tuple[PathView, ...]
     start: LessonLink | None
-    resumed: ExerciseRow | None
+    resumed: NextExercise | None
     sessions: tuple[SessionCard, ...]
     shelves: tuple[Shelf, ...]
     exercises: tuple[ExerciseRow, ...]

@@ -43,6 +43,7 @@ from server.text.lines import tidy_line
 from server.text.prose import line
 from server.web import deadlines, editions
 from server.web.deadlines import DueView
+from server.web.next_step import choose_next
 from server.web.rendering import jinja_environment
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import (
@@ -52,7 +53,6 @@ from server.web.views import (
     lesson_href,
     lessons_in_reading_order,
     module_link,
-    next_exercise,
 )
 from server.web.words import plural
 
@@ -121,10 +121,7 @@ def home_view(
         references=tuple(Markup(line(reference, module.names)) for reference in module.references),
         paths=tuple(_path_view(module, way, chosen) for way in module.paths),
         start=_lesson_link(way[0]) if way else None,
-        resumed=next_exercise(
-            [rows[exercise.slug] for exercise in paths.order_exercises(chosen, exercises_in_reading_order(module))],
-            begun=any(row.own.attempts for row in rows.values()),
-        ),
+        resumed=choose_next(module, progress, chosen) if any(row.own.attempts for row in rows.values()) else None,
         sessions=sessions,
         shelves=tuple(_shelves(way)),
         exercises=tuple(row for row in left if not row.stars),

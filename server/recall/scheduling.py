@@ -46,11 +46,15 @@ def schedule(reviews: Iterable[Review], now: datetime) -> Schedule:
     return Schedule(card.due, SCHEDULER.get_card_retrievability(card, now))
 
 
+def order_due(schedules: Mapping[str, Schedule], now: datetime) -> Sequence[str]:
+    """Return the subjects that are due, the most forgotten first."""
+    due = [name for name in schedules if schedules[name].due_at <= now]
+    return sorted(due, key=lambda name: (schedules[name].retrievability, name))
+
+
 def choose_due(schedules: Mapping[str, Schedule], now: datetime, answered_today: int) -> Sequence[str]:
     """Return the subjects to ask now, the most forgotten first, within what one day takes."""
-    due = sorted((name for name in schedules if schedules[name].due_at <= now), key=lambda name: (
-        schedules[name].retrievability, name
-    ))  # fmt: skip
+    due = order_due(schedules, now)
     return due[: max(0, min(SITTING_QUESTIONS, DAILY_QUESTIONS - answered_today))]
 
 

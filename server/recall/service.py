@@ -15,7 +15,7 @@ from server.course import Course, Exercise
 from server.database import utc_now
 from server.gradebook import mistakes
 from server.recall import repository
-from server.recall.scheduling import Review, Schedule, choose_due, count_streak, schedule
+from server.recall.scheduling import Review, Schedule, choose_due, count_streak, order_due, schedule
 from server.recall.subjects import list_misconceptions, subject_of
 
 REMINDERS, OFF = "reminders", "off"
@@ -31,9 +31,13 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Recall:
-    """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked."""
+    """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked.
+
+    `fading` are all subjects that are due, whether or not a day is long enough for them, with what was confused.
+    """
 
     due: Mapping[str, Sequence[Candidate]]
+    fading: Mapping[str, Sequence[Candidate]]
     answered_today: int
     answers: Mapping[str, int]
     streak: int
@@ -74,6 +78,7 @@ def load_recall(
     due = choose_due(schedules, now, answered_today)
     return Recall(
         due={subject: (*confused[subject], *_relatives(course, asked, subject, can_ask)) for subject in due},
+        fading={subject: confused[subject] for subject in order_due(schedules, now)},
         answered_today=answered_today,
         answers={subject: counts[subject] for subject in due},
         streak=count_streak(days, today),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,14 +90,3 @@ def exercises_in_reading_order(module: Module) -> list[Exercise]:
 def lessons_in_reading_order(module: Module) -> tuple[Lesson, ...]:
     """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
     return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
-
-
-def next_exercise(rows: Sequence[ExerciseRow], *, begun: bool = False) -> ExerciseRow | None:
-    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try.
-
-    None for a newcomer; `begun`: the reader has tried another exercise of the module.
-    """
-    if not begun and not any(row.own.attempts for row in rows):
-        return None
-    waiting = [row for row in rows if not row.own.done]
-    return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)

@@ -11,7 +11,7 @@ from server.course.models import ReadingPath
 from tests.hunts.test_service import right
 from tests.support.service import Site
 
-LYCEE = "chemins#s-le-chemin-lycee"
+PREPA = "chemins#s-le-chemin-prepa"
 TOLD = re.compile(r"\(exo:(\w+)\)")
 SKIPPED = "**Ce que l'on peut sauter**"
 
@@ -33,16 +33,19 @@ def test_the_chosen_path_gives_the_next_exercise_with_its_reason(site: Site) -> 
     for slug in ("odometrie",):
         site.client.post(f"/l20/exercices/{slug}/soumissions", data={"code": "x = 1\n"})
     assert site.worker_with(right).run_one()
-    assert "Dix outils" in site.client.get("/").text
-    assert site.client.post("/l20/chemin", data={"chemin": LYCEE}).headers["location"] == "/l20"
+    assert "/l20/exercices/calcul_odometrie" in site.client.get("/").text, "what follows, not what was passed over"
+    assert site.client.post("/l20/chemin", data={"chemin": PREPA}).headers["location"] == "/l20"
     home = site.client.get("/").text
-    assert "Selon votre chemin" in home
-    assert "/l20/exercices/calcul_odometrie" in home
-    assert "Dix outils" not in home
+    assert "c’est la suite de votre chemin" in home
+    assert "/l20/exercices/lidar" in home
+    assert "/l20/exercices/calcul_odometrie" not in home
     module = site.client.get("/l20").text
     assert "Quitter ce chemin" in module
-    assert re.search(r"calcul_odometrie\">Exercice suivant", module)
-    assert 'calcul_odometrie">Ensuite' in site.client.get("/l20/exercices/odometrie").text
+    assert re.search(r"lidar\">Exercice suivant", module)
+    solved = site.client.get("/l20/exercices/odometrie").text
+    assert 'lidar">Ensuite' in solved
+    assert "Pourquoi cet exercice ensuite" in solved
+    assert '<details class="fold" open>' in solved, "the solution"
     assert site.client.post("/l20/chemin", data={"chemin": "ailleurs"}).status_code == 422
     site.client.post("/l20/chemin", data={"chemin": ""})
-    assert "Dix outils" in site.client.get("/").text
+    assert "/l20/exercices/calcul_odometrie" in site.client.get("/").text

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 from server.base import school_time
 from server.board.catalogue import find_misconception
 from server.board.objective_loading import ClassObjectives, load_student_states
-from server.board.objectives import RULE, ClassObjective, Mastery, ObjectiveState, PractisedObjective
+from server.board.objectives import RULE, ClassObjective, Mastery
 from server.board.schemas import FEWEST_FOR_A_SHARE
 from server.board.service import load_progress
 from server.classes.models import SchoolClass
@@ -26,35 +26,36 @@ from server.desk.schemas import ClassHead
 from server.desk.views import class_head, class_href
 from server.rights.service import ClassAccess
 from server.web.fragments import FRAGMENTS
+from server.web.own_objectives import (
+    SHOWN_STATES,
+    SIGNS,
+    WORDS,
+    Link,
+    ObjectiveGroup,
+    OwnObjectiveRow,
+    count_states,
+    group_by_lesson,
+    lesson_of,
+    lesson_title,
+    own_row,
+)
 from server.web.rendering import jinja_environment
-from server.web.views import exercise_href, lesson_href
-from server.web.words import plural
 
 WEEK, WEEKS_SHOWN = timedelta(days=7), 6
 MAX_NEXT_STEPS = 3
 MAX_MISTAKES = 4
 
-Link = tuple[str, str]
-SIGNS = {Mastery.mastered: "✓", Mastery.started: "…", Mastery.weak: "!", Mastery.none: "·"}
-WORDS = {
-    Mastery.mastered: "acquis",
-    Mastery.started: "en cours",
-    Mastery.weak: "à retravailler",
-    Mastery.none: "pas commencé",
-}
-SHOWN_STATES = (Mastery.mastered, Mastery.started, Mastery.weak, Mastery.none)
 #: The order in which a student goes on: what went wrong, what was begun, what comes next.
 NEXT_ORDER = {Mastery.weak: 0, Mastery.started: 1, Mastery.none: 2}
 
 
 @dataclass(frozen=True)
-class ObjectiveGroup:
-    """The objectives of one lesson, unfolded where `is_open`; `summary`: in words, beside the title."""
+class ClassObjectiveGroup:
+    """The objectives of one lesson in a class, unfolded where `is_open`."""
 
     title: str
     is_open: bool
-    rows: tuple[ObjectiveRow, ...] | tuple[OwnObjectiveRow, ...]
-    summary: str = ""
+    rows: tuple[ObjectiveRow, ...]
 
 
 @dataclass(frozen=True)
@@ -91,28 +92,6 @@ class ClassObjectivesPage:
 
 
 @dataclass(frozen=True)
-class OwnObjectiveRow:
-    """A student in an objective. `mistakes`: titles; `rest`: exercises to solve still; `lesson`: what to read again."""
-
-    objective: PractisedObjective
-    state: Mastery
-    sign: str
-    word: str
-    short: str
-    text: str
-    since: datetime | None
-    solved: tuple[Link, ...]
-    rest: tuple[Link, ...]
-    mistakes: tuple[str, ...]
-    lesson: Link
-
-    @property
-    def step(self) -> Link | None:
-        """The exercise with which the student goes on."""
-        return self.rest[0] if self.rest else None
-
-
-@dataclass(frozen=True)
 class StudentObjectivesPage:
     """The objectives of a student; `is_own`: read by the student."""
 
@@ -125,14 +104,6 @@ class StudentObjectivesPage:
     counts: str
     rule: str
     gone: str = ""
-
-
-def lesson_of(course: Course, module: str, slug: str) -> Lesson:
-    return next(lesson for lesson in course.modules[module].lessons if lesson.slug == slug)
-
-
-def lesson_title(lesson: Lesson) -> str:
-    return f"{lesson.label} · {lesson.title.partition(' :')[0]}" if lesson.kind is SEANCE else lesson.title
 
 
 def load_class_objectives(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> ClassObjectives:
@@ -157,7 +128,7 @@ def _render_body(loaded: ClassObjectives, school_class: SchoolClass) -> str:
     week_ends = [progress.now - WEEK * weeks for weeks in reversed(range(WEEKS_SHOWN))]
     rows = loaded.summarise(week_ends)
     groups = [
-        ObjectiveGroup(
+        ClassObjectiveGroup(
             lesson_title(lesson),
             lesson.kind is SEANCE,
             tuple(_class_row(links, row, len(progress.students)) for row in own),
@@ -232,32 +203,17 @@ def build_student_page(
     """Build the page of one student, for their teacher or for themselves: nothing on it is of other students."""
     school_class = access.school_class
     states = load_student_states(db, course, school_class, student, now, until, as_student=is_own)
-    rows = [_own_row(course, school_class.module, state) for state in states]
-    groups = []
-    for slug, group in groupby(rows, key=lambda row: row.objective.objective.lesson):
-        lesson, own = lesson_of(course, school_class.module, slug), tuple(group)
-        is_open = any(row.state in {Mastery.weak, Mastery.started} for row in own)
-        groups.append(ObjectiveGroup(lesson_title(lesson), is_open, own, count_states(own)))
+    rows = [own_row(course, school_class.module, state) for state in states]
     return StudentObjectivesPage(
         head=class_head(course, access, "" if is_own else "/objectifs"),
         name=name,
         href=f"{class_href(school_class)}/eleves/{student}",
         is_own=is_own,
-        groups=tuple(groups),
+        groups=group_by_lesson(course, school_class.module, rows),
         steps=choose_steps(rows),
         counts=count_states(rows),
         rule=RULE,
         gone=gone,
-    )
-
-
-def count_states(rows: Sequence[OwnObjectiveRow]) -> str:
-    """Return how many objectives are in each state, in words: « 3 acquis, 2 pas commencés »."""
-    counts = [(state, sum(row.state is state for row in rows)) for state in SHOWN_STATES]
-    return ", ".join(
-        plural(count, WORDS[state], WORDS[state] + ("s" if state is Mastery.none else ""))
-        for state, count in counts
-        if count
     )
 
 
@@ -269,32 +225,3 @@ def choose_steps(rows: Sequence[OwnObjectiveRow]) -> tuple[OwnObjectiveRow, ...]
         if row.step is not None:
             steps.setdefault(row.step, row)
     return tuple(steps.values())[:MAX_NEXT_STEPS]
-
-
-def _own_row(course: Course, module: str, found: ObjectiveState) -> OwnObjectiveRow:
-    objective = found.objective.objective
-    stars = {exercise.id: exercise.stars for exercise in course.modules[module].exercises}
-    rest = [name for name in found.objective.exercises if name not in found.solved and not stars.get(name)]
-    with_mistake = [exercise for exercise, _ in found.mistakes]
-    rest.sort(key=lambda name: (name not in with_mistake, name not in found.failing))
-    lesson = lesson_of(course, module, objective.lesson)
-    return OwnObjectiveRow(
-        objective=found.objective,
-        state=found.state,
-        sign=SIGNS[found.state],
-        word=WORDS[found.state],
-        short=objective.short,
-        text=objective.text,
-        since=found.mastered_at if found.state is Mastery.mastered else None,
-        solved=tuple(_exercise_link(course, name) for name in found.solved),
-        rest=tuple(_exercise_link(course, name) for name in rest) if found.state is not Mastery.mastered else (),
-        mistakes=tuple(
-            find_misconception(course, exercise, mistake).diagnosis.title for exercise, mistake in found.mistakes
-        ),
-        lesson=(lesson.label, lesson_href(lesson)),
-    )
-
-
-def _exercise_link(course: Course, name: str) -> Link:
-    exercise = course.exercises.get(name)
-    return (name, "") if exercise is None else (exercise.title, exercise_href(exercise))

@@ -1,0 +1,175 @@
+"""Where a reader stands in a module: what stands, what fades, what to do now, and the way to the end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from server.board.objective_loading import load_own_states
+from server.board.objectives import RULE, Mastery, MistakeFinder
+from server.course import Course, Exercise, Module
+from server.course.objectives import Objective
+from server.database import utc_now
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
+from server.hunts.service import may_have_hunts
+from server.pages.two_minutes import PATH as TWO_MINUTES
+from server.recall import paths
+from server.recall.service import Candidate, Recall, load_recall
+from server.recall.subjects import title_of_subject
+from server.web.dependencies import CurrentReader
+from server.web.next_step import NextExercise, choose_next, estimate_minutes, list_way
+from server.web.own_objectives import OwnObjectiveRow, count_states, group_by_lesson, own_row
+from server.web.rendering import render_page
+from server.web.views import Reader, exercise_href, find_module, lesson_href, lessons_in_reading_order, module_link
+from server.web.words import plural
+
+router = APIRouter(include_in_schema=False)
+
+MINUTES_A_QUESTION = 0.5
+BEGINNING = "c’est par là que l’on commence"
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """The one thing to do now: its button, how long it takes in minutes (0: not known), and why, a clause."""
+
+    href: str
+    label: str
+    minutes: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class WayLeft:
+    """The way to the end: the exercises that are left, each with its address, title and minutes."""
+
+    path: str
+    solved: int
+    total: int
+    left: tuple[tuple[str, str, int], ...]
+
+    @property
+    def minutes(self) -> int:
+        return sum(minutes for _, _, minutes in self.left)
+
+
+@router.get("/{module:module}/objectifs")
+def objectives(request: Request, module: str, reader: CurrentReader) -> Response:
+    """Show one's own objectives, to nobody else; the teacher's page is made of the same states."""
+    course_module = find_module(reader.course, module)
+    return render_page(request, "objectives.html", reader.account, page=objectives_page(reader, course_module))
+
+
+def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
+    """Build the page of a reader, without queries for one who has no account yet."""
+    progress: Mapping[str, ExerciseProgress] = {}
+    choices: Mapping[str, str] = {}
+    recall, states = None, ()
+    if reader.account is not None:
+        progress = gradebook.load_progress(reader.db, reader.account)
+        choices = paths.load_paths(reader.db, reader.account.id)
+        recall = _load_recall(reader, progress, choices)
+        states = load_own_states(reader.db, reader.course, module, reader.account.id, utc_now())
+    rows = [own_row(reader.course, module.slug, state) for state in states]
+    fading = find_fading(reader.course, module, rows, {} if recall is None else recall.fading)
+    path = paths.find_path(module, choices)
+    following = choose_next(module, progress, path)
+    way = list_way(module, path)
+    left = [exercise for exercise in way if not _solved(progress, exercise)]
+    return {
+        "module": module_link(module),
+        "begun": any(progress.get(exercise.id, NOTHING_YET).attempts for exercise in module.exercises),
+        "proposal": propose(module, rows, recall, fading, following),
+        "rows": rows,
+        "groups": group_by_lesson(reader.course, module.slug, rows),
+        "counts": count_states(rows),
+        "fading": fading,
+        "two_minutes": TWO_MINUTES,
+        "way": WayLeft(
+            path="" if path is None else path.title,
+            solved=len(way) - len(left),
+            total=len(way),
+            left=tuple((exercise_href(exercise), exercise.title, estimate_minutes(exercise)) for exercise in left),
+        ),
+        "has_paths": any(way.exercises for way in module.paths),
+        "rule": RULE,
+    }
+
+
+def _load_recall(reader: Reader, progress: Mapping[str, ExerciseProgress], choices: Mapping[str, str]) -> Recall | None:
+    solved = {name for name in progress if progress[name].succeeded}
+    if reader.account is None or not solved:
+        return None
+    course = reader.course
+    return load_recall(
+        reader.db, course, reader.account.id, solved, lambda exercise: may_have_hunts(course, exercise), choices
+    )
+
+
+def _solved(progress: Mapping[str, ExerciseProgress], exercise: Exercise) -> bool:
+    return progress.get(exercise.id, NOTHING_YET).succeeded
+
+
+def find_fading(
+    course: Course, module: Module, rows: Sequence[OwnObjectiveRow], fading: Mapping[str, Sequence[Candidate]]
+) -> Mapping[str, Sequence[str]]:
+    """Return, by the id of an objective, the titles of the mended misconceptions of it that are fading. Pure."""
+    finder = MistakeFinder(course)
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        objective: Objective = row.objective.objective
+        for subject, candidates in fading.items():
+            own = [
+                candidate
+                for candidate in candidates
+                if candidate.exercise.startswith(f"{module.slug}/")
+                and finder.belongs(objective, candidate.exercise, candidate.misconception)
+            ]
+            if own:
+                title = title_of_subject(course, subject) or finder.title(own[0].exercise, own[0].misconception)
+                found.setdefault(objective.id, []).append(title)
+    return found
+
+
+def propose(
+    module: Module,
+    rows: Sequence[OwnObjectiveRow],
+    recall: Recall | None,
+    fading: Mapping[str, Sequence[str]],
+    following: NextExercise | None,
+) -> Proposal | None:
+    """Return the one thing to do now: what fades, or the next exercise; where to begin, for a newcomer. Pure."""
+    if recall is not None and recall.due and not recall.is_off:
+        count = len(recall.due)
+        titles = dict.fromkeys(title for row in rows for title in fading.get(row.objective.objective.id, ()))
+        reason = "ce que vous aviez corrigé commence à s’effacer"
+        first = next(iter(titles), "")
+        why = f"{reason} (« {first} »)" if first else reason
+        label = f"Deux minutes : {plural(count, 'question')}"
+        return Proposal(TWO_MINUTES, label, max(1, round(count * MINUTES_A_QUESTION)), why)
+    if following is not None and any(row.state is not Mastery.none for row in rows):
+        return _propose_exercise(rows, following)
+    way = lessons_in_reading_order(module)
+    if following is not None and way:
+        return Proposal(
+            lesson_href(way[0]), f"Commencer : {way[0].label}", way[0].minutes, "c’est par là que l’on commence"
+        )
+    return None
+
+
+def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) -> Proposal:
+    verb = "Reprendre" if following.is_begun else "Exercice suivant"
+    own = [row for row in rows if following.exercise.id in row.objective.exercises]
+    weak = next((row for row in own if row.mistakes), None)
+    reason = following.reason
+    if weak is not None:
+        reason = f"votre dernière erreur y était « {weak.mistakes[0]} »"
+    elif own and reason:
+        reason = f"{reason}, et il fait avancer l’objectif « {own[0].short} »"
+    label = f"{verb} : {following.exercise.title}"
+    return Proposal(following.href, label, estimate_minutes(following.exercise), reason)
