@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from server.board.objective_loading import load_own_states
-from server.board.objectives import RULE, Mastery, MistakeFinder
+from server.board.objectives import RULE, Mastery, MistakeFinder, ObjectiveState
 from server.course import Course, Exercise, Module
 from server.course.objectives import Objective
 from server.database import utc_now
@@ -69,7 +69,8 @@ def objectives_page(reader: Reader, module: Module) -> Mapping[str, Any]:
     """Build the page of a reader, without queries for one who has no account yet."""
     progress: Mapping[str, ExerciseProgress] = {}
     choices: Mapping[str, str] = {}
-    recall, states = None, ()
+    recall: Recall | None = None
+    states: Sequence[ObjectiveState] = ()
     if reader.account is not None:
         progress = gradebook.load_progress(reader.db, reader.account)
         choices = paths.load_paths(reader.db, reader.account.id)
