@@ -51,6 +51,12 @@ def exchange(wanted: Wanted) -> list[Row]:
     return rows(wanted.rounds(60))
 
 
+def declared(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_declared import rows
+
+    return rows(wanted.rounds(60))
+
+
 @dataclass(frozen=True)
 class Sent:
     """A program sent over HTTP: milliseconds from submitting to the verdict, as they are to be: median and p95.
@@ -246,6 +252,7 @@ def timed(name: str, command: list[str], goal: Goal | None) -> Row:
 
 PARTS = (
     Part("exchange", exchange),
+    Part("declared", declared),
     Part("http", http, patience=600.0),
     Part("many", many, patience=600.0),
     Part("euros", euros),

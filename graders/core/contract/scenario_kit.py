@@ -9,6 +9,7 @@ import collections
 import contextlib
 import io
 import itertools
+import marshal
 import math
 import os
 import sys
@@ -33,7 +34,16 @@ def configurer(seed: int | None = None, functions: tuple[str, ...] = (), whole_p
     return {**names, "__drivers__": dict.fromkeys(functions, play)} if functions else names
 
 
-def play(target: Any, steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any], str, str, list[Any]]:
+def play(target: Any, packed: Any) -> Any:
+    """Play a scenario on the student's file: the steps, the lines to type and the files, as `marshal` writes them.
+
+    Return what `play_steps` does, or the values alone where nothing else is to be said.
+    """
+    values, printed, shown, written = play_steps(*marshal.loads(packed.tobytes()))
+    return (values, printed, shown, written) if printed or shown or written else values
+
+
+def play_steps(steps: Any, lines: Any = (), files: Any = ()) -> tuple[list[Any], str, str, list[Any]]:
     """Play the steps of a scenario on the student's file.
 
     Return the value of each, encoded; what was printed; the same with the prompts of `input` and what was typed, empty
@@ -233,7 +243,9 @@ def _decode(value: Any, names: Any, world: Any) -> Any:
         "t": lambda: tuple(_decode(item, names, world) for item in content),
         "s": lambda: {_decode(item, names, world) for item in content},
         "d": lambda: {_decode(key, names, world): _decode(item, names, world) for key, item in content},
-        "b": lambda: bytes(content),
+        "b": lambda: content,
+        "n": lambda: content,
+        "a": lambda: np.frombuffer(content[2], content[0]).reshape(content[1]).copy(),
         "f": lambda: eval(content, {"np": np, "math": math}),
         "r": lambda: _resolve(content, names, world),
         "c": lambda: _call_nested(content, names, world),

@@ -242,7 +242,7 @@ class _CaseReader:
             if maker == "set" and len(arguments) <= 1:
                 return set(*arguments)
             if maker == "array" and len(arguments) == 1:
-                return np.array(arguments[0], dtype=_dtype(node))
+                return _made_array(node, arguments[0])
             if maker in ("zeros", "ones") and len(arguments) == 1 and np.prod(arguments[0]) <= MAX_CASE:
                 return np.full(arguments[0], float(maker == "ones"))
             if maker == "float" and arguments in (["nan"], ["inf"], ["-inf"]):
@@ -252,6 +252,13 @@ class _CaseReader:
         except (TypeError, ValueError) as error:
             raise refusal(node, str(error)) from error
         raise refusal(node, "de fonctions de Python, seules set, bytes, np.array, np.zeros, np.ones se lisent ici")
+
+
+def _made_array(node: ast.Call, content: Value) -> Value:
+    array = np.array(content, dtype=_dtype(node))
+    if array.dtype.hasobject:
+        raise refusal(node, "un tableau ne tient ici que des nombres, des booléens ou des textes")
+    return array
 
 
 def _dtype(node: ast.Call) -> Any:

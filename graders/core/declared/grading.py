@@ -310,7 +310,7 @@ class DeclaredGrader:
 
     def _named(self, findings: Sequence[Finding], student: Player, programs: Programs) -> Diagnosis | None:
         """Return the known mistake that answers every probe as the student's file does."""
-        answers = tuple(map(probe_answer, student.play(self.probes())))
+        answers = tuple(map(probe_answer, student.play_again(self.probes())))
         known = self._known_fingerprints(programs)
         mistake = next((each for each in self.declaration.mistakes if known.get(each.id) == answers), None)
         if mistake is None:

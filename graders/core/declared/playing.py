@@ -56,6 +56,7 @@ class Player:
         self._launches = 0
         self._functions = frozenset[str]()
         self._dead: StudentFault | None = None
+        self._answered: dict[int, tuple[Scenario, Played]] = {}
         self._printed: list[str] = []
 
     def start(self, scenarios: Sequence[Scenario]) -> list[Played]:
@@ -65,7 +66,11 @@ class Player:
         self._launches += 1
         self._program = self._programs.open(self._source, self._kit, batches)
         self._functions = self._program.functions
-        return self._play(batches, len(scenarios))
+        played = self._play(batches, len(scenarios))
+        if not any(each.fault for each in played):
+            pairs = zip(scenarios, played, strict=True)
+            self._answered = {id(scenario): (scenario, each) for scenario, each in pairs}  # kept: an id is used again
+        return played
 
     @property
     def functions(self) -> frozenset[str]:
@@ -83,6 +88,18 @@ class Player:
                 self._dead = fault
                 return [Played(fault=fault)] * len(scenarios)
         return self._play(_batches(scenarios), len(scenarios))
+
+    def play_again(self, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Return as `play`; scenarios that `start` has played are not played again, unless one of them stopped."""
+        left = [scenario for scenario in scenarios if id(scenario) not in self._answered]
+        if len(left) == len(scenarios):
+            return self.play(scenarios)
+        played = self.play(left) if left else []
+        if any(each.fault for each in played):
+            return self.play(scenarios)  # how many faults end the calls depends on those before
+        known = {id(scenario): each for scenario, each in zip(left, played, strict=True)}
+        known |= {identity: each for identity, (_, each) in self._answered.items()}
+        return [known[id(scenario)] for scenario in scenarios]
 
     def _play(self, batches: Sequence[PlannedCalls], count: int) -> list[Played]:
         assert self._program is not None
@@ -127,7 +144,9 @@ def _played(answer: Reply | StudentFault) -> Played:
     if isinstance(answer, StudentFault):
         return Played(fault=answer)
     try:
-        values, printed, screen, written = answer.value
+        values, printed, screen, written = (
+            answer.value if isinstance(answer.value, tuple) else (answer.value, "", "", ())
+        )
         decoded, files = tuple(decode_values(values)), dict(written)
     except (TypeError, ValueError):
         return Played(fault=UNREADABLE)

@@ -66,9 +66,12 @@ def value_text(value: Value, digits: int | None = DIGITS) -> str:
 
 
 def encode_value(value: Value) -> Value:
-    """Return a value as the driver reads it: tuples are tags, lists and base types stand for themselves."""
+    """Return a value as the driver reads it, of types that `marshal` writes: tuples are tags, lists and base types
+    stand for themselves."""
     if isinstance(value, list):
         return [encode_value(item) for item in value]
+    if isinstance(value, int | float | str | complex | None):
+        return value.item() if isinstance(value, np.generic) else value
     encoders: tuple[tuple[Any, str, Callable[[Any], Value]], ...] = (
         (FunctionSource, "f", lambda function: function.source),
         (Reference, "r", lambda reference: reference.name),
@@ -76,9 +79,17 @@ def encode_value(value: Value) -> Value:
         (tuple, "t", lambda items: [encode_value(item) for item in items]),
         (set | frozenset, "s", lambda items: [encode_value(item) for item in sorted(items, key=repr)]),
         (dict, "d", lambda pairs: [[encode_value(key), encode_value(item)] for key, item in pairs.items()]),
-        (bytes, "b", list),
+        (bytes, "b", bytes),
+        (np.ndarray, "a", _encode_array),
+        (np.generic, "n", lambda number: number.item()),
     )
     return next(((tag, encode(value)) for kind, tag, encode in encoders if isinstance(value, kind)), value)
+
+
+def _encode_array(array: Value) -> Value:
+    if array.dtype.hasobject:  # its bytes are addresses in this process
+        raise TypeError("no array of objects travels")
+    return array.dtype.str, array.shape, array.tobytes()
 
 
 def _encode_call(call: NestedCall) -> Value:

@@ -8,8 +8,12 @@ puts a file there; `programme("3", "4")` runs a whole program that reads these l
 
 from __future__ import annotations
 
+import marshal
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from graders.core.compare.python_values import DIGITS, MORE
 from graders.core.contract.values import Value
@@ -115,8 +119,13 @@ class Scenario:
         return self.statements[-1].kind == "program"
 
     def arguments(self) -> tuple[Value, ...]:
-        """Return the arguments of the driver."""
-        return tuple(statement.encode() for statement in self.statements), self.lines, self.files
+        """Return the argument of the driver: one array of bytes, which travels as a whole."""
+        return (self._packed,)
+
+    @cached_property
+    def _packed(self) -> Value:
+        steps = tuple(statement.encode() for statement in self.statements)
+        return np.frombuffer(marshal.dumps((steps, self.lines, self.files)), np.uint8)
 
     def text(self) -> str:
         """Return the case as Python writes it."""

@@ -118,6 +118,7 @@ def test_a_solution_that_fails_is_our_own_fault(sandbox: Sandbox) -> None:
         ({"inconnu": 1}, "", "clé inconnue : « inconnu »"),
         ({"cas": ["autre(1)"]}, "verifications[0].cas[0]", "n’est pas une de vos fonctions"),
         ({"cas": ["f(__import__('os'))"]}, "verifications[0].cas[0]", "seules set, bytes"),
+        ({"cas": ["f(np.array([None, 1]))"]}, "verifications[0].cas[0]", "ne tient ici que des nombres"),
         ({"cas": ["f(x)"]}, "verifications[0].cas[0]", "« x » n’est pas connu ici"),
         ({"cas": ["f((1"]}, "verifications[0].cas[0]", "n’est pas du Python"),
         ({"cas": ["f(" + "[" * 60 + "]" * 60 + ")"]}, "verifications[0].cas[0]", "imbriquées"),
