@@ -86,6 +86,15 @@ def orders(text: ProgramText, node: ast.AST) -> Iterator[Change]:
         yield from _indented(text, node)
 
 
+def rankings(text: ProgramText, node: ast.AST) -> Iterator[Change]:
+    """What is read in the order in which it came, sorted first."""
+    values = [node.value] if isinstance(node, ast.Assign) else [node.iter] if isinstance(node, ast.For) else []
+    values += [part.iter for part in getattr(node, "generators", ())]
+    for value in values:
+        if isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
+            yield text.replaced(value, f"sorted({text.source_of(value)})", "rangement")
+
+
 def _dedented(text: ProgramText, loop: ast.stmt, last: ast.stmt) -> Iterator[Change]:
     """The last line of a loop's block, after the loop."""
     if isinstance(last, ast.Return | ast.Assign | ast.AugAssign | ast.Expr | ast.If) and not loop.orelse:  # type: ignore[attr-defined]
@@ -206,4 +215,4 @@ def augments(text: ProgramText, node: ast.AST) -> Iterator[Change]:
 
 
 LIKELY = (copies, types, axes, orders, tests, augments)
-UNLIKELY = (variables, exchanges, factors, additions)
+UNLIKELY = (variables, exchanges, rankings, factors, additions)

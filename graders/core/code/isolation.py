@@ -35,15 +35,31 @@ def replacing_suffix(grader: CodeGrader, replaced: Collection[str]) -> str:
 
 @dataclass(frozen=True)
 class IsolatedFunctions:
-    """The mistakes of a whole program, and by function those that it shows beside right ones."""
+    """The mistakes of a whole program, and by function those that it shows beside right ones.
+
+    `functions` are those that can have a mistake of the catalogue, by its id.
+    """
 
     whole: NamedMistakes
     own: Mapping[str, NamedMistakes]
+    functions: Mapping[str, Collection[str]]
 
     def unexplained(self) -> list[str]:
         """Return the functions that fail by themselves without a certain name, those without any name first."""
-        functions = [name for name, mistakes in self.own.items() if mistakes.failed and not mistakes.certain]
+        functions = [
+            name for name, own in self.own.items() if own.failed and not (own.certain or self.is_certain(name))
+        ]
         return sorted(functions, key=lambda name: bool(self.own[name].ids))
+
+    def is_certain(self, function: str) -> bool:
+        """Whether the whole program already answers as one with mistakes of this function does, and as no other."""
+        return self.whole.certain and bool(self.named(function))
+
+    def named(self, function: str) -> list[str]:
+        """Return the mistakes of the whole program that a function can have, but those that another one shows."""
+        elsewhere = {mistake for name, own in self.own.items() if name != function for mistake in own.ids}
+        mine = [mistake for mistake in self.whole.ids if function in self.functions.get(mistake, ())]
+        return [mistake for mistake in mine if mistake in self.own[function].ids or mistake not in elsewhere]
 
     def doubtful(self) -> frozenset[str]:
         """Return the checks that fail in the whole program only, for a reason that no function shows by itself."""
@@ -72,7 +88,7 @@ def isolate_functions(
         others = [name for name in grader.functions if name != function]
         named = grader.name_mistakes(source + replacing_suffix(grader, others), programs, seed)
         own[function] = replace(named, failed=named.failed & whole.failed)
-    return IsolatedFunctions(whole, own)
+    return IsolatedFunctions(whole, own, {each.id: each.functions for each in grader.misconceptions})
 
 
 def _blamed(grader: CodeGrader, failed: Collection[str]) -> list[str]:
@@ -83,17 +99,19 @@ def _blamed(grader: CodeGrader, failed: Collection[str]) -> list[str]:
 def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Sequence[CheckResult]) -> Diagnosis | None:
     """Return the diagnosis with the mistakes of each function; None where it names the same ones as the whole program.
 
-    Names of a function that fails nothing by itself are withdrawn, those that it shows beside right ones are added.
+    Names of a function that fails nothing by itself are withdrawn. Those that one shows beside right ones are added
+    where it had none, or replace its uncertain ones where they are certain.
     """
     if not isolated.guilty():
         return None
     whole, own = isolated.whole, isolated.own
-    ids = {mistake: explained for mistake in whole.ids if (explained := _still_explained(grader, isolated, mistake))}
+    ids = {mistake: explained for mistake in whole.ids if (explained := _still_explained(isolated, mistake))}
     facts = dict(zip(whole.facts, whole.explains[len(whole.ids) :], strict=True))
     for function, mistakes in own.items():
-        for mistake in mistakes.ids:
-            if function in _functions(grader, mistake):
-                ids.setdefault(mistake, mistakes.failed)
+        if not isolated.named(function) or _replaces(isolated, function):
+            for mistake in mistakes.ids:
+                if function in isolated.functions.get(mistake, ()):
+                    ids.setdefault(mistake, mistakes.failed)
         for fact in mistakes.facts:
             if fact.slip.title not in {known.slip.title for known in facts}:
                 facts[fact] = tuple(mistakes.failed.intersection(fact.checks))
@@ -102,7 +120,7 @@ def name_isolated(grader: CodeGrader, isolated: IsolatedFunctions, checks: Seque
     if list(ids) == list(whole.ids) and list(facts) == list(whole.facts):
         return None
     explains = tuple(_in_order(checks, explained) for explained in (*ids.values(), *facts.values()))
-    certain = all(mistakes.certain for mistakes in own.values() if mistakes.failed) and not facts
+    certain = not facts and all(own[name].certain or isolated.is_certain(name) for name in isolated.guilty())
     return grader.describe_mistakes(NamedMistakes(tuple(ids), tuple(facts), explains, certain))
 
 
@@ -123,19 +141,21 @@ def tell_shares(isolated: IsolatedFunctions, checks: Sequence[CheckResult], diag
     return replace(diagnosis, explanation=explanation)
 
 
-def _still_explained(grader: CodeGrader, isolated: IsolatedFunctions, mistake: str) -> frozenset[str]:
+def _replaces(isolated: IsolatedFunctions, function: str) -> bool:
+    """Whether the names that a function shows beside right ones are surer than the whole program's."""
+    own = isolated.own[function]
+    return bool(own.failed and own.ids) and own.certain and not isolated.is_certain(function)
+
+
+def _still_explained(isolated: IsolatedFunctions, mistake: str) -> frozenset[str]:
     """Return the checks that a mistake of the whole program explains; none where its functions do not bear it out."""
-    functions = [name for name in isolated.own if name in _functions(grader, mistake)]
+    functions = [name for name in isolated.own if name in isolated.functions.get(mistake, ())]
     if not functions:
         return frozenset(isolated.whole.explains[isolated.whole.ids.index(mistake)])
-    guilty = [isolated.own[name] for name in functions if isolated.own[name].failed]
-    if guilty and all(mistakes.ids and mistake not in mistakes.ids for mistakes in guilty):
+    guilty = [name for name in functions if isolated.own[name].failed]
+    if guilty and all(_replaces(isolated, name) and mistake not in isolated.own[name].ids for name in guilty):
         return frozenset()
-    return frozenset().union(*(mistakes.failed for mistakes in guilty))
-
-
-def _functions(grader: CodeGrader, mistake: str) -> frozenset[str]:
-    return frozenset(name for each in grader.misconceptions if each.id == mistake for name in each.functions)
+    return frozenset().union(*(isolated.own[name].failed for name in guilty))
 
 
 def _points(checks: Sequence[CheckResult], chosen: Collection[str]) -> float:

@@ -82,6 +82,7 @@ class MendingSearch:
     ) -> None:
         self._grader, self._programs, self._seed, self._spent = grader, programs, seed, spent
         self._caller, self._suffix = VariantCaller(programs, suffix), suffix
+        self._drawn_answers: dict[int, list[ProbeAnswer]] = {}
         self.tried = 0
 
     def search(self, source: str, functions: Collection[str] = ()) -> Mending | None:
@@ -173,7 +174,7 @@ class MendingSearch:
     ) -> None:
         prober = self._grader.prober
         for index, probes in enumerate(prober.probes if prober else ()):
-            if probes.function not in functions or probes.random:
+            if probes.function not in functions:
                 continue
             everything = range(len(probes.calls))
             before = self._agreements(index, [count_turns(source)], everything)[0]
@@ -199,13 +200,16 @@ class MendingSearch:
         """
         assert self._grader.prober is not None
         probes = self._grader.prober.probes[index]
-        rights = self._grader.prober.right_answers_by_style(index)
+        rights = self._right_answers(index)
         calls = [probes.calls[k] for k in indices]
+        draws = list(indices) if probes.random else ()
         agreements = []
         for begin in range(0, len(texts), SLICE):
             if self._spent():
                 raise OutOfTimeError
-            for answers in self._caller.answers(texts[begin : begin + SLICE], probes.function, calls, probes.kit):
+            for answers in self._caller.answers(
+                texts[begin : begin + SLICE], probes.function, calls, probes.kit, draws
+            ):
                 read = [read_answer(args, answer, probes.read) for args, answer in zip(calls, answers, strict=False)]
                 read += [NO_ANSWER] * (len(calls) - len(read))
                 in_each_style = [
@@ -214,6 +218,21 @@ class MendingSearch:
                 ]
                 agreements.append(max(in_each_style, key=lambda marks: sum(float(mark.mean()) for mark in marks)))
         return agreements
+
+    def _right_answers(self, index: int) -> Sequence[Sequence[ProbeAnswer]]:
+        """Return the right answers to the probes `index`, in each style; those of the same draws where it draws."""
+        assert self._grader.prober is not None
+        probes = self._grader.prober.probes[index]
+        if not probes.random:
+            return self._grader.prober.right_answers_by_style(index)
+        if index not in self._drawn_answers:
+            solution, draws = count_turns(self._grader.solution), range(len(probes.calls))
+            answers = VariantCaller(self._programs).answers(
+                [solution], probes.function, probes.calls, probes.kit, draws
+            )[0]
+            read = [read_answer(args, answer, probes.read) for args, answer in zip(probes.calls, answers, strict=False)]
+            self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
+        return [self._drawn_answers[index]]
 
     def _failed_checks(self, source: str, is_late: bool = False) -> list[Check]:
         """Return the checks that a program fails, without shrinking; all of them where it does not load.

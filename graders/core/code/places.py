@@ -53,6 +53,9 @@ _OPERATION = Aspect("une opération", "Est-ce bien l'opération qu'il faut faire
 _SUPERFLUOUS = Aspect("un terme ou un facteur de trop", "Chaque terme de cette ligne figure-t-il dans la formule ?")
 _MISSING = Aspect("un terme ou un facteur qui manque", "Que dit la formule de l'énoncé, et que manque-t-il ici ?")
 _ORDER = Aspect("un ordre", "Dans quel ordre ces valeurs doivent-elles venir ?")
+_RANKING = Aspect(
+    "un rangement", "Dans quel ordre ces valeurs sont-elles arrivées, et dans quel ordre sont-elles lues ?"
+)
 _NUMBER = Aspect("un nombre", "D'où vient le nombre qui est écrit là ?")
 _AXIS = Aspect("un axe", "Cette opération va-t-elle d'une ligne à l'autre du tableau, ou d'une colonne à l'autre ?")
 _BOUND = Aspect("un indice ou une borne", "Quel est ici le premier indice atteint ? Et le dernier ?")
@@ -78,7 +81,8 @@ ASPECTS: Mapping[str, Aspect] = {
     "valeur absolue": _SHAPE, "transposée": _SHAPE, "angle": _SHAPE, "degrés": _SHAPE, "arrondi": _CALL,
     "normalisation oubliée": _CALL, "appel oublié": _CALL, "argument oublié": _CALL, "fonction voisine": _CALL,
     "variable": _VARIABLE, "variables échangées": _VARIABLE, "affectation": _STORED, "instruction oubliée": _STORED,
-    "saut": _STORED, "copie": _SHARED, "type": _TYPE, "ordre des lignes": _MOMENT, "indentation": _MOMENT,
+    "saut": _STORED, "copie": _SHARED, "rangement": _RANKING, "type": _TYPE, "ordre des lignes": _MOMENT,
+    "indentation": _MOMENT,
 }  # fmt: skip
 _ANY = Aspect("", "Que vaut chaque terme de cette ligne, dans l'exemple d'une vérification qui échoue ?")
 
@@ -184,7 +188,11 @@ def _with_places(
     titles = {check.id: check.title for check in checks}
     explained = {check for ids in named.explains for check in ids}
     named = _without_remainder(named)
+    lines = set[int]()
     for step in mending.steps:
+        if step.change.line in lines:
+            continue
+        lines.add(step.change.line)
         place = _described(step, mending, source, titles, values, False)
         mended = step.mended or mending.mended
         if mended <= explained:

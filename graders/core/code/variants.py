@@ -20,19 +20,23 @@ NOTE = "_noter(locals())"
 _DRIVER = """
 _textes, _modules, _de_base, _tours = {texts!r}, {{}}, dict(globals()), [0]
 _suite = compile({suffix!r}, "solution.py", "exec")
+_hasards = [(nom, nom.bit_generator.state) for nom in list(globals().values()) if hasattr(nom, "bit_generator")]
 
 def _tour():
     _tours[0] += 1
     if _tours[0] > {turns}:
         raise TimeoutError
 
-def {call}(numero, fonction, arguments):
+def {call}(numero, fonction, arguments, tirages=None):
     _tours[0] = 0
     try:
         if numero not in _modules:
             _modules[numero] = noms = dict(_de_base, _tour=_tour)
             exec(compile(_textes[numero], "solution.py", "exec"), noms)
             exec(_suite, noms)
+        for hasard, etat in _hasards if tirages is not None else ():
+            hasard.bit_generator.state = etat
+            hasard.random(tirages)
         return _modules[numero][fonction](*arguments), ""
     except Exception as erreur:
         return None, type(erreur).__name__
@@ -53,14 +57,19 @@ class VariantCaller:
         self._programs, self._deaths, self._suffix = programs, 0, suffix
 
     def answers(
-        self, variants: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings
-    ) -> list[list[Answer]]:
-        """Return the answers of each variant to the calls; fewer where it died, or where too many have died."""
+        self, variants: Sequence[str], function: str, calls: Sequence[Arguments], kit: KitSettings,
+        draws: Sequence[int] = (),
+    ) -> list[list[Answer]]:  # fmt: skip
+        """Return the answers of each variant to the calls; fewer where it died, or where too many have died.
+
+        With `draws`, one for each call, the kit's generators begin each call where these numbers of draws leave them:
+        all variants draw the same numbers.
+        """
         answers: list[list[Answer]] = [[] for _ in variants]
         for begins, ends in _chunks(variants):
             begin = begins
             while begin < ends and self._deaths < MAX_DEATHS:
-                begin += self._call_chunk(variants[begin:ends], answers, begin, function, calls, kit)
+                begin += self._call_chunk(variants[begin:ends], answers, begin, function, calls, kit, draws)
         return answers
 
     def look(
@@ -87,10 +96,13 @@ class VariantCaller:
         function: str,
         calls: Sequence[Arguments],
         kit: KitSettings,
+        draws: Sequence[int],
     ) -> int:
         """Call variants in one process and return how many it is done with: up to one that kills it."""
         driver = _driver(variants, self._suffix)
-        asked = [(k, function, list(call)) for k in range(len(variants)) for call in calls]
+        drawn: list[tuple[int, ...]] = [(count,) for count in draws] or [()] * len(calls)
+        pairs = list(zip(calls, drawn, strict=True))
+        asked = [(k, function, list(call), *count) for k in range(len(variants)) for call, count in pairs]
         count = 0
         try:
             program = self._programs.open(driver.encode(), kit)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graders.core.compare.invariants import tell_invariants, tell_sizes
 from graders.core.compare.words import number
 from graders.core.contract.values import Arguments, Floats
 
@@ -44,10 +45,18 @@ def tell_relations(series: Series) -> Iterator[str]:
         return
     with np.errstate(all="ignore"):
         if all(got.shape == right.shape for got, right in zip(series.got, series.right, strict=True)):
-            for find in (_functions, _factors, _offsets, _orders, _arguments, _steps, _nearness, _conditions, _lines):
+            for find in _RELATIONS:
                 yield from find(series)
         else:
             yield from _conditions(series)
+
+
+def _invariants(series: Series) -> Iterator[str]:
+    yield from tell_invariants(series.got, series.right, series.wrong)
+
+
+def _sizes(series: Series) -> Iterator[str]:
+    yield from tell_sizes(series.got, series.right, series.wrong)
 
 
 def _everywhere(series: Series, function: Callable[[Floats], Floats]) -> bool:
@@ -301,3 +310,9 @@ def _nearness(series: Series) -> Iterator[str]:
     if np.isfinite(worst) and 0.0 < worst < NEARLY and len(errors) > MIN_WRONG:
         percent = number(float(f"{100.0 * worst:.1g}"))
         yield f"n’est juste qu’à peu près : à {percent} % de la plus grande valeur attendue"
+
+
+#: The relations, the most telling first.
+_RELATIONS = (
+    _functions, _factors, _offsets, _orders, _arguments, _steps, _nearness, _conditions, _invariants, _lines, _sizes,
+)  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -52,7 +54,41 @@ def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
     words = "est toujours un multiple de 0,5, ce que n’est pas ce qui est attendu"
     assert told(got, right, [(float(x) + 0.1,) for x in right])[0] == words
-    assert told(got, right, [(k + 0.5, 12.3) for k in range(5)]) == []  # as an argument is
+    assert told(got, right, [(k + 0.5, 12.3) for k in range(5)])[0] != words  # as an argument is
+
+
+SYMMETRIC = [np.array([[2.0 + k, 0.5], [0.5, 1.0]]) for k in range(4)]
+
+
+@pytest.mark.parametrize(
+    ("change", "right", "words"),
+    [
+        (
+            lambda x: np.add(x, [[0.0, 0.3 + x[0, 0]], [0.0, 0.0]]),
+            SYMMETRIC,
+            "n’est pas symétrique chaque fois qu’il est faux",
+        ),
+        (lambda x: x - 3.0 * x[0, 0] * np.eye(2), SYMMETRIC, "a une valeur propre négative chaque fois"),
+        (lambda x: x - [[0.1 * x[0, 0], 0.1], [0.1, 0.02]], SYMMETRIC, "a une diagonale trop petite chaque fois"),
+        (lambda x: x + 0.1 * x**2, [np.array(k + 1.0) for k in range(4)], "est trop grand chaque fois"),
+        (lambda x: x * [1.0, 2.0, 3.0], [np.array([0.2, 0.3, 0.5])] * 4, "n’a pas pour somme 1 chaque fois"),
+        (lambda x: x * np.nan, [np.array(k + 1.0) for k in range(4)], "contient nan ou inf chaque fois"),
+    ],
+)
+def test_a_property_of_right_answers_that_wrong_ones_have_not_is_told(
+    change: Callable[[Floats], Floats], right: list[Floats], words: str
+) -> None:
+    assert any(words in predicate for predicate in told([np.asarray(change(x)) for x in right], right))
+
+
+def test_a_property_that_one_wrong_answer_has_is_not_told() -> None:
+    got = [*(x + np.array([[0.0, 0.3], [0.0, x[0, 0]]]) for x in SYMMETRIC[:3]), SYMMETRIC[3] + np.diag([0.5, -0.1])]
+    assert not any("symétrique" in predicate for predicate in told(got, SYMMETRIC))
+
+
+def test_an_order_that_two_rows_do_not_bear_out_is_not_told() -> None:
+    wrong = [*(np.roll(row, 1) for row in ROWS), np.array([7.0, 8.0])]
+    assert not any("ordre" in words for words in told(wrong, [*ROWS, np.array([1.0, 2.0])]))
 
 
 def test_what_does_not_hold_in_every_call_is_not_told() -> None:

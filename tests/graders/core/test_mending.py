@@ -81,6 +81,35 @@ def test_the_changes_of_other_functions_are_left_out() -> None:
     assert lines == {3}
 
 
+def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws() -> None:
+    grader = CODE["l20/reechantillonnage"]
+    head = grader.solution.split("def reechantillonner_systematique")[0]
+    source = (
+        head
+        + """def reechantillonner_systematique(particules, poids):
+    N = len(poids)
+    u = rng.random() / N
+    garde, i, somme = [], 0, 0.0
+    for k in range(N):
+        while somme < u + k / N and i < N:
+            somme += poids[i]
+            i += 1
+        garde.append(particules[min(i, N - 1)])
+    return np.array(garde)
+"""
+    )
+    mending = MendingSearch(grader, LOCAL, 3, lambda: False).search(source)
+    assert mending is not None
+    assert not mending.left
+    assert source.splitlines()[mending.steps[0].change.line - 1].strip().startswith("garde.append")
+
+
+def test_what_is_read_unsorted_is_sorted() -> None:
+    source = "def f(x):\n    y = x\n    return [z for z in y]\n"
+    changes = [change for change in find_changes(source, ["f"], None, lambda: False) if change.operator == "rangement"]
+    assert [change.line for change in changes] == [2, 3]
+
+
 def test_a_line_notes_what_it_reads() -> None:
     noted = noted_line(PROGRAM, 8)
     assert noted is not None
