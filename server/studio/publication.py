@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from graders.core.declared.trial import MAX_ALIVE, SEEDS, TrialReport
+from graders.core.declared.trial import MAX_ALIVE, SEEDS
+from graders.core.declared.trial_report import TrialReport, TriedMistake
 from graders.typography import unaccented
 from server.studio.completion import CompletedExercise
 from server.studio.drafts import ExerciseDraft, program_digest
@@ -55,9 +56,9 @@ def publication_faults(draft: ExerciseDraft, completed: CompletedExercise, repor
     for tried in report.mistakes:
         title = titles[tried.id]["titre"] or "sans titre"
         if not tried.refused:
-            yield f"L’erreur « {title} » n’est pas refusée : ajoutez un cas où elle répond mal."
+            yield f"L’erreur « {title} » n’est pas refusée : {_case_to_add(tried, 'où elle répond mal')}"
         elif not tried.named:
-            yield f"L’erreur « {title} » n’est pas reconnue : ajoutez un cas où elle diffère des autres."
+            yield f"L’erreur « {title} » n’est pas reconnue : {_case_to_add(tried, 'où elle diffère des autres')}"
         if not (titles[tried.id]["titre"] and titles[tried.id]["explication"]):
             yield f"Dites en mots l’erreur « {title} » : un titre et une explication."
     alive = [change for change in report.survivors if not draft.reasons.get(program_digest(change.program), "").strip()]
@@ -73,6 +74,13 @@ def publication_faults(draft: ExerciseDraft, completed: CompletedExercise, repor
         )
     if not report.is_whole:
         yield "L’essai a pris trop de temps et n’a pas tout vu : donnez des entrées plus petites."
+
+
+def _case_to_add(tried: TriedMistake, where: str) -> str:
+    """Return what an author is to do about a mistake that no case shows."""
+    if tried.case:
+        return f"ajoutez le cas `{tried.case}`, {where} (« Ajouter ces cas » le fait)."
+    return f"ajoutez un cas {where}."
 
 
 def version_content(completed: CompletedExercise) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.declared.declaration import MAX_PROGRAM
-from graders.core.declared.trial import TriedChange
+from graders.core.declared.trial_report import TrialReport, TriedChange, TriedMistake
 from graders.typography import unaccented
 from server.base.errors import Conflict, Invalid, NotFound, RateLimited
 from server.base.settings import Settings
@@ -228,10 +228,11 @@ def add_mistake(draft: ExerciseDraft, change: TriedChange) -> ExerciseDraft:
     return replace(draft, mistakes=(*draft.mistakes, MistakeDraft(title=title, program=change.program)))
 
 
-def add_cases(draft: ExerciseDraft, changes: Sequence[TriedChange]) -> ExerciseDraft:
-    """Return the draft with the inputs that show changes which no case refuses, in their checks."""
+def add_cases(draft: ExerciseDraft, report: TrialReport) -> ExerciseDraft:
+    """Return the draft with the inputs that show what no case refuses, in their checks: mistakes, and survivors."""
     checks = list(draft.checks)
-    for change in changes:
+    shown: tuple[TriedMistake | TriedChange, ...] = (*report.mistakes, *report.survivors)
+    for change in shown:
         at = change.check if change.check < len(checks) else 0
         known = {case.call.strip() for case in checks[at].cases}
         if change.case and change.case not in known and len(checks[at].cases) < MAX_CASES:

@@ -58,3 +58,60 @@ def test_each_call_that_the_guide_shows_is_read(studio: Studio) -> None:
     for call in rows:
         names = [name for name in re.findall(r"\b([A-Za-z_]\w*)\(", call) if name not in (TYPE, FILE)]
         assert parse_scenario(call, names[:1])
+
+
+LARGEST = "def maximum(t):\n    m = t[0]\n    for x in t:\n        if x > m:\n            m = x\n    return m\n"
+FROM_ZERO = LARGEST.replace("t[0]", "0")
+FIRST = "def maximum(t):\n    return t[0]\n"
+
+
+def test_a_mistake_that_no_case_refuses_has_its_case_proposed(studio: Studio) -> None:
+    form = {
+        "solution": LARGEST,
+        "v-0-c-0-appel": "maximum([3])",
+        "v-0-c-0-attendu": "",
+        "v-0-c-1-appel": "maximum([4, 2])",
+        "v-0-c-1-attendu": "",
+        "v-0-c-2-appel": "",
+        "v-0-points": "20",
+        "e-0-titre": "Part de zéro",
+        "e-0-explication": "Un maximum peut être négatif.",
+        "e-0-programme": FROM_ZERO,
+        "e-1-titre": "Le premier",
+        "e-1-explication": "Les autres comptent aussi.",
+        "e-1-programme": FIRST,
+    }
+    path = studio.create()
+    studio.save(path, **form, action="publier")
+    report = studio.report(path)
+    assert re.search(r"« Part de zéro » n’est pas refusée : ajoutez le cas maximum\(\[-\d+", report), report
+    assert re.search(r"« Le premier » n’est pas refusée : ajoutez le cas maximum\(\[", report), report
+    assert "Ajouter ces cas et publier" in report
+    page = studio.browser.get(path).text
+    fields = dict(re.findall(r'name="(version)" value="([^"]*)"', page))
+    studio.save(path, **form, **fields, action="cas")
+    written = [case.call for check in read_draft(studio.stored(path)).checks for case in check.written]
+    assert len(written) >= 4
+    assert "0 accepté à tort" in studio.report(path)
+    assert "n’est pas refusée" not in studio.report(path)
+
+
+def test_two_mistakes_that_answer_alike_are_told_apart_by_a_case(studio: Studio) -> None:
+    form = {
+        "solution": LARGEST,
+        "v-0-c-0-appel": "maximum([3, 4, 1])",
+        "v-0-c-0-attendu": "4",
+        "v-0-c-1-appel": "maximum([-5, -9, -8])",
+        "v-0-c-1-attendu": "-5",
+        "v-0-c-2-appel": "",
+        "v-0-points": "20",
+        "e-0-titre": "Le premier",
+        "e-0-explication": "a",
+        "e-0-programme": FIRST,
+        "e-1-titre": "Le premier, s’il est impair",
+        "e-1-explication": "b",
+        "e-1-programme": "def maximum(t):\n    return t[0] if t[0] % 2 else t[-1]\n",
+    }
+    path = studio.create()
+    studio.save(path, **form)
+    assert "prise pour « Le premier », qui répond de même sauf à ce cas : maximum(" in studio.report(path)

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from contextlib import closing
+from dataclasses import asdict
+from functools import cached_property
 from typing import Any
 
 from graders.core.alterations.alterations import Alteration, sample_alterations
@@ -22,7 +24,9 @@ from graders.core.declared.grading import DeclaredGrader, Fingerprint, SolutionF
 from graders.core.declared.judging import Case, expected_is_given, is_answered, judge, observed
 from graders.core.declared.malformed import MalformedDeclaration
 from graders.core.declared.playing import Played, Player
+from graders.core.declared.probe_answers import probe_answer
 from graders.core.declared.scenarios import PROGRAM, Scenario
+from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange, TriedMistake
 from graders.core.declared.variations import vary_cases
 
 #: Changes of a solution that are tried; the share of them that may survive; seeds of the solution before publication.
@@ -35,80 +39,6 @@ MAX_MESSAGE = 400
 BRIEF_FACTOR, MIN_BRIEF_SECONDS, MAX_BRIEF_SECONDS = 10.0, 0.1, 1.0
 #: Inputs near the examples that are played together: one of them may never end.
 SCENARIOS_AT_ONCE = 8
-
-
-@dataclass(frozen=True)
-class TriedCase:
-    """A written case: what the solution answers, as Python writes it, or why it does not; whether that is expected."""
-
-    check: int
-    case: int
-    given: str
-    agrees: bool
-    fault: str = ""
-
-
-@dataclass(frozen=True)
-class TriedMistake:
-    """A known mistake: whether it is refused and named, and which mistake is named in its stead."""
-
-    id: str
-    refused: bool
-    named: bool
-    instead: str = ""
-
-
-@dataclass(frozen=True)
-class TriedChange:
-    """A change of the solution: the lines before and after, the changed program, and how a case refuses it.
-
-    `case` is an input that shows it though no case does; `unseen` says that none was found.
-    """
-
-    line: int
-    before: str
-    after: str
-    program: str
-    refusal: str = ""
-    check: int = 0
-    case: str = ""
-    unseen: bool = False
-
-    @property
-    def survives(self) -> bool:
-        return not self.refusal and not self.unseen
-
-
-@dataclass(frozen=True)
-class TrialReport:
-    """A trial. `problem` is what keeps the declaration from being read, at `place`."""
-
-    place: str = ""
-    problem: str = ""
-    cases: tuple[TriedCase, ...] = ()
-    solution: str = ""
-    starter: str = ""
-    mistakes: tuple[TriedMistake, ...] = ()
-    changes: tuple[TriedChange, ...] = ()
-    seeds: int = 0
-    is_whole: bool = True
-
-    @property
-    def survivors(self) -> tuple[TriedChange, ...]:
-        return tuple(change for change in self.changes if change.survives)
-
-    def to_data(self) -> dict[str, Any]:
-        return asdict(self)
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> TrialReport:
-        """Return the report that `to_data` gave."""
-        lists = {
-            "cases": tuple(TriedCase(**each) for each in data["cases"]),
-            "mistakes": tuple(TriedMistake(**each) for each in data["mistakes"]),
-            "changes": tuple(TriedChange(**each) for each in data["changes"]),
-        }
-        return cls(**{**data, **lists})
 
 
 class ExerciseTrial:
@@ -147,8 +77,9 @@ class ExerciseTrial:
             if fault or self._clock() > until:
                 return TrialReport(cases=cases, solution=fault, starter=starter_fault, seeds=graded, is_whole=not fault)
             graded += 1
-        mistakes = tuple(self._try_mistakes(grader))
-        changes = tuple(self._try_changes(grader, until)) if with_changes else ()
+        inputs = _TriedInputs(self, grader)
+        mistakes = tuple(self._try_mistakes(grader, inputs))
+        changes = tuple(self._try_changes(grader, until, inputs)) if with_changes else ()
         return TrialReport(
             cases=cases, starter=starter_fault, mistakes=mistakes, changes=changes, seeds=graded,
             is_whole=self._clock() <= until,
@@ -186,15 +117,25 @@ class ExerciseTrial:
         drawn = [case.scenario for case in cases if case.drawn is not None]
         return all(played.fault is None and played.raised is None for played in self._play(grader, drawn))
 
-    def _play(self, grader: DeclaredGrader, scenarios: Sequence[Scenario], *, briefly: bool = False) -> list[Played]:
-        """Return what the solution does; `briefly`, few scenarios at a time, as some may never end."""
-        player = self._player(grader, grader.solution, briefly=briefly)
-        size = SCENARIOS_AT_ONCE if briefly else max(1, len(scenarios))
-        try:
-            parts = (scenarios[start : start + size] for start in range(0, len(scenarios), size))
+    def _play(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Return what the solution does."""
+        with closing(self._player(grader, grader.solution)) as player:
+            return player.play(scenarios)
+
+    def play_known(self, grader: DeclaredGrader, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Return what the solution does, and allow programs that may loop so many times as long."""
+        started = self._clock()
+        played = self._play(grader, scenarios)
+        patience = BRIEF_FACTOR * (self._clock() - started)
+        self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
+        return played
+
+    def play_briefly(self, grader: DeclaredGrader, source: str, scenarios: Sequence[Scenario]) -> list[Played]:
+        """Return what a program does, a few scenarios at a time, as some may never end."""
+        with closing(self._player(grader, source, briefly=True)) as player:
+            starts = range(0, len(scenarios), SCENARIOS_AT_ONCE)
+            parts = (scenarios[start : start + SCENARIOS_AT_ONCE] for start in starts)
             return [played for part in parts for played in player.play(part)]
-        finally:
-            player.close()
 
     def _player(self, grader: DeclaredGrader, source: str, *, briefly: bool = False) -> Player:
         programs = self._start_briefly(self._brief_seconds) if briefly else self._start()
@@ -226,33 +167,43 @@ class ExerciseTrial:
         failed = next((check for check in verdict.checks if not check.passed), None)
         return "" if failed is None else f"Votre solution n’a pas tous les points : {failed.message}"[:MAX_MESSAGE]
 
-    def _try_mistakes(self, grader: DeclaredGrader) -> Iterator[TriedMistake]:
-        for mistake in grader.declaration.mistakes:
+    def _try_mistakes(self, grader: DeclaredGrader, inputs: _TriedInputs) -> Iterator[TriedMistake]:
+        programs = {mistake.id: mistake.program for mistake in grader.declaration.mistakes}
+        for name, program in programs.items():
             try:
-                verdict = grader.grade(mistake.program.encode(), self._start(), seed=TRIAL_SEED, version="").verdict
+                verdict = grader.grade(program.encode(), self._start(), seed=TRIAL_SEED, version="").verdict
             except SolutionFault:
-                yield TriedMistake(mistake.id, refused=False, named=False)
+                yield TriedMistake(name, refused=False, named=False)
                 continue
             named = verdict.diagnosis.id if verdict.diagnosis else ""
-            refused = verdict.points < MAX_POINTS
-            yield TriedMistake(mistake.id, refused, named == mistake.id, "" if named == mistake.id else named)
+            if verdict.points == MAX_POINTS:
+                yield TriedMistake(name, False, False, "", *self._find_case(grader, program, inputs))
+            elif named != name and named in programs:
+                found = self._find_case(grader, program, inputs, unlike=programs[named])
+                yield TriedMistake(name, True, False, named, *found)
+            else:
+                yield TriedMistake(name, True, named == name, "" if named == name else named)
 
-    def _try_changes(self, grader: DeclaredGrader, until: float) -> Iterator[TriedChange]:
+    def _find_case(
+        self, grader: DeclaredGrader, program: str, inputs: _TriedInputs, *, unlike: str = ""
+    ) -> tuple[str, int]:
+        """Return an input to which a program answers otherwise than the solution, or than another program, and its
+        check; empty where none was found."""
+        scenarios = [case.scenario for _, case, _ in inputs.near]
+        played = self.play_briefly(grader, program, scenarios)
+        others = self.play_briefly(grader, unlike, scenarios) if unlike else played
+        for (at, case, right), got, other in zip(inputs.near, played, others, strict=True):
+            wrong = judge(grader.declaration.checks[at], case, right, got) is not None
+            if wrong and (not unlike or probe_answer(got) != probe_answer(other)):
+                return case.scenario.exact_text() or "", at
+        return "", 0
+
+    def _try_changes(self, grader: DeclaredGrader, until: float, inputs: _TriedInputs) -> Iterator[TriedChange]:
         """Yield the changes of the solution that were tried in time."""
-        checks = grader.declaration.checks
-        cases = [(at, case) for at, check in enumerate(checks) for case in grader.cases(check, TRIAL_SEED)]
-        started = self._clock()
-        right = self._play(grader, [case.scenario for _, case in cases])
-        patience = BRIEF_FACTOR * (self._clock() - started)
-        self._brief_seconds = min(MAX_BRIEF_SECONDS, max(MIN_BRIEF_SECONDS, patience))
-        nearby = [(at, scenario) for at, check in enumerate(checks) for scenario in vary_cases(check)]
-        answered = zip(nearby, self._play(grader, [scenario for _, scenario in nearby], briefly=True), strict=True)
-        near = [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
-        known = [(at, case, got) for (at, case), got in zip(cases, right, strict=True) if is_answered(got)]
         for alteration in sample_alterations(grader.solution, MAX_CHANGES):
             if self._clock() > until:
                 return
-            yield self._try_change(grader, alteration, known, near)
+            yield self._try_change(grader, alteration, inputs.known, inputs.near)
 
     def _try_change(
         self,
@@ -285,6 +236,33 @@ class ExerciseTrial:
         finally:
             player.close()
         return TriedChange(**{**asdict(change), "unseen": True})
+
+
+class _TriedInputs:
+    """The inputs on which changed programs are tried, with what the solution does: made at the first need.
+
+    `known` are the cases of the checks, `near` others beside them, which the solution answers.
+    """
+
+    def __init__(self, trial: ExerciseTrial, grader: DeclaredGrader) -> None:
+        self._trial, self._grader = trial, grader
+
+    @cached_property
+    def known(self) -> list[tuple[int, Case, Played]]:
+        grader = self._grader
+        checks = enumerate(grader.declaration.checks)
+        cases = [(at, case) for at, check in checks for case in grader.cases(check, TRIAL_SEED)]
+        right = self._trial.play_known(grader, [case.scenario for _, case in cases])
+        return [(at, case, got) for (at, case), got in zip(cases, right, strict=True) if is_answered(got)]
+
+    @cached_property
+    def near(self) -> list[tuple[int, Case, Played]]:
+        grader, _ = self._grader, self.known  # which tells how long a program may take
+        checks = enumerate(grader.declaration.checks)
+        nearby = [(at, scenario) for at, check in checks for scenario in vary_cases(check)]
+        played = self._trial.play_briefly(grader, grader.solution, [scenario for _, scenario in nearby])
+        answered = zip(nearby, played, strict=True)
+        return [(at, Case(scenario), got) for (at, scenario), got in answered if got.fault is None and not got.raised]
 
 
 def _tried_case(check: DeclaredCheck, at: int, number: int, case: Scenario, got: Played) -> TriedCase:

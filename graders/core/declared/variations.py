@@ -59,7 +59,10 @@ def vary_value(value: Value) -> Iterator[Value]:
         yield from (f"{value} {value}", value[::-1], value[:1], f" {value}", f"{value} ", value.upper(), "", value * 2)
         yield from ("a", "a b", "ab a b", "Aa1")
     elif isinstance(value, list):
-        yield from (value + value, value[::-1], value[:1], value[1:], [], [*value, *value[:1]])
+        yield from (value + value, value[::-1], value[:1], value[1:], [])
+        if all(type(item) in (int, float) for item in value):
+            yield [-item for item in value]  # numbers of one sign hide what is wrong of the other
+        yield [*value, *value[:1]]
         if value:
             yield from ([first, *value[1:]] for first in itertools.islice(vary_value(value[0]), 3))
         else:

@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response
 
-from graders.core.declared.trial import TrialReport, TriedChange
+from graders.core.declared.trial_report import TrialReport
 from server.base.errors import Invalid, NotFound
 from server.database import commit_then_read, roll_back_then_read
 from server.desk.requests import ShortQuery
@@ -205,17 +205,17 @@ def _with_proposals(action: str, draft: ExerciseDraft, exercise: AuthoredExercis
     """Return the draft with what the last trial proposes and `action` asks for. Raises NotFound."""
     picked = _MISTAKE.fullmatch(action)
     if picked:
-        changes = _changes(exercise)
+        changes = _report(exercise).changes
         if int(picked[1]) >= len(changes):
             raise NotFound(UNKNOWN_ACTION)
         return service.add_mistake(draft, changes[int(picked[1])])
     if action == "cas":
-        return service.add_cases(draft, [change for change in _changes(exercise) if change.survives])
+        return service.add_cases(draft, _report(exercise))
     if action not in {"", "enregistrer", "brouillon", "publier", *service.LENDING}:
         raise NotFound(UNKNOWN_ACTION)
     return draft
 
 
-def _changes(exercise: AuthoredExercise) -> tuple[TriedChange, ...]:
+def _report(exercise: AuthoredExercise) -> TrialReport:
     report = (exercise.trial or {}).get("report")
-    return TrialReport.from_data(report).changes if report else ()
+    return TrialReport.from_data(report) if report else TrialReport()

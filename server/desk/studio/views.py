@@ -11,7 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from graders.core.contract.verdict import Verdict
-from graders.core.declared.trial import TrialReport, TriedCase, TriedChange
+from graders.core.declared.trial_report import TrialReport, TriedCase, TriedChange
 from server.base.app_services import app_service
 from server.course import Course
 from server.course.functions import FunctionSpec
@@ -197,6 +197,7 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "mistakes": [
             (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
         ],
+        "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": [_survivor(number, change, draft) for number, change in changes if change.survives],
         "unseen": sum(change.unseen for _, change in changes),

@@ -1,0 +1,86 @@
+"""What the trial of a declared exercise found, in plain data: what an author reads, and what is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class TriedCase:
+    """A written case: what the solution answers, as Python writes it, or why it does not; whether that is expected."""
+
+    check: int
+    case: int
+    given: str
+    agrees: bool
+    fault: str = ""
+
+
+@dataclass(frozen=True)
+class TriedMistake:
+    """A known mistake: whether it is refused and named, and which mistake is named in its stead.
+
+    `case` is an input that refuses it, or tells it from that other one, where none of the cases does; of which check.
+    """
+
+    id: str
+    refused: bool
+    named: bool
+    instead: str = ""
+    case: str = ""
+    check: int = 0
+
+
+@dataclass(frozen=True)
+class TriedChange:
+    """A change of the solution: the lines before and after, the changed program, and how a case refuses it.
+
+    `case` is an input that shows it though no case does; `unseen` says that none was found.
+    """
+
+    line: int
+    before: str
+    after: str
+    program: str
+    refusal: str = ""
+    check: int = 0
+    case: str = ""
+    unseen: bool = False
+
+    @property
+    def survives(self) -> bool:
+        return not self.refusal and not self.unseen
+
+
+@dataclass(frozen=True)
+class TrialReport:
+    """A trial. `problem` is what keeps the declaration from being read, at `place`."""
+
+    place: str = ""
+    problem: str = ""
+    cases: tuple[TriedCase, ...] = ()
+    solution: str = ""
+    starter: str = ""
+    mistakes: tuple[TriedMistake, ...] = ()
+    changes: tuple[TriedChange, ...] = ()
+    seeds: int = 0
+    is_whole: bool = True
+
+    @property
+    def survivors(self) -> tuple[TriedChange, ...]:
+        return tuple(change for change in self.changes if change.survives)
+
+    def to_data(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> TrialReport:
+        """Return the report that `to_data` gave."""
+        lists = {
+            "cases": tuple(TriedCase(**each) for each in data["cases"]),
+            "mistakes": tuple(TriedMistake(**each) for each in data["mistakes"]),
+            "changes": tuple(TriedChange(**each) for each in data["changes"]),
+        }
+        return cls(**{**data, **lists})
