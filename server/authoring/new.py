@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders import courses
+from server.base.version import VERSION
 from server.course import toml_file
 from server.course.editions import MODULE_SLUG
 from server.course.kinds import KINDS as LESSONS
@@ -136,7 +137,15 @@ def _render_skeleton(skeleton: Path, words: dict[str, str], course: Path) -> Ite
                 mark.sub(lambda found: words[found[0]], text)
                 for text in (path.relative_to(skeleton).as_posix(), path.read_text(encoding="utf-8"))
             )
-            yield course / place, text
+            yield course / place, _stamp(place, text)
+
+
+def _stamp(place: str, text: str) -> str:
+    """Write the version of Balise into a file of settings, a page's heading, a replay; not into students' programs."""
+    line = f"# Écrit par « balise new », version {VERSION}.\n"
+    if place.endswith(".md"):
+        return text.replace("+++\n", f"+++\n{line}", 1) if text.startswith("+++\n") else text
+    return line + text if place.endswith(".toml") or "/rejeux/" in place else text
 
 
 def default_course_folder(name: str) -> Path:

@@ -10,6 +10,7 @@ import pytest
 from graders.core.contract.kits import SCENARIOS
 from graders.core.contract.local import LOCAL
 from server.authoring import new
+from server.base.version import VERSION
 from server.cli.authors import KINDS
 from server.cli.check import cases
 from server.course import Course
@@ -30,6 +31,14 @@ def test_all_that_is_written_holds_together(course: Course) -> None:
     module = course.modules["l21"]
     assert [lesson.slug for lesson in module.lessons] == ["gain", "premiers-pas"]
     assert [exercise.slug for exercise in module.exercises] == ["gain", "mots", "verification", "calcul", "demo"]
+
+
+def test_what_is_written_says_which_version_wrote_it(place: Path) -> None:
+    stamped = {path for path in place.rglob("*") if path.is_file() and f"version {VERSION}.".encode() in path.read_bytes()}
+    settings = {*place.rglob("*.toml"), *place.glob("curriculum/*/rejeux/*.py"), *place.glob("curriculum/*/lire/*.md")}
+    assert settings <= stamped
+    assert len(settings) > 10
+    assert not [path for path in stamped if path.name in ("starter.py", "solution.py", "enonce.md")]
 
 
 def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course, sandbox: Sandbox) -> None:
