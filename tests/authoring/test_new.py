@@ -34,7 +34,8 @@ def test_all_that_is_written_holds_together(course: Course) -> None:
 
 
 def test_what_is_written_says_which_version_wrote_it(place: Path) -> None:
-    stamped = {path for path in place.rglob("*") if path.is_file() and f"version {VERSION}.".encode() in path.read_bytes()}
+    files = [path for path in place.rglob("*") if path.is_file()]
+    stamped = {path for path in files if f"version {VERSION}.".encode() in path.read_bytes()}
     settings = {*place.rglob("*.toml"), *place.glob("curriculum/*/rejeux/*.py"), *place.glob("curriculum/*/lire/*.md")}
     assert settings <= stamped
     assert len(settings) > 10
