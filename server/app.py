@@ -3,10 +3,11 @@
 import asyncio
 import logging
 import os
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from threading import Event, Thread
 from typing import TYPE_CHECKING
 
 from fastapi import Depends, FastAPI
@@ -31,6 +32,7 @@ from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_unavailable, utc_now
+from server.desk.lesson.mail import ReviewMails
 from server.federation import outbox_task
 from server.federation import repository as federation
 from server.federation.service import Federation
@@ -48,6 +50,9 @@ from server.hunts.service import HuntService
 from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
 from server.identity.service import AccountService
+from server.mails import service as mails
+from server.mails import smtp
+from server.mails.post import MailPost
 from server.offline.service import Archives
 from server.personal.guest_adoption import adopt_guest_data, require_joinable
 from server.personal.service import PersonalData
@@ -82,6 +87,7 @@ DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
+MAIL_STOP_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -197,6 +203,7 @@ class Services:
             accounts.delete_expired(db)
             behaviour.delete_empty_groups(db)
             federation.delete_expired(db, utc_now())
+            mails.delete_old(db, utc_now())
             authored_exercises.delete_abandoned(db)
         self.personal.erase_lost_guests(utc_now())
         self.personal.carry_out_requests(utc_now())
@@ -233,6 +240,18 @@ class Services:
         """What is to be forgotten is, however long the service runs."""
         await run_periodically(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
 
+    def start_mails(self) -> Callable[[], None]:
+        """Send mails in a thread of their own; return what stops it. A server that answers slowly is not waited for."""
+        stopping, post = Event(), MailPost(self.database, self.settings, ReviewMails(self.course, self.settings))
+        thread = Thread(target=post.run_until, args=(stopping,), name="mails", daemon=True)
+        thread.start()
+
+        def stop() -> None:
+            stopping.set()
+            thread.join(MAIL_STOP_SECONDS)
+
+        return stop
+
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """Workers, wake-ups and recovery, while the application serves."""
@@ -247,6 +266,8 @@ class Services:
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)
             await stack.enter_async_context(self.supervisor)
+            if smtp.is_set(self.settings):
+                stack.push_async_callback(run_in_threadpool, self.start_mails())
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
             self.walls.close()

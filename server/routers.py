@@ -10,6 +10,7 @@ from server.desk.assignments.team_pages import router as teams_router
 from server.desk.board.routes import router as board_router
 from server.desk.groups.routes import router as groups_router
 from server.desk.guide.routes import router as teachers_guide_router
+from server.desk.lesson.mail_routes import router as lesson_mail_router
 from server.desk.lesson.remedial import router as remedial_router
 from server.desk.lesson.routes import router as lesson_router
 from server.desk.likeness.routes import router as likeness_router
@@ -95,6 +96,7 @@ ROUTERS = (
     board_router,
     lesson_router,
     remedial_router,
+    lesson_mail_router,
     objectives_router,  # before those of students, whose paths take any name
     classes_router,
     class_groups_router,

@@ -13,6 +13,7 @@ from server.health import models as health
 from server.identity import models as identity
 from server.lesson import models as lesson
 from server.limits import models as limits
+from server.mails import models as mails
 from server.marks import models as marks
 from server.personal import models as personal
 from server.polls import models as polls
@@ -69,6 +70,8 @@ TABLES = (
     lesson.LiveLesson,
     lesson.LessonVisit,
     calendars.CalendarAddress,
+    mails.MailSubscription,
+    mails.MailDelivery,
     federation.IdentityProvider,
     federation.ProviderActivity,
     federation.RegistrationLink,

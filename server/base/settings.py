@@ -213,6 +213,32 @@ class Settings(BaseSettings):
         json_schema_extra=_told("`Europe/Paris`"),
     )
 
+    smtp_host: str = Field(
+        default="",
+        description="the server that takes the mails that teachers ask for; without it none is sent",
+        json_schema_extra=_told("none: no mails"),
+    )
+    smtp_port: int = Field(default=587, ge=1, le=65535, description="its port: 587, or 465 with `tls`")
+    smtp_tls: Literal["starttls", "tls", "none"] = Field(
+        default="starttls",
+        description="`starttls`, `tls` from the first byte, or `none`, for a relay on this machine alone",
+        json_schema_extra=_told("`starttls`"),
+    )
+    smtp_user: str = Field(default="", description="who Balise is to that server", json_schema_extra=_told("none"))
+    smtp_password: str = Field(
+        default="", repr=False, description="its password there", json_schema_extra=_told("none")
+    )
+    smtp_from: str = Field(
+        default="",
+        max_length=254,
+        description="the address that mails come from",
+        json_schema_extra=_told("`BALISE_SMTP_USER`, where that is an address"),
+    )
+    smtp_ca: Path | None = Field(
+        default=None,
+        description="the certificates that vouch for that server, instead of the machine's",
+        json_schema_extra=_told("none"),
+    )
     log_format: Literal["text", "json"] = Field(
         default="text",
         description="`text` for people, `json` for one object a line, with the requests and what came of them",

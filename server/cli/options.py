@@ -59,6 +59,8 @@ def admin(parser: argparse.ArgumentParser) -> None:
     _upkeep(action)
     log = action("log", "liste ce que les administrateurs ont fait, du plus récent au plus ancien")
     log.add_argument("--most", type=positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
+    mail = action("mail", "dit les réglages des courriels et leurs derniers échecs, et en envoie un d’essai")
+    mail.add_argument("--to", metavar="ADRESSE", help="adresse qui reçoit le courriel d’essai")
 
 
 def _accounts(action: Actions) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import StrEnum
 from uuid import UUID, uuid4
 
@@ -10,6 +10,9 @@ from sqlalchemy import JSON, ForeignKey, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
 
 from server.database.base import Base, UtcDateTime, utc_now
+
+#: A lesson that nobody ended is over after that time.
+LONGEST_LESSON = timedelta(hours=4)
 
 
 class Afterwards(StrEnum):

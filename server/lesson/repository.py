@@ -6,12 +6,12 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import select, update
+from sqlalchemy import and_, or_, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import SchoolClass
 from server.database import upsert_statement
-from server.lesson.models import LessonVisit, LiveLesson
+from server.lesson.models import LONGEST_LESSON, LessonVisit, LiveLesson
 from server.submissions.models import Submission
 
 MAX_LESSONS = 60
@@ -32,6 +32,18 @@ def load_lessons(db: Session, class_id: UUID) -> Sequence[LiveLesson]:
     """Load the latest lessons of a class, newest first."""
     query = select(LiveLesson).where(LiveLesson.class_id == class_id)
     return db.execute(query.order_by(LiveLesson.started_at.desc(), LiveLesson.id).limit(MAX_LESSONS)).scalars().all()
+
+
+def load_ended(db: Session, class_ids: Collection[UUID], since: datetime, now: datetime) -> Sequence[LiveLesson]:
+    """Load the lessons of these classes that ended between two moments; one that nobody ends lasts `LONGEST_LESSON`."""
+    by_hand = and_(LiveLesson.ended_at > since, LiveLesson.ended_at <= now)
+    by_time = and_(
+        LiveLesson.ended_at.is_(None),
+        LiveLesson.started_at > since - LONGEST_LESSON,
+        LiveLesson.started_at <= now - LONGEST_LESSON,
+    )
+    query = select(LiveLesson).where(LiveLesson.class_id.in_(class_ids), or_(by_hand, by_time))
+    return db.execute(query.order_by(LiveLesson.started_at, LiveLesson.id)).scalars().all()
 
 
 def save_visit(db: Session, lesson_id: UUID, account_id: UUID, exercise: str, at: datetime) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -21,12 +21,10 @@ from server.classes.models import SchoolClass
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.lesson import repository
-from server.lesson.models import Afterwards, LiveLesson
+from server.lesson.models import LONGEST_LESSON, Afterwards, LiveLesson
 from server.studio import service as studio
 
 MIN_EXERCISES, MAX_EXERCISES = 1, 4
-#: A lesson that nobody ended is over after that time.
-LONGEST_LESSON = timedelta(hours=4)
 UNDER_WAY = "Une séance est déjà en cours dans cette classe."
 NO_LESSON = "Aucune séance n’est en cours dans cette classe."
 HOW_MANY = f"Choisissez d’un à {MAX_EXERCISES} exercices."

@@ -1,5 +1,6 @@
 """The log of administrators' actions, for administrators."""
 
+from datetime import timedelta
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
@@ -8,6 +9,8 @@ from fastapi.responses import Response
 from server.audit import repository
 from server.audit.wording import describe_changes
 from server.base.errors import Forbidden
+from server.database import utc_now
+from server.mails import repository as mails
 from server.web.dependencies import CurrentReader
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
@@ -17,6 +20,7 @@ router = APIRouter(include_in_schema=False)
 
 LOG_PATH = "/administration/journal"
 ENTRIES_PER_PAGE = 30
+MAIL_DAYS, SHOWN_PROBLEMS = 7, 5
 MAX_PAGE = 10**6
 ADMINISTRATORS = "Ce journal est celui des administrateurs de ce serveur."
 
@@ -31,7 +35,9 @@ def show_log(
         raise Forbidden(ADMINISTRATORS)
     skipped = (number - 1) * ENTRIES_PER_PAGE
     entries = repository.load_server_entries(reader.db, limit=ENTRIES_PER_PAGE + 1, offset=skipped)
+    now = utc_now()
     page: dict[str, Any] = {
+        "mail_problems": mails.load_problems(reader.db, now - timedelta(days=MAIL_DAYS), SHOWN_PROBLEMS),
         "entries": [
             (entry, describe_changes(entry.before, entry.after, short_moment)) for entry in entries[:ENTRIES_PER_PAGE]
         ],

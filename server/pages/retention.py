@@ -12,6 +12,7 @@ from server.base.validation import format_size
 from server.figures.store import MAX_STORE_BYTES
 from server.identity.devices import DEVICE_DAYS
 from server.identity.service import BUCKET_RETENTION
+from server.mails.service import DELIVERY_DAYS, UNCONFIRMED_DAYS
 from server.personal.service import GUEST_GRACE
 
 HOURLY = "le service, toutes les heures"
@@ -138,6 +139,15 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         f"son titulaire, ou {AT_ONCE}",
         (),
         ("calendar_address",),
+    ),
+    lambda _: Row(
+        "Courriels de « Demain matin » : l’adresse que l’enseignant a donnée, et ce qu’est devenu chaque envoi, sans "
+        "son texte",
+        f"jusqu’à ce que l’enseignant les arrête ; une adresse qu’il ne confirme pas, {_days(UNCONFIRMED_DAYS)} ; un "
+        f"envoi, {_days(DELIVERY_DAYS)}",
+        f"l’enseignant, par la page ou par le lien d’un courriel, ou {AT_ONCE}",
+        ("smtp_host",),
+        ("mail_subscription", "mail_delivery"),
     ),
     lambda settings: Row(
         "Liens vers un mot de passe",

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
+from hmac import compare_digest
 from typing import Any
 from urllib.parse import parse_qsl
 
@@ -61,6 +62,7 @@ from server.federation.tokens import read_header
 from server.hunts.service import MAX_TYPED_CHARACTERS
 from server.identity.schemas import validate_new_account, validate_new_password, validate_token_label
 from server.identity.secrets import digest, read_token
+from server.mails.service import parse_address
 from server.marks.cells import ascii_slug, french_csv, plain_csv
 from server.marks.rubric_items import RubricItem, parse_item
 from server.marks.typed import parse_comment, parse_mark
@@ -205,6 +207,14 @@ def _platform_form(form: FormData) -> object:
 
 
 READERS: tuple[Reader, ...] = (
+    Reader("a mail address", lambda text: _caught(lambda: parse_address(text)), BODY, TEXTS, "form:adresse"),
+    Reader(
+        "the signature of a link",
+        lambda text: compare_digest(b"x" * 64, text.encode("utf-8", "replace")),
+        HEAD,
+        TEXTS,
+        "path:signature path:subscription_id path:action",
+    ),
     Reader("an identity", lambda text: parse_uuid(text, "inconnu"), BODY, TEXTS, IDENTITIES),
     Reader(
         "a line",

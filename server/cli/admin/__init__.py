@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from server.base import school_time
 from server.base.errors import ServiceError
 from server.cli import CannotRun
-from server.cli.admin import access, accounts, journal, upkeep
+from server.cli.admin import access, accounts, journal, mail, upkeep
 from server.cli.admin.answer import Action
 from server.cli.configuration import read_settings
 from server.cli.database import opened
@@ -19,6 +19,7 @@ ACTIONS: Mapping[str, Action] = {
     "erase": upkeep.erase,
     "invite": accounts.invite,
     "log": journal.log,
+    "mail": mail.mail,
     "purge": upkeep.purge,
     "purge-guests": upkeep.purge_guests,
     "requeue": upkeep.requeue,

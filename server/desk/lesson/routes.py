@@ -12,7 +12,9 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base import root_path
+from server.base.app_services import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound
+from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.board.dependencies import LiveBoardsOf
 from server.board.schemas import Board
@@ -30,6 +32,9 @@ from server.identity.models import Account
 from server.lesson import repository, service
 from server.lesson.models import Afterwards
 from server.lesson.service import LessonPlan
+from server.mails import service as mails
+from server.mails import smtp
+from server.mails.service import MailForm
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -188,7 +193,9 @@ async def _event_stream(boards: AsyncIterator[Board | None], watcher: LessonWatc
 
 
 @router.get("/classes/{class_id}/seance/{lesson_id}")
-def review_lesson(request: Request, class_id: str, lesson_id: str, reader: CurrentReader) -> Response:
+def review_lesson(
+    request: Request, class_id: str, lesson_id: str, reader: CurrentReader, settings: SettingsOf
+) -> Response:
     """Say what a lesson leaves to do."""
     if reader.account is None:
         return redirect_to_login(request)
@@ -198,14 +205,23 @@ def review_lesson(request: Request, class_id: str, lesson_id: str, reader: Curre
     if lesson is None:
         raise NotFound(NO_SUCH_LESSON)
     view = review_page(reader.db, reader.course, access, utc_now(), lesson)
-    return render_page(request, "classes/lesson_review.html", reader.account, page=view)
+    mail = _mail_form(reader, settings, access)
+    return render_page(request, "classes/lesson_review.html", reader.account, page=view, mail=mail)
 
 
 @router.get("/classes/{class_id}/semaine")
-def review_week(request: Request, class_id: str, reader: CurrentReader) -> Response:
+def review_week(request: Request, class_id: str, reader: CurrentReader, settings: SettingsOf) -> Response:
     """Say what the last seven days leave to do."""
     if reader.account is None:
         return redirect_to_login(request)
     access = rights.require_right(reader.db, reader.account, Right.read_work, class_id)
     view = review_page(reader.db, reader.course, access, utc_now(), None)
-    return render_page(request, "classes/lesson_review.html", reader.account, page=view)
+    mail = _mail_form(reader, settings, access)
+    return render_page(request, "classes/lesson_review.html", reader.account, page=view, mail=mail)
+
+
+def _mail_form(reader: Reader, settings: Settings, access: ClassAccess) -> MailForm | None:
+    """Return the form that asks for the page by mail; None where no server takes mails, or the class is archived."""
+    if reader.account is None or not smtp.is_set(settings) or access.school_class.archived_at is not None:
+        return None
+    return mails.load_form(reader.db, access.school_class.id, reader.account)

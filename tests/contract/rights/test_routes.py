@@ -37,6 +37,8 @@ from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
 from server.lesson.models import LiveLesson
+from server.mails.models import MailSubscription
+from server.mails.service import STOP, sign
 from server.marks import rubrics
 from server.marks.models import ManualColumn, Override, Rubric
 from server.regrades.models import Regrade
@@ -92,6 +94,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/reprise": {"action": "donner", "exercice": EXERCISE},
     "POST /classes/{class_id}/groupes": {"action": "liste", "nom": "Lundi", "noms": "Ada"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
+    "POST /classes/{class_id}/courriel": {"action": "arreter"},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
     "POST /classes/{class_id}/reglages": {"name": "PSI"},
@@ -275,6 +278,12 @@ class Stage:
         db.add(self.tied)
         db.flush()
         db.add(ContextTeacher(context_id=self.course.id, account_id=self.accounts["teacher"].id))
+        self.mails = MailSubscription(
+            class_id=self.made.id, account_id=self.accounts["teacher"].id, address="a@lycee.example", secret="s",
+            service_url="https://balise.example",
+        )  # fmt: skip
+        db.add(self.mails)
+        db.flush()
         self.calendar = calendars.renew_address(db, self.accounts["student"])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
@@ -329,6 +338,9 @@ class Stage:
             "token": self.link,
             "invitation": self.invitation,
             "calendar": self.calendar,
+            "subscription_id": str(self.mails.id),
+            "action": STOP,
+            "signature": sign(self.mails, STOP),
             "student": str(self.accounts["student"].id),
             "stranger": str(self.accounts["stranger"].login),
             "thread_id": str(self.thread.id),

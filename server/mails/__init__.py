@@ -1,0 +1,1 @@
+"""Mails that teachers ask for: subscriptions, a queue with retries, the server that takes them."""
