@@ -22,6 +22,7 @@ from server.base.files import default_data_dir
 PREFIX = "BALISE_"
 #: Segments that no browser, proxy nor shell writes in two ways, and none of which goes upwards.
 _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
+_MAIL_ADDRESS = re.compile(r"[A-Za-z0-9._+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
@@ -218,7 +219,7 @@ class Settings(BaseSettings):
         description="the server that takes the mails that teachers ask for; without it none is sent",
         json_schema_extra=_told("none: no mails"),
     )
-    smtp_port: int = Field(default=587, ge=1, le=65535, description="its port: 587, or 465 with `tls`")
+    smtp_port: int = Field(default=587, ge=1, le=65535, description="the port of that server: 587, or 465 with `tls`")
     smtp_tls: Literal["starttls", "tls", "none"] = Field(
         default="starttls",
         description="`starttls`, `tls` from the first byte, or `none`, for a relay on this machine alone",
@@ -226,7 +227,7 @@ class Settings(BaseSettings):
     )
     smtp_user: str = Field(default="", description="who Balise is to that server", json_schema_extra=_told("none"))
     smtp_password: str = Field(
-        default="", repr=False, description="its password there", json_schema_extra=_told("none")
+        default="", repr=False, description="the password of that user there", json_schema_extra=_told("none")
     )
     smtp_from: str = Field(
         default="",
@@ -275,6 +276,13 @@ class Settings(BaseSettings):
                 ip_network(address)
             except ValueError as error:
                 raise PydanticCustomError("no_address", "not an address", {"address": address}) from error
+        return text
+
+    @field_validator("smtp_from")
+    @classmethod
+    def _mail_address(cls, text: str) -> str:
+        if text and not _MAIL_ADDRESS.fullmatch(text):
+            raise PydanticCustomError("no_mail_address", "not a mail address", {"address": text})
         return text
 
     @field_validator("root_path")

@@ -83,18 +83,19 @@ class MailPost:
                 sending = outbox.begin_sending(db, self._clock())
             if sending is None:
                 break
-            error = self._deliver(sending)
-            taken += error is None
+            has_left, error = self._deliver(sending)
+            taken += has_left
             failures = failures + 1 if error is not None and not error.is_address else 0
         return taken
 
-    def _deliver(self, sending: outbox.Sending) -> MailError | None:
+    def _deliver(self, sending: outbox.Sending) -> tuple[bool, MailError | None]:
+        """Return whether the server has taken the message, and its refusal."""
         with self._database.read() as db:
             message = self._composer.compose(db, sending, self._clock())
         if message is None:
             with self._database.write() as db:
                 outbox.drop(db, sending, self._clock())
-            return None
+            return False, None
 
         def on_handover() -> None:
             with self._database.write() as db:
@@ -105,10 +106,10 @@ class MailPost:
         try:
             self._send(self._settings, message, on_handover)
         except _Stopped:
-            return None
+            return False, None
         except MailError as failure:
             error = failure
             log.warning("a mail was not sent (try %d): %s", sending.tries, failure.reason)
         with self._database.write() as db:
             outbox.record_result(db, sending, error, self._clock())
-        return error
+        return error is None, error

@@ -117,7 +117,7 @@ def find_signed(db: Session, name: str, action: str, signature: str) -> tuple[Ma
     row = repository.find_subscription_with_class(db, parse_uuid(name, UNKNOWN_LINK))
     if row is None or action not in {CONFIRM, STOP}:
         raise NotFound(UNKNOWN_LINK)
-    if not hmac.compare_digest(sign(row[0], action).encode(), signature.encode()):
+    if not hmac.compare_digest(sign(row[0], action).encode(), signature.encode("utf-8", "replace")):
         raise NotFound(UNKNOWN_LINK)
     return row
 

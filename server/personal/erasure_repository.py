@@ -13,6 +13,7 @@ from server.audit.models import AuditEvent
 from server.classes.models import ClassRole, Membership, Status
 from server.comments.models import Message, Note, NoteReader, Thread
 from server.database.base import Base
+from server.mails.models import MailSubscription
 from server.marks.models import ManualColumn, ManualMark, Override, RubricMarking, StateDecision
 from server.personal.models import ErasureRequest
 from server.submissions.models import Submission
@@ -125,6 +126,7 @@ def _rows_of_account(account_id: UUID, class_id: UUID | None) -> dict[type[Base]
         ManualMark: inside(ManualMark.column_id, columns, ManualMark.account_id),
         RubricMarking: inside(RubricMarking.column_id, columns, RubricMarking.account_id),
         NoteReader: inside(NoteReader.note_id, notes, NoteReader.account_id),
+        MailSubscription: inside(MailSubscription.class_id, classes, MailSubscription.account_id),
         Membership: inside(Membership.class_id, classes, Membership.account_id),
     }
 
