@@ -179,7 +179,10 @@ def outcomes(database: Database, submission: str) -> list[str]:
         return list(db.execute(query.order_by(Grading.finished_at)).scalars())
 
 
-def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_action_is_told_to_people_too(
+    site: Site, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BALISE_SMTP_HOST", "smtp.lycee.example")
     new_account(site.database, Role.guest)
     with site.database.write() as db:
         administration.create_account(db, "ada", "Ada", Role.teacher)
@@ -187,7 +190,7 @@ def test_every_action_is_told_to_people_too(site: Site, capsys: pytest.CaptureFi
         ("create", "bob", "--name", "Bob"), ("invite",), ("reset-link", "ada"), ("role", "ada", "teacher"),
         ("disable", "ada"), ("enable", "ada"), ("accounts",), ("sessions", "ada"), ("tokens", "ada"),
         ("revoke", "ada", "--all"), ("standings",), ("purge-guests", "--days", "0"), ("requeue",),
-        ("log",),
+        ("log",), ("mail",),
     ]  # fmt: skip
     assert {name for name, *_ in actions} == ACTIONS.keys() - {"purge", "erase"}, (
         "which have their tests with what it erases"
@@ -217,6 +220,7 @@ RECORDED: dict[str, tuple[tuple[str, ...], AuditAction | None]] = {
     "purge-guests": (("--yes",), AuditAction.guests_purged),
     "erase": (("ada", "--yes"), AuditAction.erasure_requested),
     "log": ((), None),
+    "mail": ((), None),
 }
 
 
@@ -224,6 +228,7 @@ def test_the_log_has_every_action_that_changes_something(
     site: Site, admin: Admin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BALISE_SILENT_DAYS", "400")
+    monkeypatch.setenv("BALISE_SMTP_HOST", "smtp.lycee.example")
     admin("create", "ada", "--name", "Ada")
     assert set(RECORDED) == set(ACTIONS)
     for action, (arguments, _) in RECORDED.items():
