@@ -3,11 +3,10 @@
 import asyncio
 import logging
 import os
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from threading import Event, Thread
 from typing import TYPE_CHECKING
 
 from fastapi import Depends, FastAPI
@@ -32,7 +31,7 @@ from server.classes.presence import PresenceRecorder
 from server.classes.service import ClassService
 from server.course import Course, load
 from server.database import Database, is_unavailable, utc_now
-from server.desk.lesson.mail import ReviewMails
+from server.desk.lesson.mail import start_mails
 from server.federation import outbox_task
 from server.federation import repository as federation
 from server.federation.service import Federation
@@ -51,8 +50,6 @@ from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
 from server.identity.service import AccountService
 from server.mails import service as mails
-from server.mails import smtp
-from server.mails.post import MailPost
 from server.offline.service import Archives
 from server.personal.guest_adoption import adopt_guest_data, require_joinable
 from server.personal.service import PersonalData
@@ -87,7 +84,6 @@ DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
-MAIL_STOP_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
@@ -240,18 +236,6 @@ class Services:
         """What is to be forgotten is, however long the service runs."""
         await run_periodically(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
 
-    def start_mails(self) -> Callable[[], None]:
-        """Send mails in a thread of their own; return what stops it. A server that answers slowly is not waited for."""
-        stopping, post = Event(), MailPost(self.database, self.settings, ReviewMails(self.course, self.settings))
-        thread = Thread(target=post.run_until, args=(stopping,), name="mails", daemon=True)
-        thread.start()
-
-        def stop() -> None:
-            stopping.set()
-            thread.join(MAIL_STOP_SECONDS)
-
-        return stop
-
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
         """Workers, wake-ups and recovery, while the application serves."""
@@ -266,8 +250,7 @@ class Services:
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)
             await stack.enter_async_context(self.supervisor)
-            if smtp.is_set(self.settings):
-                stack.push_async_callback(run_in_threadpool, self.start_mails())
+            stack.push_async_callback(run_in_threadpool, start_mails(self.database, self.settings, self.course))
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
             self.walls.close()
@@ -322,12 +305,8 @@ def _share(app: FastAPI, services: Services) -> None:
     school_time.set_time_zone(services.settings.time_zone)
     root_path.set_root_path(services.settings.root_path)
     add_services(app, services.settings, course, services.database, services.events, services.cells, services.steps)
-    add_services(app, services.hunts)
-    add_services(app, _account_service(services))
-    add_services(
-        app, services.personal, ClassService(services.database, services.settings), PresenceRecorder(services.database)
-    )
-    add_services(app, RegradeService(course, services.queue))
+    add_services(app, services.hunts, services.personal, RegradeService(course, services.queue))
+    add_services(app, ClassService(services.database, services.settings), PresenceRecorder(services.database))
     course.exercises.find_authored = AuthoredExercises(services.database, course).find
     add_services(app, services.submissions, services.collecting, services.studio)
     carrier = None if services.engine is None else services.engine.status
@@ -336,7 +315,7 @@ def _share(app: FastAPI, services: Services) -> None:
     )
     add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
-    add_services(app, services.archives, SingleFlight(), services.federation)
+    add_services(app, services.archives, SingleFlight(), services.federation, _account_service(services))
     check_services(app)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from ipaddress import ip_network
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import Field, field_validator
@@ -22,7 +22,6 @@ from server.base.files import default_data_dir
 PREFIX = "BALISE_"
 #: Segments that no browser, proxy nor shell writes in two ways, and none of which goes upwards.
 _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
-_MAIL_ADDRESS = re.compile(r"[A-Za-z0-9._+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
@@ -40,8 +39,17 @@ class BucketSettings:
     refill_seconds: float
 
 
+@dataclass(frozen=True)
+class Bucket:
+    """An attribute of the settings: the bucket whose two settings begin with `name`."""
+
+    name: str
+
+    def __get__(self, settings: object, _owner: type) -> BucketSettings:
+        return BucketSettings(getattr(settings, f"{self.name}_burst"), getattr(settings, f"{self.name}_refill_seconds"))
+
+
 def _told(default: str) -> dict[str, Any]:
-    """How the table tells a default that depends on the machine."""
     return {"told": default}
 
 
@@ -231,7 +239,7 @@ class Settings(BaseSettings):
     )
     smtp_from: str = Field(
         default="",
-        max_length=254,
+        pattern=r"^([A-Za-z0-9._+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+)?$",
         description="the address that mails come from",
         json_schema_extra=_told("`BALISE_SMTP_USER`, where that is an address"),
     )
@@ -278,13 +286,6 @@ class Settings(BaseSettings):
                 raise PydanticCustomError("no_address", "not an address", {"address": address}) from error
         return text
 
-    @field_validator("smtp_from")
-    @classmethod
-    def _mail_address(cls, text: str) -> str:
-        if text and not _MAIL_ADDRESS.fullmatch(text):
-            raise PydanticCustomError("no_mail_address", "not a mail address", {"address": text})
-        return text
-
     @field_validator("root_path")
     @classmethod
     def _path(cls, text: str) -> str:
@@ -317,49 +318,17 @@ class Settings(BaseSettings):
     def on_postgres(self) -> bool:
         return self.url.startswith("postgresql")
 
-    @property
-    def submission_bucket(self) -> BucketSettings:
-        return BucketSettings(self.submission_burst, self.submission_refill_seconds)
-
-    @property
-    def storage_bucket(self) -> BucketSettings:
-        return BucketSettings(self.storage_burst, self.storage_refill_seconds)
-
-    @property
-    def guest_bucket(self) -> BucketSettings:
-        return BucketSettings(self.guest_burst, self.guest_refill_seconds)
-
-    @property
-    def sign_up_bucket(self) -> BucketSettings:
-        return BucketSettings(self.sign_up_burst, self.sign_up_refill_seconds)
-
-    @property
-    def export_bucket(self) -> BucketSettings:
-        return BucketSettings(self.export_burst, self.export_refill_seconds)
-
-    @property
-    def comment_bucket(self) -> BucketSettings:
-        return BucketSettings(self.comment_burst, self.comment_refill_seconds)
-
-    @property
-    def join_bucket(self) -> BucketSettings:
-        return BucketSettings(self.join_burst, self.join_refill_seconds)
-
-    @property
-    def login_bucket(self) -> BucketSettings:
-        return BucketSettings(self.login_burst, self.login_refill_seconds)
-
-    @property
-    def save_bucket(self) -> BucketSettings:
-        return BucketSettings(self.save_burst, self.save_refill_seconds)
-
-    @property
-    def cell_bucket(self) -> BucketSettings:
-        return BucketSettings(self.cell_burst, self.cell_refill_seconds)
-
-    @property
-    def step_bucket(self) -> BucketSettings:
-        return BucketSettings(self.step_burst, self.step_refill_seconds)
+    submission_bucket: ClassVar[Bucket] = Bucket("submission")
+    storage_bucket: ClassVar[Bucket] = Bucket("storage")
+    guest_bucket: ClassVar[Bucket] = Bucket("guest")
+    sign_up_bucket: ClassVar[Bucket] = Bucket("sign_up")
+    export_bucket: ClassVar[Bucket] = Bucket("export")
+    comment_bucket: ClassVar[Bucket] = Bucket("comment")
+    join_bucket: ClassVar[Bucket] = Bucket("join")
+    login_bucket: ClassVar[Bucket] = Bucket("login")
+    save_bucket: ClassVar[Bucket] = Bucket("save")
+    cell_bucket: ClassVar[Bucket] = Bucket("cell")
+    step_bucket: ClassVar[Bucket] = Bucket("step")
 
 
 def _pieces(text: str) -> list[str]:

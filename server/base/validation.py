@@ -44,7 +44,6 @@ REASONS = {
     "no_moment": "une date ISO 8601 avec son décalage est attendue, comme « 2026-03-23T18:00:00+01:00 »",
     "no_identity": "un identifiant est attendu",
     "no_path": "« {path} » n’est pas un chemin, comme « /balise »",
-    "no_mail_address": "« {address} » n’est pas une adresse électronique, comme « balise@lycee.example »",
     "no_zone": "« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »",
     "json_invalid": "JSON mal formé",
     "model_attributes_type": "un objet est attendu",

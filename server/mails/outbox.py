@@ -21,7 +21,7 @@ LOST = "Envoi interrompu : le message est peut-être arrivé, il n’est pas env
 
 
 @dataclass(frozen=True)
-class Sending:
+class OutgoingMail:
     """A mail on its way, with whom it goes to."""
 
     id: UUID
@@ -46,7 +46,7 @@ def queue_mail(db: Session, subscription_id: UUID, key: str, now: datetime) -> N
         repository.add_delivery(db, subscription_id, key, now)
 
 
-def begin_sending(db: Session, now: datetime) -> Sending | None:
+def begin_sending(db: Session, now: datetime) -> OutgoingMail | None:
     """Take the next mail that is due; where this process dies meanwhile, it is due again after the pause."""
     row = repository.take_next(db, now)
     if row is None:
@@ -54,10 +54,10 @@ def begin_sending(db: Session, now: datetime) -> Sending | None:
     delivery, subscription, account = row
     delivery.tries += 1
     delivery.next_try_at = now + pause_after(delivery.tries)
-    return Sending(delivery.id, delivery.key, delivery.tries, subscription, account)
+    return OutgoingMail(delivery.id, delivery.key, delivery.tries, subscription, account)
 
 
-def record_handover(db: Session, sending: Sending, now: datetime) -> bool:
+def record_handover(db: Session, sending: OutgoingMail, now: datetime) -> bool:
     """Record that the message leaves now. False where the mail was stopped meanwhile: it is not to leave."""
     delivery = repository.lock_delivery(db, sending.id)
     if delivery is None or delivery.state != MailState.waiting or delivery.tries != sending.tries:
@@ -66,7 +66,7 @@ def record_handover(db: Session, sending: Sending, now: datetime) -> bool:
     return True
 
 
-def record_result(db: Session, sending: Sending, error: MailError | None, now: datetime) -> None:
+def record_result(db: Session, sending: OutgoingMail, error: MailError | None, now: datetime) -> None:
     """Record what came of a mail, unless it was stopped or taken by another process since."""
     delivery = repository.lock_delivery(db, sending.id)
     if delivery is None or delivery.tries != sending.tries:
@@ -82,7 +82,7 @@ def record_result(db: Session, sending: Sending, error: MailError | None, now: d
         _end(delivery, MailState.refused, f"Abandonné : {error.reason}.", now)
 
 
-def drop(db: Session, sending: Sending, now: datetime) -> None:
+def drop(db: Session, sending: OutgoingMail, now: datetime) -> None:
     """End a mail that has nothing to tell."""
     delivery = repository.lock_delivery(db, sending.id)
     if delivery is not None:

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Collection
 from datetime import datetime
 from email.message import EmailMessage
-from threading import Event
+from threading import Event, Thread
 from typing import Protocol
 from uuid import UUID
 
@@ -20,6 +20,7 @@ from server.mails.errors import MailError
 log = logging.getLogger(__name__)
 
 LOOK_SECONDS = 20.0
+STOP_SECONDS = 5.0
 #: Of one look; the others wait for the next.
 BATCH = 100
 #: Failures in a row, of the server and not of an address, after which a look ends.
@@ -38,7 +39,7 @@ class Composer(Protocol):
     def list_due(self, db: Session, now: datetime) -> Collection[tuple[UUID, str]]:
         """Return the mails that have become due and are not queued: subscription and key."""
 
-    def compose(self, db: Session, sending: outbox.Sending, now: datetime) -> EmailMessage | None:
+    def compose(self, db: Session, sending: outbox.OutgoingMail, now: datetime) -> EmailMessage | None:
         """Return the message, reading; None where nothing is to be told any more, to nobody."""
 
 
@@ -55,6 +56,18 @@ class MailPost:
     ) -> None:
         self._database, self._settings, self._composer = database, settings, composer
         self._send, self._clock = send, clock
+
+    def start(self) -> Callable[[], None]:
+        """Work in a thread of its own; return what stops it, and waits a little for a server that answers slowly."""
+        stopping = Event()
+        thread = Thread(target=self.run_until, args=(stopping,), name="mails", daemon=True)
+        thread.start()
+
+        def stop() -> None:
+            stopping.set()
+            thread.join(STOP_SECONDS)
+
+        return stop
 
     def run_until(self, stopping: Event) -> None:
         """Work until `stopping` is set. After an error, try again at the next look."""
@@ -88,7 +101,7 @@ class MailPost:
             failures = failures + 1 if error is not None and not error.is_address else 0
         return taken
 
-    def _deliver(self, sending: outbox.Sending) -> tuple[bool, MailError | None]:
+    def _deliver(self, sending: outbox.OutgoingMail) -> tuple[bool, MailError | None]:
         """Return whether the server has taken the message, and its refusal."""
         with self._database.read() as db:
             message = self._composer.compose(db, sending, self._clock())

@@ -141,10 +141,8 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("calendar_address",),
     ),
     lambda _: Row(
-        "Courriels de « Demain matin » : l’adresse que l’enseignant a donnée, et ce qu’est devenu chaque envoi, sans "
-        "son texte",
-        f"jusqu’à ce que l’enseignant les arrête ; une adresse qu’il ne confirme pas, {_days(UNCONFIRMED_DAYS)} ; un "
-        f"envoi, {_days(DELIVERY_DAYS)}",
+        "Courriels de « Demain matin » : adresse donnée par l’enseignant, suite de chaque envoi",
+        f"jusqu’à l’arrêt ; sans confirmation, {_days(UNCONFIRMED_DAYS)} ; un envoi, {_days(DELIVERY_DAYS)}",
         f"l’enseignant, par la page ou par le lien d’un courriel, ou {AT_ONCE}",
         ("smtp_host",),
         ("mail_subscription", "mail_delivery"),

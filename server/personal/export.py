@@ -27,10 +27,9 @@ from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
 from server.lesson import repository as lessons
-from server.mails import repository as mails
 from server.personal import erasure_repository, repository
 from server.personal.archive_readme import READ_ME
-from server.personal.marks_data import format_time, marks_data, teams_data
+from server.personal.marks_data import format_time, mail_data, marks_data, teams_data
 from server.polls import repository as polls
 from server.recall import repository as recall
 from server.studio import repository as studio
@@ -127,15 +126,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
             {"seen_at": format_time(device.seen_at)} for device in identity.load_devices(db, account.id)
         ],
         "calendar_address": None if calendar is None else {"created_at": format_time(calendar.created_at)},
-        "mails": [
-            {
-                "class": name,
-                "address": row.address,
-                "asked_at": format_time(row.created_at),
-                "confirmed_at": format_time(row.confirmed_at),
-            }
-            for row, name in mails.load_account_subscriptions(db, account.id)
-        ],
+        "mails": list(mail_data(db, account.id)),
         "has_pseudonym": account.has_pseudonym,
         "identities": [
             {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -14,6 +15,7 @@ from server.audit import repository as audit
 from server.audit.models import AuditAction, AuditEvent
 from server.database import utc_now
 from server.gradebook import service as gradebook
+from server.mails import repository as mails
 from server.marks import columns_repository, rubrics_repository
 from server.marks import repository as marks
 from server.marks.models import ManualColumn, ManualMark, Override, Rubric, RubricMarking, StateDecision
@@ -159,3 +161,10 @@ def _reason(event: AuditEvent) -> str:
 
 def format_time(when: datetime | None) -> str | None:
     return None if when is None else when.isoformat()
+
+
+def mail_data(db: Session, account_id: UUID) -> Iterator[dict[str, Any]]:
+    """Yield the addresses to which an account has mails sent."""
+    for row, name in mails.load_account_subscriptions(db, account_id):
+        asked, confirmed = format_time(row.created_at), format_time(row.confirmed_at)
+        yield {"class": name, "address": row.address, "asked_at": asked, "confirmed_at": confirmed}

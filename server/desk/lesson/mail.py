@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from datetime import datetime, timedelta
 from email.headerregistry import Address
 from email.message import EmailMessage
@@ -16,12 +16,14 @@ from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.base.validation import parse_uuid
 from server.course import Course
+from server.database import Database
 from server.desk.lesson.review import ReviewPage, review_page
 from server.desk.views import class_href
 from server.lesson import repository as lessons
 from server.lesson.service import end_of
 from server.mails import repository, service, smtp
-from server.mails.outbox import Sending
+from server.mails.outbox import OutgoingMail
+from server.mails.post import MailPost
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import ClassAccess
@@ -71,7 +73,7 @@ class ReviewMails:
         }
         return due - repository.load_queued(db, {name for name, _ in due})
 
-    def compose(self, db: Session, sending: Sending, now: datetime) -> EmailMessage | None:
+    def compose(self, db: Session, sending: OutgoingMail, now: datetime) -> EmailMessage | None:
         """Return the message; None where nothing is to be told, or its reader may not read the work any more."""
         try:
             access = rights.load_class_access(db, sending.account, sending.subscription.class_id)
@@ -100,7 +102,7 @@ class ReviewMails:
         return self._write(sending, access, "review", subject, now, {"page": page, "href": href, **_counts(page)})
 
     def _write(
-        self, sending: Sending, access: ClassAccess, template: str, subject: str, now: datetime,
+        self, sending: OutgoingMail, access: ClassAccess, template: str, subject: str, now: datetime,
         values: Mapping[str, object],
     ) -> EmailMessage:  # fmt: skip
         subscription = sending.subscription
@@ -138,3 +140,10 @@ def _counts(page: ReviewPage) -> Mapping[str, Sequence[str]]:
         (len(page.at_fault), "énoncé à revoir", "énoncés à revoir"),
     )
     return {"summary": [plural(count, singular, many) for count, singular, many in counts if count]}
+
+
+def start_mails(database: Database, settings: Settings, course: Course) -> Callable[[], None]:
+    """Send mails from a thread of this process, where a server takes them; return what stops it."""
+    if not smtp.is_set(settings):
+        return lambda: None
+    return MailPost(database, settings, ReviewMails(course, settings)).start()
