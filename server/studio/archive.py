@@ -9,6 +9,7 @@ import io
 import re
 import tomllib
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -36,8 +37,14 @@ from graders.core.declared.exercise import declared
 DEFINITION = declared(__file__)
 '''
 ORDER = 1000
+#: Characters of a TOML file, and dots of one of its keys.
+MAX_TOML, MAX_DOTS = 400_000, 8
+#: Strings and comments of TOML, and what stands between keys and numbers outside of them.
+_STRING = re.compile(r'"""[\s\S]*?"""|' + r"'''[\s\S]*?'''" + r'|"(?:[^"\\\n]|\\.)*"|' + r"'[^'\n]*'|#[^\n]*")
+_NO_KEY = re.compile(r"[^\w.-]+")
 NOT_AN_EXERCISE = "ce ZIP n’est pas un exercice déclaré : il y faut « declaration.toml » et « solution.py »"
 TOO_LARGE = f"ce ZIP est trop grand : {MAX_FILES} fichiers et {MAX_FILES_BYTES >> 20} Mio au plus"
+_NO_ZIP = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, UnicodeDecodeError, OSError, EOFError)
 _HINT = re.compile(r"^## Indice [123][ \t]*$", re.M)
 _TYPED = {"titre": "title", **CHECK_TEXTS, **CHECK_NUMBERS}
 
@@ -87,6 +94,8 @@ def _card(content: Mapping[str, Any], limits: Mapping[str, float]) -> str:
 def read_archive(data: bytes) -> ExerciseDraft:
     """Return the draft of the exercise in a ZIP. Raises ArchiveRefused."""
     files = _read_files(data)
+    for name in ("declaration.toml", "exercise.toml"):
+        _require_shallow(name, files.get(name, ""))
     try:
         declaration = tomllib.loads(files["declaration.toml"])
         card = tomllib.loads(files.get("exercise.toml", ""))
@@ -106,10 +115,31 @@ def _read_files(data: bytes) -> dict[str, str]:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
             if len(entries) > MAX_FILES or sum(entry.file_size for entry in entries) > MAX_FILES_BYTES:
                 raise ArchiveRefused(TOO_LARGE)
-            texts = {entry.filename: archive.read(entry).decode("utf-8") for entry in entries}
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, UnicodeDecodeError, OSError, EOFError) as error:
+            texts = {entry.filename: _read_entry(archive, entry) for entry in entries}
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        NotImplementedError,
+        RuntimeError,
+        UnicodeDecodeError,
+        OSError,
+        EOFError,
+    ) as error:
         raise ArchiveRefused("ce fichier n’est pas un ZIP de textes") from error
     return {path.rpartition("/")[2]: text for path, text in sorted(texts.items(), key=lambda it: it[0].count("/"))}
+
+
+def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> str:
+    """Return the text of a file, of which no more is unpacked than the archive says that there is."""
+    with archive.open(entry) as opened:
+        return opened.read(entry.file_size + 1).decode("utf-8")
+
+
+def _require_shallow(name: str, text: str) -> None:
+    """Raise ArchiveRefused for TOML that is too long, or with long dotted keys, which are read in quadratic time."""
+    keys = _STRING.sub("q", text).replace(" ", "").replace("\t", "") if len(text) <= MAX_TOML else "." * (MAX_DOTS + 1)
+    if any(part.count(".") > MAX_DOTS for part in _NO_KEY.split(keys)):
+        raise ArchiveRefused(f"« {name} » est trop long ou trop imbriqué : {MAX_TOML // 1000} ko au plus")
 
 
 def _draft(declaration: Mapping[str, Any], card: Mapping[str, Any], files: Mapping[str, str]) -> ExerciseDraft:

@@ -31,6 +31,8 @@ def read_questions(data: bytes) -> Iterator[Draft]:
     """Read Moodle XML: the questions of Python; of others, say that they are left. Raises ImportRefused."""
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ImportRefused("ce XML définit des entités : il n’est pas lu")
+    if b"\0" in data:  # of another encoding, in which entities were not seen
+        raise ImportRefused("ce XML n’est pas en UTF-8 : exportez-le de nouveau depuis Moodle")
     try:
         root = ElementTree.fromstring(data)
     except (ElementTree.ParseError, ValueError, RecursionError) as error:

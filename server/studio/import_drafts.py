@@ -17,6 +17,8 @@ from graders.core.syntax_trees import parse_source
 
 #: What a text that is no Python may raise when it is parsed.
 UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
+#: Cases of one exercise that are read.
+MAX_READ = 1000
 NO_SOLUTION = "raise NotImplementedError('À écrire : la solution')\n"
 
 
@@ -52,6 +54,11 @@ class Draft:
     left: list[str] = field(default_factory=list)
     cases: list[ReadCase] = field(default_factory=list)
 
+    @property
+    def is_full(self) -> bool:
+        """Whether no more of the file is read."""
+        return len(self.understood) + len(self.left) >= MAX_READ
+
     def declaration(self) -> dict[str, Any]:
         """Return the declaration, whose checks share the points."""
         share = round(MAX_POINTS / max(1, len(self.checks)), 2)
@@ -62,6 +69,8 @@ class Draft:
 
     def add_case(self, place: str, case: ReadCase) -> bool:
         """Add a case that a declaration can hold; say why where it cannot."""
+        if self.is_full:
+            return False
         functions = list(dict.fromkeys([*self.functions, case.function, *case.others]))
         try:
             parse_scenario(case.call, functions)
@@ -77,6 +86,8 @@ class Draft:
 
     def make_checks(self) -> None:
         """Make checks of the cases: one of each function and settings, at most as many as there may be."""
+        if self.is_full:
+            self.left.append(f"la suite du fichier : {MAX_READ} cas au plus sont lus")
         groups: dict[tuple[str, Sequence[tuple[str, str]]], list[ReadCase]] = {}
         for case in self.cases:
             groups.setdefault((case.function, case.settings), []).append(case)

@@ -8,6 +8,7 @@ in the file.
 from __future__ import annotations
 
 import ast
+import itertools
 import json
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -16,11 +17,13 @@ from typing import Any
 
 from graders.core.syntax_trees import parse_source
 from server.studio.coderunner import read_questions
-from server.studio.import_drafts import UNREADABLE, Draft, ImportRefused, ReadCase, called_functions
+from server.studio.import_drafts import MAX_READ, UNREADABLE, Draft, ImportRefused, ReadCase, called_functions
 from server.studio.tested import read_suite
 
 #: Bytes of a file; nested elements of one.
 MAX_FILE, MAX_NESTING = 4 << 20, 60
+#: Cells of a notebook that are read, and characters of one whose tests are read.
+MAX_CELLS, MAX_CELL = 500, 40_000
 
 
 def read_drafts(name: str, data: bytes) -> list[Draft]:
@@ -52,7 +55,7 @@ def _exercism(data: bytes) -> Iterator[Draft]:
     if not isinstance(content, dict) or not isinstance(content.get("cases"), list):
         raise ImportRefused("ce JSON n’est pas celui d’Exercism : il n’a pas de « cases »")
     draft = Draft(str(content.get("exercise", "exercice")).replace("-", " ").capitalize())
-    for place, case in _flat_cases(content["cases"], "cases", 0):
+    for place, case in itertools.islice(_flat_cases(content["cases"], "cases", 0), MAX_READ):
         _read_canonical_case(draft, place, case)
     draft.make_checks()
     draft.to_look_at.append("la solution : Exercism n’en donne pas ; écrivez-la, et l’énoncé avec elle")
@@ -92,11 +95,11 @@ def _notebook(data: bytes) -> Iterator[Draft]:
     if not isinstance(cells, list):
         raise ImportRefused("ce fichier n’est pas un notebook : il n’a pas de « cells »")
     draft = Draft("Exercice d’un notebook")
-    for index, cell in enumerate(cells):
-        if isinstance(cell, dict):
+    for index, cell in enumerate(cells[:MAX_CELLS]):
+        if isinstance(cell, dict) and not draft.is_full:
             _read_cell(draft, f"cellule {index + 1}", cell)
     draft.make_checks()
-    if draft.functions:
+    if draft.functions or draft.left:
         yield draft
 
 
@@ -114,12 +117,15 @@ def _read_cell(draft: Draft, place: str, cell: dict[str, Any]) -> None:
 
 
 def _read_assertions(draft: Draft, place: str, text: str) -> None:
+    if len(text) > MAX_CELL:
+        draft.left.append(f"{place} : {len(text)} caractères ; {MAX_CELL} au plus")
+        return
     try:
         body = parse_source(text).body
     except UNREADABLE:
         draft.left.append(f"{place} : ce n’est pas du Python seul")
         return
-    for node in body:
+    for node in itertools.islice(body, MAX_READ):
         where, test = f"{place}, ligne {node.lineno}", node.test if isinstance(node, ast.Assert) else None
         if isinstance(test, ast.Compare) and len(test.ops) == 1 and isinstance(test.ops[0], ast.Eq):
             call, expected = ast.unparse(test.left), ast.unparse(test.comparators[0])

@@ -54,6 +54,7 @@ UNKNOWN_CODE = "Aucun exercice n’a ce code : vérifiez-le avec votre collègue
 TOO_MANY = f"Vous avez {MAX_EXERCISES} exercices : supprimez-en un avant d’en commencer un autre."
 TOO_LONG = "Cet exercice a {length} caractères en tout ; {most} au plus. Rien n’est perdu : raccourcissez-le."
 TOO_FAST = "Vous enregistrez très souvent : le prochain est possible dans {seconds} s. Rien n’est perdu."
+TOO_MANY_CODES = "Trop de codes inconnus de suite : réessayez dans {seconds} s."
 CODE_TOO_LONG = "Ce programme a {length} caractères ; {most} au plus."
 NOT_TRIED = "Cet exercice n’a pas encore été essayé : enregistrez-le, puis reprenez l’archive."
 PUBLISHED = "Cet exercice est publié : des élèves l’ont peut-être fait. Il ne se supprime plus."
@@ -113,6 +114,10 @@ class StudioService:
         db.flush()
         if not self.is_trying(db, exercise, TRYOUT_JOB):
             enqueue_tryout(db, self.queue, exercise)
+
+    def count_guess(self, db: Session, account: Account) -> None:
+        """Count a code that no exercise bears. Raises RateLimited."""
+        limits.take_token(db, f"studio-code:{account.id}", self.settings.join_bucket, TOO_MANY_CODES)
 
     def is_trying(self, db: Session, exercise: AuthoredExercise, kind: str = TRIAL_JOB) -> bool:
         return self.queue.position(db, kind, str(exercise.id)) is not None

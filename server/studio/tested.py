@@ -19,7 +19,7 @@ from server.studio.import_drafts import UNREADABLE, Draft, ImportRefused, ReadCa
 
 PRINTED, WRITTEN = (("regarder", "affichage"),), (("regarder", "fichiers"),)
 #: Values of a file, and levels of them.
-MAX_NODES, MAX_LEVELS = 50_000, 40
+MAX_NODES, MAX_LEVELS = 20_000, 40
 _TABS, _CONTEXTS, _CASES = ("tabs", "units"), ("contexts", "cases"), ("testcases", "scripts", "items")
 #: Keys that change no verdict.
 _SILENT = {"description", "files", "tab", "unit", "name", "hidden", "definitions", "config", "language", "namespace"}

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import io
+import json
 import sys
 import time
+import zipfile
 
 import pytest
 
 from server.base.app_services import get_service
 from server.classes.models import ClassRole
 from server.identity.models import Role
+from server.studio.import_drafts import MAX_READ
 from server.studio.service import MAX_WAITING, StudioService
 from tests.studio.conftest import FORM, SOLUTION, Studio
 from tests.support.classes import assign, new_class, person, seat
@@ -137,3 +141,101 @@ def test_an_author_reads_no_attempt_of_another_s_class(studio: Studio) -> None:
     assert studio.browser.get(place).status_code == 404
     assert studio.browser.get(f"/classes/{made.id}/carnet").status_code == 404
     assert the_course().exercises[exercise.name].title == FORM["titre"]
+
+
+LAUGHS = '<!DOCTYPE z [<!ENTITY a "aaa"><!ENTITY b "&a;&a;">]><quiz><question type="coderunner">&b;</question></quiz>'
+LONG_CELL = {"cell_type": "code", "metadata": {"nbgrader": {"grade": True}}, "source": "x\n" * 30_000}
+CELL = {"cell_type": "code", "metadata": {"nbgrader": {"grade": True}}, "source": "assert f(1) == 1\n" * 2000}
+CASE = {"property": "f", "input": {"a": 1}, "expected": 1}
+
+
+def packed(**files: str) -> bytes:
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name.replace("__", ".").replace("_up_", "../"), text)
+    return made.getvalue()
+
+
+def lying() -> bytes:
+    """A file of 40 MB of which the archive says that it has 1000 bytes."""
+    size = 40 << 20
+    whole = packed(declaration__toml="a" * size, solution__py="")
+    return whole.replace(size.to_bytes(4, "little"), (1000).to_bytes(4, "little"))
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("laughs.xml", LAUGHS.encode(), "définit des entités"),
+        ("laughs16.xml", LAUGHS.encode("utf-16"), "n’est pas en UTF-8"),
+        ("laughs.yaml", b"a: &a [x, x]\ntabs: [*a, *a]\n", "renvois"),
+        ("tag.yaml", b"tabs: !!python/object/apply:os.system ['true']\n", "n’est pas du YAML"),
+        ("long.yaml", b"tabs:\n" + b"- {tab: a}\n" * 9000, "trop long"),
+        ("deep.json", b"[" * 100_000, "n’est pas du JSON"),
+        ("digits.json", b'{"cases": ' + b"9" * 90_000 + b"}", "n’est pas du JSON"),
+        ("many.json", json.dumps({"cases": [CASE] * 5000}).encode(), f"{MAX_READ} cas au plus sont lus"),
+        ("many.ipynb", json.dumps({"cells": [CELL] * 9}).encode(), f"{MAX_READ} cas au plus sont lus"),
+        (
+            "long.ipynb",
+            json.dumps({"cells": [LONG_CELL]}).encode(),
+            "caractères ; 40000 au plus",
+        ),
+        ("large.json", b" " * (1 << 20) + b"{}", "dépasse 512 Kio"),
+        ("bomb.zip", packed(declaration__toml="a" * (8 << 20)), "trop grand"),
+        ("lying.zip", lying(), "n’est pas un ZIP de textes"),
+        ("dotted.zip", packed(declaration__toml=("a." * 200 + "b=1\n") * 50, solution__py=""), "trop imbriqué"),
+        ("spaced.zip", packed(declaration__toml='x={"a" . ' + "b . " * 50 + "c=1}", solution__py=""), "trop imbriqué"),
+        ("deep.zip", packed(declaration__toml="a=" + "[" * 9000, solution__py=""), "ne se lit pas"),
+        ("kinds.zip", packed(declaration__toml="verifications=[{cas=3}]", solution__py=""), "ne se lit pas"),
+        ("outside.zip", packed(_up__up_etc_x__toml="a=1"), "n’est pas un exercice déclaré"),
+        ("noise.zip", b"PK\x03\x04" + b"\x00" * 500, "n’est pas un ZIP"),
+    ],
+    ids=lambda value: value if isinstance(value, str) and "." in value else "",
+)
+def test_a_hostile_file_is_refused_or_read_in_part(studio: Studio, name: str, data: bytes, words: str) -> None:
+    """Neither its bytes nor what they unpack to cost more than an author's own exercise."""
+    answer = studio.browser.post("/mes-exercices/importer", data={"module": "l20"}, files={"fichier": (name, data)})
+    text = " ".join(answer.text.replace("\u202f", " ").replace("&nbsp;", " ").split())
+    assert answer.status_code == (413 if "dépasse" in words else answer.status_code), text
+    assert words in text, text
+
+
+def test_a_shared_code_is_not_guessed(studio: Studio) -> None:
+    statuses = {
+        studio.browser.post("/mes-exercices/copier", data={"code": f"abcdefgh{number:02d}"}).status_code
+        for number in range(int(studio.site.settings.join_burst) + 2)
+    }
+    assert statuses == {404, 429}
+    first = person(studio.site, Role.teacher, "Alan").browser(studio.site)
+    page = first.post("/mes-exercices/copier", data={"code": "inconnu"})
+    assert "Aucun exercice n’a ce code" in page.text
+    assert 'value="inconnu"' in page.text
+
+
+def test_a_huge_form_is_refused_and_comes_back(studio: Studio) -> None:
+    """A hundred fields of 64 kB: nothing is stored, no trial begins, and the page that answers keeps what it can."""
+    path = studio.create()
+    answer = studio.browser.post(path, data={**FORM, **{f"v-0-c-{row}-appel": "x" * 65_536 for row in range(40)}})
+    assert answer.status_code in (413, 422)
+    assert studio.stored(path).draft["title"] == ""
+    smaller = studio.browser.post(path, data={**FORM, "enonce": "y" * 160_000})
+    assert smaller.status_code == 422
+    assert "Rien n’est perdu" in smaller.text
+    assert "y" * 160_000 in smaller.text
+
+
+def test_a_stranger_and_a_student_reach_nothing_of_it(studio: Studio) -> None:
+    exercise = studio.publish()
+    path = f"/mes-exercices/{exercise.id}"
+    student = person(studio.site, Role.student, "Ada").browser(studio.site)
+    colleague = person(studio.site, Role.teacher, "Alan").browser(studio.site)
+    for browser, refused in ((studio.site.client, (303, 401, 403)), (student, (403,)), (colleague, (404,))):
+        for address in ("", "/essai", "/essayer", "/archive.zip"):
+            assert browser.get(path + address, follow_redirects=False).status_code in refused, address
+        for address in ("", "/essayer"):
+            answer = browser.post(path + address, data={**FORM, "action": "supprimer"}, follow_redirects=False)
+            assert answer.status_code in refused, address
+    copied = colleague.post("/mes-exercices/copier", data={"exercice": str(exercise.id)})
+    assert copied.status_code == 404, "it is not in the bank"
+    assert studio.stored(path).number == 1

@@ -101,11 +101,18 @@ def show_bank(request: Request, reader: CurrentReader, q: ShortQuery = "") -> Re
 
 @router.post(f"{PATH}/copier")
 def copy_exercise(
-    account: SignedIn, reader: CurrentReader, studio: StudioOf, code: Field = "", exercice: Field = ""
+    request: Request, account: SignedIn, reader: CurrentReader, studio: StudioOf, code: Field = "", exercice: Field = ""
 ) -> Response:
     """Copy an exercise into one's own library: one of the bank, or one whose author gave the code."""
     rights.require_server_right(account, Right.write_exercises)
-    source = service.find_lent(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
+    try:
+        source = service.find_lent(reader.db, exercice) if exercice else service.find_shared(reader.db, code)
+    except NotFound as refused:
+        studio.count_guess(reader.db, account)
+        commit_then_read(reader.db)
+        own = repository.list_exercises(reader.db, account.id)
+        view = views.build_list_page(reader, own, code=code, problem=refused.detail)
+        return render_page(request, "studio/list.html", account, status=404, page=view)
     made = studio.create(reader.db, account, source.module, service.read_draft(source))
     return redirect(views.exercise_path(made))
 

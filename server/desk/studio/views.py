@@ -57,7 +57,10 @@ def public_href(exercise: AuthoredExercise) -> str:
     return f"/{exercise.module}/exercices/{exercise.slug}" if exercise.name else ""
 
 
-def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> dict[str, Any]:
+def build_list_page(
+    reader: Reader, exercises: Sequence[AuthoredExercise], *, code: str = "", problem: str = ""
+) -> dict[str, Any]:
+    """Build the list of one's exercises; `problem` says why none has the typed `code`."""
     rows = [
         {
             "href": exercise_path(exercise),
@@ -69,7 +72,8 @@ def build_list_page(reader: Reader, exercises: Sequence[AuthoredExercise]) -> di
         }
         for exercise in exercises
     ]
-    return {"rows": rows, "modules": _modules(reader.course), "chosen": exercises[0].module if exercises else ""}
+    chosen = exercises[0].module if exercises else ""
+    return {"rows": rows, "modules": _modules(reader.course), "chosen": chosen, "code": code, "problem": problem}
 
 
 def build_import_page(
