@@ -33,6 +33,8 @@ CLAMP = 5.0
 BEYOND = 1e-6
 CHANCE = 0.5
 MOST_CELLS = 50_000_000
+#: A pose so many times as far from the middle as half of what was seen is one gone astray.
+ASTRAY = 20.0
 
 
 class OccupancyError(InvalidArgumentError):
@@ -166,28 +168,41 @@ def build_map(
 ) -> OccupancyGrid:
     """The map of `scans` taken at `poses` (n, 3) of the world; just large enough for their points, with a margin.
 
-    `resolution` in metres a cell, `margin` in metres. Raises OccupancyError, also for poses so far apart that the map
-    would have more than 50 million cells: one pose gone astray must not fill the memory.
+    `resolution` in metres a cell, `margin` in metres. Raises OccupancyError, also for a map of more than 50 million
+    cells, which would fill the memory: `argument` is "poses" where one has gone astray, "resolution" otherwise.
     """
     frames = np.asarray(poses, dtype=np.float64)
     if frames.shape != (len(scans), 3) or not np.all(np.isfinite(frames)):
         raise OccupancyError("poses", f"of shape {frames.shape} are not finite poses ({len(scans)}, 3)")
     if not len(scans):
         raise OccupancyError("scans", "are none")
-    if not (0.0 < resolution < np.inf and 0.0 <= margin < np.inf):
-        raise OccupancyError("resolution" if 0.0 <= margin < np.inf else "margin", "is not a length")
+    for name, length, least in (("resolution", resolution, 0.0 < resolution), ("margin", margin, 0.0 <= margin)):
+        if not (least and length < np.inf):
+            raise OccupancyError(name, f"{length} m is not a length")
     seen = [frames[:, :2], *(transform(pose, scan.points()) for pose, scan in zip(frames, scans, strict=True))]
     points = np.concatenate(seen)
+    _refuse_giant(points, frames, resolution, margin)
     low = np.floor((points.min(axis=0) - margin) / resolution)
     extent = np.ceil((points.max(axis=0) + margin) / resolution) - low + 1
-    cells = float(extent[0]) * float(extent[1])
-    if not cells <= MOST_CELLS:
-        astray = int(np.argmax(np.hypot(*(frames[:, :2] - np.median(frames[:, :2], axis=0)).T)))
-        across = " by ".join(f"{side:.4g} m" for side in extent * resolution)
-        raise OccupancyError("poses", f"ask for a map of {across}, {cells:.2g} cells: see pose {astray}")
     width, height = extent.astype(np.int64)
     corner = np.append(low * resolution, 0.0)
     grid = OccupancyGrid(np.zeros((height, width)), resolution, corner, model or InverseSensorModel())
     for pose, scan in zip(frames, scans, strict=True):
         grid.integrate(scan, pose)
     return grid
+
+
+def _refuse_giant(points: Floats, frames: Floats, resolution: float, margin: float) -> None:
+    """Raise OccupancyError for a map of too many cells: of the pose that has gone astray, else of the resolution."""
+    sides = np.ptp(points, axis=0) + 2.0 * margin
+    with np.errstate(over="ignore"):
+        cells = float(np.prod(sides / resolution))
+    if cells <= MOST_CELLS:
+        return
+    asked = f"{' by '.join(f'{side:.4g} m' for side in sides)}, {cells:.2g} cells of {resolution:.4g} m"
+    away = np.hypot(*(frames[:, :2] - np.median(frames[:, :2], axis=0)).T)
+    reach = np.median(np.hypot(*(points - np.median(points, axis=0)).T))
+    if float(away.max()) > ASTRAY * float(reach):
+        raise OccupancyError("poses", f"ask for a map of {asked}: see pose {int(np.argmax(away))}")
+    least = float(np.sqrt(sides[0]) * np.sqrt(sides[1] / MOST_CELLS))
+    raise OccupancyError("resolution", f"asks for a map of {asked}: take {least:.2g} m or more")

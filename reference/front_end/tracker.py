@@ -14,9 +14,10 @@ from reference.registration.scan_matching import MIN_POINTS
 from reference.se2 import Floats, Pose, compose, compose_covariance, relative
 
 SURE = 3.0
-#: A match that has slid out of the window of its search, by so many times what was searched, and lays less than that
-#: share of the points near a wall, has found other walls; with more of them, the wheels have slipped.
-ASTRAY, CERTAIN = 1.5, 0.8
+#: The share of the points that a match must lay near a wall: little where it lands as odometry expects it, since few
+#: walls are seen from both sides of a corner; much where it has slid out of the window of its search, by ASTRAY times
+#: what was searched. With fewer, it has found other walls; with more, the wheels have slipped.
+AGREEING, CERTAIN, ASTRAY = 0.3, 0.8, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +82,13 @@ class Tracker:
             match = match_clouds(self._submap, cloud, expected, matching=rule.matching, window=window)
         except (IcpError, InvalidCloudError):
             return None
-        x, y, turned = difference(match.T_a_b, expected).tolist()
-        astray = np.hypot(x, y) > ASTRAY * reach or abs(turned) > ASTRAY * turn
-        return match if match.overlap >= (max(CERTAIN, rule.link_overlap) if astray else rule.link_overlap) else None
+        gap = difference(match.T_a_b, expected)
+        needed = rule.link_overlap
+        if disagreement(gap, noise, match.information) <= rule.gate:
+            needed = min(AGREEING, needed)
+        elif np.hypot(gap[0], gap[1]) > ASTRAY * reach or abs(gap[2]) > ASTRAY * turn:
+            needed = max(CERTAIN, needed)
+        return match if match.overlap >= needed else None
 
 
 def _inverse(matrix: Floats) -> Floats:

@@ -62,10 +62,12 @@ def weighted_fit(p: Weighed, q: Complexes, weights: Floats | None, T_q_p: Pose) 
     return np.array([t.real, t.imag, theta])
 
 
-def slide(T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weights: Floats) -> Pose:
+def slide(
+    T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weights: Floats, unseen: float = UNSEEN
+) -> Pose:
     """One Gauss-Newton step of sum w (n . (R p + t - q))^2, turning about the centre of the points `moved` = R p + t.
 
-    Least norm where the lines leave a motion free.
+    Least norm where the lines leave a motion free: where its strength, as `Observability`'s, is `unseen` or less.
     """
     total = weights.sum()
     centre = complex(weights @ moved) / total
@@ -76,7 +78,7 @@ def slide(T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weigh
     gaps = (np.conj(normals) * (moved - q)).real
     weighted = J * weights[:, None]
     strengths, directions = np.linalg.eigh(weighted.T @ J)
-    seen = strengths > UNSEEN * total
+    seen = strengths > unseen * total
     held = directions[:, seen]
     dx, dy, turn = -held @ ((held.T @ (weighted.T @ gaps)) / strengths[seen]) / [1.0, 1.0, spread]
     # The turn about the centre and the displacement come after the motion so far.

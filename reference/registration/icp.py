@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.registration.acceleration import Extrapolation
-from reference.registration.fits import Weighed, carry, slide, weighted_fit
+from reference.registration.fits import UNSEEN, Weighed, carry, slide, weighted_fit
 from reference.registration.kernels import Kernel, LeastSquares
 from reference.registration.nearest import Complexes, NearestPoints
 from reference.registration.normals import plane_cloud
@@ -157,10 +157,12 @@ def icp_to_lines(
     pairing: Pairing | None = None,
     max_iterations: int = 50,
     tolerance: float = 1e-9,
+    unseen: float = UNSEEN,
 ) -> IcpResult:
     """Point-to-line: as `icp`, with gaps measured along the `normals` (m, 2) of Q, null where Q follows no line.
 
-    Along a motion that no line sees, nothing moves. Raises IcpError or InvalidCloudError.
+    Along a motion that no line sees, nothing moves; nor, with a larger `unseen`, along one whose strength, as
+    `Observability`'s, is that or less. Raises IcpError or InvalidCloudError.
     """
     p, q, n = _distinct("P", P), _plane("Q", Q), _plane("normals", normals)
     if n.shape != q.shape:
@@ -169,7 +171,7 @@ def icp_to_lines(
         raise InvalidCloudError("normals", "are all null: Q follows no line")
 
     def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
-        return slide(T, moved, q[pairs], n[pairs], np.ones(len(p)) if weights is None else weights)
+        return slide(T, moved, q[pairs], n[pairs], np.ones(len(p)) if weights is None else weights, unseen)
 
     def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
         return np.abs((np.conj(n[pairs]) * (moved - q[pairs])).real)

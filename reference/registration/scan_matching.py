@@ -26,7 +26,7 @@ from reference.registration.correlation import Window, correlate
 from reference.registration.icp import IcpError, IcpResult, Pairing, icp_to_lines
 from reference.registration.kernels import Cauchy
 from reference.registration.normals import normals_by_neighbours, plane_cloud
-from reference.registration.observability import Observability, line_jacobians, observability
+from reference.registration.observability import DEGENERATE, Observability, line_jacobians, observability
 from reference.se2 import Pose, rotation, transform
 from reference.world.scan import Scan
 
@@ -146,7 +146,8 @@ def match_clouds(
         close = b.points[np.linalg.norm(plane_cloud("b", b.points), axis=1) <= rule.reach]
         guess = correlate(close, a.points, guess, window).T_q_p
     pairing = Pairing(Cauchy(rule.scale), rule.max_distance)
-    found = icp_to_lines(b.points, a.points, a.normals, guess, pairing=pairing, tolerance=STILL)
+    # A few points of a door frame would let a corridor slide by metres: along what is hardly seen, the guess stays.
+    found = icp_to_lines(b.points, a.points, a.normals, guess, pairing=pairing, tolerance=STILL, unseen=DEGENERATE)
     moved, normals = transform(found.T_q_p, b.points), a.normals[found.pairs]
     overlap = float(np.mean(np.linalg.norm(moved - a.points[found.pairs], axis=1) <= rule.near))
     held = observability(moved, found.t_q_p, normals, found.weights)

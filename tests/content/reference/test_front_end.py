@@ -183,10 +183,20 @@ def test_loops_outvote_odometry_that_is_too_sure_of_itself() -> None:
         ((0.0, 0.0, 0.9), 0.6, False),
         ((0.0, 0.0, 0.9), 0.9, True),
         ((0.1, 0.0, 0.0), 0.4, False),
+        ((0.02, 0.0, 0.0), 0.4, True),
+        ((0.02, 0.0, 0.0), 0.2, False),
     ],
-    ids=["as expected", "slid away", "turned away", "the wheels slipped", "little in common"],
+    ids=[
+        "near",
+        "slid away",
+        "turned away",
+        "the wheels slipped",
+        "little in common",
+        "as expected, around a corner",
+        "next to nothing in common",
+    ],
 )
-def test_a_match_that_has_left_its_window_needs_more_points_to_be_believed(
+def test_a_match_needs_the_more_points_the_farther_it_leads_from_odometry(
     gap: tuple[float, float, float], overlap: float, believed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, run = journey(0)

@@ -200,6 +200,18 @@ def test_a_pose_gone_astray_makes_no_giant_map(far: float) -> None:
     assert caught.value.argument == "poses"
 
 
+@pytest.mark.parametrize("resolution", [1e-5, 1e-9, 1e-200, 5e-324])
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_an_absurd_resolution_makes_no_giant_map_and_blames_no_pose(resolution: float, count: int) -> None:
+    poses = np.column_stack([np.linspace(0.0, 30.0, count), np.zeros((count, 2))])
+    with pytest.raises(OccupancyError, match="take .* m or more") as caught:
+        build_map([Scan.full_turn([1.0, 2.0, 3.0], 5.0)] * count, poses, resolution)
+    assert caught.value.argument == "resolution"
+    least = float(str(caught.value).split("take ")[1].split(" m")[0])
+    height, width = build_map([Scan.full_turn([1.0, 2.0, 3.0], 5.0)] * count, poses, 20 * least).log_odds.shape
+    assert 400 * height * width == pytest.approx(50_000_000, rel=0.2)
+
+
 def test_a_map_of_scans_with_gaps_is_that_of_their_measured_beams() -> None:
     rng = np.random.default_rng(5)
     angles, poses = turn_angles(60), rng.uniform(-1, 1, (4, 3))

@@ -123,6 +123,22 @@ def test_a_corridor_informs_of_the_other_directions_only() -> None:
     assert abs(vectors[:2, 0] @ along) > 0.99
 
 
+def test_a_few_strange_points_do_not_slide_a_corridor() -> None:
+    """A post of three points, near another one: what is hardly seen stays as it was guessed."""
+    along, across = np.linspace(0.0, 10.0, 201), np.linspace(0.0, 0.1, 3)
+    sides = [np.column_stack([along, np.full(201, y)]) for y in (-1.0, 1.0)]
+
+    def cloud(door: float) -> LineCloud:
+        frame = np.column_stack([np.full(3, door), across])
+        normals = [np.tile([0.0, 1.0], (402, 1)), np.tile([1.0, 0.0], (3, 1))]
+        return LineCloud(np.concatenate([*sides, frame]), np.concatenate(normals))
+
+    match = match_clouds(cloud(5.0), cloud(5.3), (0.0, 0.05, 0.0))
+    np.testing.assert_allclose(match.T_a_b, np.zeros(3), atol=1e-3)
+    assert match.degenerate
+    assert match.overlap > 0.99
+
+
 def test_a_match_is_no_surer_than_it_errs() -> None:
     """Over many pairs the squared errors, by what the matches claim, are those of three degrees of freedom or less."""
     squares = []
