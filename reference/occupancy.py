@@ -176,7 +176,7 @@ def build_map(
         raise OccupancyError("poses", f"of shape {frames.shape} are not finite poses ({len(scans)}, 3)")
     if not len(scans):
         raise OccupancyError("scans", "are none")
-    for name, length, least in (("resolution", resolution, 0.0 < resolution), ("margin", margin, 0.0 <= margin)):
+    for name, length, least in (("resolution", resolution, resolution > 0.0), ("margin", margin, margin >= 0.0)):
         if not (least and length < np.inf):
             raise OccupancyError(name, f"{length} m is not a length")
     seen = [frames[:, :2], *(transform(pose, scan.points()) for pose, scan in zip(frames, scans, strict=True))]

@@ -204,7 +204,7 @@ def test_a_pose_gone_astray_makes_no_giant_map(far: float) -> None:
 @pytest.mark.parametrize("count", [1, 2, 40])
 def test_an_absurd_resolution_makes_no_giant_map_and_blames_no_pose(resolution: float, count: int) -> None:
     poses = np.column_stack([np.linspace(0.0, 30.0, count), np.zeros((count, 2))])
-    with pytest.raises(OccupancyError, match="take .* m or more") as caught:
+    with pytest.raises(OccupancyError, match=r"take .* m or more") as caught:
         build_map([Scan.full_turn([1.0, 2.0, 3.0], 5.0)] * count, poses, resolution)
     assert caught.value.argument == "resolution"
     least = float(str(caught.value).split("take ")[1].split(" m")[0])
