@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from contextlib import closing, suppress
@@ -15,6 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+
+from server.base.files import write_atomically
+from server.course.start_cache import CACHE_FILE
 
 PROJECT = Path(__file__).resolve().parents[2]
 PASSWORD = "une phrase assez longue"
@@ -75,12 +80,20 @@ def alive(pid: int) -> bool:
         return False
 
 
+def start_cache() -> Path:
+    """Return where tests keep the start cache: checking the course takes most of a first start, and is done once."""
+    return Path(tempfile.gettempdir()) / f"balise-{os.getuid()}-{CACHE_FILE}"
+
+
 class Live:
     """A server on a data folder; `address` once it has said that it is ready."""
 
     def __init__(self, data: Path, **values: str) -> None:
         command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
         self.errors = data.parent / "errors.log"
+        data.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if start_cache().exists() and not (data / CACHE_FILE).exists():
+            shutil.copyfile(start_cache(), data / CACHE_FILE)
         self._errors = self.errors.open("a")
         self.process = subprocess.Popen(
             command,
@@ -92,6 +105,7 @@ class Live:
         )
         self.output = ""
         self.address = self._ready()
+        write_atomically(start_cache(), (data / CACHE_FILE).read_bytes())
         self.client = httpx.Client(base_url=self.address, timeout=PATIENCE)
 
     def _ready(self) -> str:

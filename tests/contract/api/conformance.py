@@ -29,11 +29,11 @@ def operations(document: str) -> Iterator[Any]:
         yield result.ok()
 
 
-def conforms(operation: Any, mode: str, path: dict[str, str], headers: dict[str, str]) -> None:
+def conforms(operation: Any, mode: str, path: dict[str, str], headers: dict[str, str], examples: int) -> None:
     """Answers to generated requests, fitting (positive) or not (negative), are those that the document announces."""
 
     @given(case=operation.as_strategy(generation_mode=GenerationMode(mode)))
-    @hypothesis_settings(max_examples=3, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+    @hypothesis_settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
     def check(case: Any) -> None:
         for name in case.path_parameters.keys() & path.keys():
             case.path_parameters[name] = path[name]

@@ -1,4 +1,4 @@
-"""A service that may ask servers of this machine, for all tests of this folder."""
+"""A service that may ask servers of this machine and grades nothing, for all tests of this folder."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ import pytest
 from tests.support.live import Live
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("served") / "data"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def live(data: Path) -> Iterator[Live]:
     """Serve, with leave to ask servers of this machine."""
-    served = Live(data, BALISE_PLATFORM_HTTP="true", BALISE_PLATFORM_NETWORKS="127.0.0.0/8")
+    walls = {"BALISE_PLATFORM_HTTP": "true", "BALISE_PLATFORM_NETWORKS": "127.0.0.0/8"}
+    served = Live(data, BALISE_WORKERS="0", **walls)
+    served.sign_up_teacher()
     try:
         yield served
     finally:

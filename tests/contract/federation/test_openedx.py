@@ -197,7 +197,6 @@ def test_a_course_of_open_edx_has_its_people_its_link_and_its_marks(
                 openedx.score(**wrong)
             assert refused.value.status == status, wrong
 
-        live.sign_up_teacher()
         login = {"login": "prof", "password": PASSWORD}
         by_password = min(seconds(lambda: httpx.post(f"{live.address}/connexion", data=login)) for _ in range(TRIES))
         by_launch = min(openedx.enter_again(student, "s1") for _ in range(TRIES))

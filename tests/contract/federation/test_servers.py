@@ -80,7 +80,6 @@ def test_a_pupil_of_an_ent_comes_by_cas_and_leaves_with_it(live: Live, data: Pat
         assert account.login is None
         assert len(read(data, select(BrowserSession).where(BrowserSession.account_id == account.id))) == 1
 
-        live.sign_up_teacher()
         login = {"login": "prof", "password": PASSWORD}
         by_password = min(seconds(lambda: httpx.post(f"{live.address}/connexion", data=login)) for _ in range(TRIES))
         by_ticket = min(enter_again(client, back) for _ in range(TRIES))
