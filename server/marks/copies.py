@@ -20,7 +20,9 @@ from server.marks.schemas import ExerciseMark, Gradebook, StudentMarks
 ArchiveFile = tuple[str, bytes]
 INDEX = "index.csv"
 NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
-HEADER = ("Fichier", "Devoir", "Exercice", "Élève", "Envoyé le", "Points", "Jours de retard", "Note modifiée")
+HEADER = (
+    "Fichier", "Devoir", "Exercice", "Élève", "Envoyé le", "Points", "Jours de retard", "Note modifiée", "Rendu avec",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ def list_copies(
     """List the copies of every assignment, or of one. Raise NotFound for an assignment of another class.
 
     Without `names`, each student gets a pseudonym drawn for this archive alone, and the times of sending are left out,
-    which would identify students.
+    which would identify students, and with whom each hands in.
     """
     if only is not None and all(assignment.id != only for assignment in gradebook.assignments):
         raise NotFound(NO_SUCH_ASSIGNMENT)
@@ -64,7 +66,8 @@ def list_copies(
                     path = f"{folders[index]}/{_file_path(course, mark.exercise, label.file_stem)}"
                     sent = format_time(mark.sent_at) if names and mark.sent_at else ""
                     title = gradebook.title_of(mark.exercise)
-                    line = (path, titles[index], title, label.name, sent, *_mark_cells(mark))
+                    partners = ", ".join(row.marks[index].partners) if names else ""
+                    line = (path, titles[index], title, label.name, sent, *_mark_cells(mark), partners)
                     copies.append(CountedCopy(mark.counted.attempt, path, line))
     return copies
 

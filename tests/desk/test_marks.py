@@ -8,9 +8,11 @@ import json
 import re
 import zipfile
 from html import unescape
+from uuid import uuid4
 
 import pytest
 
+from server.assignments.models import TeamMember
 from server.audit import service as audit
 from server.audit.models import AuditAction, AuditEvent
 from server.marks.models import Override
@@ -19,7 +21,7 @@ from tests.support.caches import clear_caches
 from tests.support.classes import person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
-from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term
+from tests.support.marks import AFTER, DUE, ODOMETRY, OPENS, POSES, Term
 from tests.support.service import Site
 
 
@@ -167,6 +169,19 @@ def copies_of(martin: TestClient, path: str) -> tuple[zipfile.ZipFile, list[list
     assert archive.testzip() is None
     index = archive.read("index.csv").decode("utf-8-sig")
     return archive, list(csv.reader(io.StringIO(index, newline=""), delimiter=";"))[1:]
+
+
+def test_the_index_of_copies_says_with_whom_each_is_handed_in(term: Term, martin: TestClient, href: str) -> None:
+    together = term.assignment("DM à deux", {POSES: 1.0}, team_size=2)
+    ada, bob, team = term.student("Ada", "Lovelace"), term.student("Bob", "Petit"), uuid4()
+    with term.database.write() as db:
+        rows = {"assignment_id": together.id, "team_id": team, "since": OPENS}
+        db.add_all(TeamMember(account_id=account.id, **rows) for account in (ada, bob))
+    term.send(ada, POSES, 12)
+    _, index = copies_of(martin, f"{href}/carnet/copies?noms=true")
+    assert {(row[3], row[8]) for row in index} == {("Lovelace Ada", "Bob Petit"), ("Petit Bob", "Ada Lovelace")}
+    _, index = copies_of(martin, f"{href}/carnet/copies")
+    assert {row[8] for row in index} == {""}, "pseudonyms are not given away"
 
 
 def test_archive_of_copies_with_names_or_pseudonyms(term: Term, martin: TestClient, href: str) -> None:
