@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Annotated, Any
 
@@ -20,6 +20,9 @@ from server.gradebook import service as gradebook
 from server.gradebook.mistakes import PastMistake
 from server.gradebook.schemas import Attempt
 from server.pages.schemas import RecalledMistake
+from server.recall import repository as recall
+from server.recall.models import RecallAnswer
+from server.recall.subjects import subject_of
 from server.submissions.models import Submission
 from server.web.dependencies import CurrentReader
 from server.web.forms import redirect, redirect_to_login
@@ -36,13 +39,17 @@ SOURCE_PAGE = "/soumissions/{id}"
 
 @dataclass(frozen=True)
 class NotebookEntry:
-    """A misconception in an exercise; `change`: from the last attempt that showed it to the one that mended it."""
+    """A misconception in an exercise; `change`: from the last attempt that showed it to the one that mended it.
+
+    `tested` is the latest answer to a question about it, or about another misconception of its family.
+    """
 
     mistake: PastMistake
     title: str
     exercise: Exercise
     family: MisconceptionFamily | None
     change: LatestChange | None = None
+    tested: RecallAnswer | None = None
 
     @property
     def exercise_href(self) -> str:
@@ -60,7 +67,7 @@ def correction_href(mistake: PastMistake) -> str:
 def recall_mistake(
     reader: Reader, exercise: Exercise, submission: Submission, misconception: str
 ) -> RecalledMistake | None:
-    """Find the latest misconception of the same family that the author mended in another exercise, in two queries.
+    """Find the latest misconception of the same family that the author mended in another exercise, in three queries.
 
     None for readers who are not the author, and where nothing of the family was mended before this attempt.
     """
@@ -73,8 +80,19 @@ def recall_mistake(
         earlier = course.exercises[mistake.exercise]
         is_mended = mistake.mended is not None and mistake.mended.sent_at < submission.created_at
         if is_mended and find_family(course.families, earlier.filing, mistake.misconception) is family:
-            return RecalledMistake(earlier.title, family.title, correction_href(mistake))
+            change = _load_change(reader, earlier, mistake)
+            lines = ("", "") if change is None else (change.before, change.after)
+            return RecalledMistake(earlier.title, family.title, correction_href(mistake), *lines)
     return None
+
+
+def _load_change(reader: Reader, exercise: Exercise, mistake: PastMistake) -> LatestChange | None:
+    """Load what an author changed to mend a misconception, in one query."""
+    if mistake.mended is None:
+        return None
+    sources = mistakes.load_sources(reader.db, (mistake.last.id, mistake.mended.id))
+    before, after = sources[mistake.last.id], sources[mistake.mended.id]
+    return compare_attempts(before, after, is_code=exercise.answers is None)
 
 
 def _may_show(exercise: Exercise, family: MisconceptionFamily) -> bool:
@@ -106,7 +124,10 @@ def _entry(course: Course, mistake: PastMistake) -> NotebookEntry | None:
 
 
 def _with_changes(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[NotebookEntry]:
-    """Add the first lines that each mending changed; loads the sources of all entries in one query."""
+    """Add the first lines that each mending changed, and when it was last tested, in two queries for all entries."""
+    account = reader.account
+    answers = recall.load_answers(reader.db, account.id) if account is not None and entries else ()
+    latest = {answer.subject: answer for answer in answers}
     pairs = {entry: (entry.mistake.last.id, entry.mistake.mended.id) for entry in entries if entry.mistake.mended}
     sources = mistakes.load_sources(reader.db, {submission for pair in pairs.values() for submission in pair})
     changed = []
@@ -115,7 +136,8 @@ def _with_changes(reader: Reader, entries: Sequence[NotebookEntry]) -> Sequence[
         if entry in pairs:
             before, after = (sources[submission] for submission in pairs[entry])
             change = compare_attempts(before, after, is_code=entry.exercise.answers is None)
-        changed.append(NotebookEntry(entry.mistake, entry.title, entry.exercise, entry.family, change))
+        tested = latest.get(subject_of(reader.course, entry.exercise, entry.mistake.misconception))
+        changed.append(replace(entry, change=change, tested=tested))
     return changed
 
 

@@ -70,11 +70,16 @@ class MarkView:
 
 @dataclass(frozen=True)
 class RecalledMistake:
-    """A mended misconception of the same family in another exercise, and where its correction is shown."""
+    """A mended misconception of the same family in another exercise, and where its correction is shown.
+
+    `before` and `after` are the first lines that the author changed then, empty where it was answered without code.
+    """
 
     exercise_title: str
     family: str
     href: str
+    before: str = ""
+    after: str = ""
 
 
 @dataclass(frozen=True)

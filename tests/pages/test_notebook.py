@@ -65,6 +65,8 @@ def test_a_mistake_met_again_leads_to_its_correction(pupil: Pupil) -> None:
     again = pupil.read(pupil.send("slam_graphe", "2  # erreur_non_ramenee\n"))
     assert "Vous aviez déjà rencontré cette erreur" in again
     assert f'href="{wrong}/correction"' in again
+    recalled = again.split('class="recalled"')[1]
+    assert recalled.index("cap = cap + delta") < recalled.index("cap = ramener(cap + delta)"), "their own lines of then"
     page = pupil.read(f"{wrong}/correction")
     assert "De l’essai n° 1 à l’essai n° 2" in page
     assert "cap = cap + delta" in page

@@ -50,11 +50,13 @@ def test_what_was_confused_comes_back_after_a_day_and_goes_once_answered(site: S
     assert "Deux minutes" not in site.client.get("/").text
     assert "Rien à revoir" in site.client.get(PATH).text
     age(site, 2)
+    assert "Pas encore vérifiée depuis" in site.client.get("/compte/carnet-d-erreurs").text
     assert "1 question" in site.client.get("/").text.replace("\u202f", " ").replace("\xa0", " ")
     assert "Trouvez une entrée qui le montre" in site.client.get(PATH).text
     page = site.client.post(PATH, data=DUE).text
     assert "Terminer" in page
     assert answers(site) == [("hunt", True)]
+    assert "Vérifiée pour la dernière fois" in site.client.get("/compte/carnet-d-erreurs").text
     assert "C’est tout pour aujourd’hui" in site.client.get(PATH).text
     assert 'id="deux-minutes"' not in site.client.get("/").text
 
