@@ -49,3 +49,15 @@ def test_the_chosen_path_gives_the_next_exercise_with_its_reason(site: Site) -> 
     assert site.client.post("/l20/chemin", data={"chemin": "ailleurs"}).status_code == 422
     site.client.post("/l20/chemin", data={"chemin": ""})
     assert "/l20/exercices/calcul_odometrie" in site.client.get("/").text
+
+
+def test_the_paths_of_every_module_name_its_exercises_and_lead_to_a_heading(course: Course) -> None:
+    for slug in ("l19", "l20"):
+        module = course.modules[slug]
+        lessons = {lesson.slug: {heading.id for heading in lesson.headings} for lesson in module.lessons}
+        assert len({path.page for path in module.paths}) == len(module.paths) == 2
+        for path in module.paths:
+            page, _, heading = path.page.partition("#")
+            assert not heading or heading in lessons[page], path.page
+            assert path.exercises
+            assert set(path.exercises) <= {exercise.slug for exercise in module.exercises}
