@@ -16,7 +16,7 @@ from tests.support.readers import READERS, Reader
 #: Of four times the text, how many times the processor time at most: 4 where it is linear, 16 where it is quadratic.
 MAX_RATIO = 6.0
 #: Seconds of processor time below which nothing is compared, and which no text may take at its longest.
-FLOOR, CEILING = 0.01, 2.0
+FLOOR, CEILING = 0.0025, 2.0
 TRIES = 6
 SAMPLE = 16 * 1024  # characters of the longer of the two texts that are compared
 REFUSALS = (ValueError, RecursionError, ServiceError, ProgramFault, NotANumberError)
