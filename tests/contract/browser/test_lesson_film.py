@@ -34,6 +34,8 @@ DAY = ("l20/poses", "l20/kabsch", "l20/predire2d", "l20/association")
 MINUTES = (5, 15, 25, 35, 50, 70)
 STUDENTS = 24
 DESK, PHONE = (1024, 768), (390, 844)
+WHOLE_CARDS = 4
+CARD_ENDS = "() => [...document.querySelectorAll('.stuck-row')].map((row) => row.getBoundingClientRect().bottom)"
 
 
 @pytest.mark.slow
@@ -53,6 +55,9 @@ def test_a_film_of_a_lesson_names_whom_to_help(visit: NewVisit, server: Server, 
     for minute in MINUTES:
         _go_to(database, made, lesson, accounts, row.id, minute)
         shown = _take(visitor, folder / f"seance-{minute:02}", f"/classes/{made.id}/seance")
+        visitor.page.set_viewport_size({"width": DESK[0], "height": DESK[1]})
+        ends = visitor.page.evaluate(CARD_ENDS)
+        assert all(end <= DESK[1] for end in ends[:WHOLE_CARDS]), "the first cards stand whole, without scrolling"
         truly = {names[accounts[pupil].id] for pupil in lesson.stuck(minute)}
         named += not truly or any(name in shown for name in truly)
         visitor.page.goto(f"{server.address}/classes/{made.id}/seance/projeter")
