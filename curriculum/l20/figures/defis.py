@@ -303,7 +303,7 @@ FIGURES = {
     "defi-fausse-fermeture": (
         draw_misled,
         "Le tour du bâtiment avec une fausse fermeture, en tirets. Moindres carrés : 3,32 cases d'écart, tout est "
-        "tordu. Huber : 0,10. DCS avec Φ = 5 : 0,09. DCS avec Φ = 1 : 0,76.",
+        "tordu. Huber : 0,11. DCS avec Φ = 5 : 0,09. DCS avec Φ = 1 : 0,69.",
         (5.8, 4.6),
     ),
     "defi-ekf-repos": (
