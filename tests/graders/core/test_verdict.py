@@ -204,7 +204,7 @@ def test_a_verdict_that_its_checks_do_not_bear_out_cannot_be_made() -> None:
         (
             CheckOut,
             CheckResult(
-                "a", "A", False, 0, 8, cause=Outcome.TIMEOUT, repeats="b", neutral=True, kit={"seed": 1}
+                "a", "A", False, 0, 8, cause=Outcome.TIMEOUT, repeats="b", neutral=True, kit={"seed": 1}, case="c"
             ).to_json(),
         ),
         (CounterexampleOut, STORED["wrong_answer"]["checks"][0]["counterexample"]),
