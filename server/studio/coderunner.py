@@ -36,7 +36,9 @@ def read_questions(data: bytes) -> Iterator[Draft]:
     try:
         root = ElementTree.fromstring(data)
     except (ElementTree.ParseError, ValueError, RecursionError) as error:
-        raise ImportRefused(f"ce fichier n’est pas du XML : {error}") from error
+        line = getattr(error, "position", (1, 0))[0]
+        words = f"ce fichier n’est pas du XML (ligne {line}) : exportez les questions au format « Moodle XML »"
+        raise ImportRefused(words) from error
     for number, question in enumerate(root.iter("question"), 1):
         if question.get("type") == "coderunner":
             yield _read_question(question, f"question {number}")

@@ -46,7 +46,8 @@ def _json(data: bytes) -> Any:
     try:
         return json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise ImportRefused(f"ce fichier n’est pas du JSON : {error}") from error
+        line = getattr(error, "lineno", 1)
+        raise ImportRefused(f"ce fichier n’est pas du JSON (ligne {line}) : reprenez-le là où il a été fait") from error
 
 
 def _exercism(data: bytes) -> Iterator[Draft]:

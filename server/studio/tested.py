@@ -79,7 +79,9 @@ def _load(data: bytes) -> Any:
                 raise ImportRefused("ce YAML est trop long, ou trop imbriqué")
         return yaml.load(text, _Loader)
     except (yaml.YAMLError, ValueError, RecursionError, TypeError) as error:
-        raise ImportRefused(f"ce fichier n’est pas du YAML : {str(error)[:200]}") from error
+        mark = getattr(error, "problem_mark", None)
+        line = f" (ligne {mark.line + 1})" if mark is not None else ""
+        raise ImportRefused(f"ce fichier n’est pas du YAML{line} : vérifiez ses retraits et ses guillemets") from error
 
 
 def _children(table: Mapping[str, Any], keys: Sequence[str]) -> Any:

@@ -115,3 +115,19 @@ def test_two_mistakes_that_answer_alike_are_told_apart_by_a_case(studio: Studio)
     path = studio.create()
     studio.save(path, **form)
     assert "prise pour « Le premier », qui répond de même sauf à ce cas : maximum(" in studio.report(path)
+
+
+def test_a_tolerance_that_nobody_chose_is_told_beside_decimal_answers(studio: Studio) -> None:
+    form = {
+        "solution": "def tiers(x):\n    return x / 3\n",
+        "v-0-c-0-appel": "tiers(1)",
+        "v-0-c-0-attendu": "",
+        "v-0-c-1-appel": "tiers(2)",
+        "v-0-c-1-attendu": "",
+        "v-0-c-2-appel": "",
+    }
+    path = studio.create()
+    studio.save(path, **form)
+    assert "Écart permis entre deux nombres" in studio.report(path)
+    studio.save(path, **form, **{"v-0-tolerance": "1e-6"})
+    assert "Écart permis entre deux nombres" not in studio.report(path)

@@ -32,6 +32,8 @@ EXAMPLE_ROWS, OFFERED_MISTAKES = 3, 8
 MAX_STATEMENT, MAX_FORMULAS = 12_000, 60
 TOO_LONG = f"Cet énoncé dépasse {MAX_STATEMENT} caractères, ou {MAX_FORMULAS} formules : il n’est pas montré."
 _PLACE = re.compile(r"(verifications|erreurs)\[(\d+)\](?:\.(\w+)(?:\[(\d+)\])?)?")
+#: A number in which rounding, or another right method, may change the last digits.
+_DECIMAL = re.compile(r"\d\.\d{6,}|\de-\d")
 _PART_WORDS = {"fonctions": "les fonctions", "solution": "la solution", "verifications": "les vérifications"}
 _FIELD_WORDS = {
     "cas": "le cas", "attendus": "le résultat attendu du cas", "tirages": "les tirages", "appel": "l’appel tiré",
@@ -201,6 +203,7 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "mistakes": [
             (titles.get(tried.id, tried.id), tried, titles.get(tried.instead, "")) for tried in report.mistakes
         ],
+        "exact_to": _unsaid_tolerance(report, draft),
         "missing_cases": any(tried.case for tried in report.mistakes),
         "offered": _offered_mistakes(changes, draft),
         "alive": [_survivor(number, change, draft) for number, change in changes if change.survives],
@@ -208,6 +211,12 @@ def _read_report(report: TrialReport, completed: Mapping[str, Any], draft: Exerc
         "refused": sum(bool(change.refusal) for _, change in changes),
         "draws": (completed["draws"], completed["call"]),
     }
+
+
+def _unsaid_tolerance(report: TrialReport, draft: ExerciseDraft) -> bool:
+    """Whether decimal numbers are compared within a tolerance that the author has not chosen."""
+    chosen = {at for at, check in enumerate(draft.checks) if check.tolerance.strip()}
+    return any(case.check not in chosen and _DECIMAL.search(case.given) for case in report.cases if not case.fault)
 
 
 def _answer(check: Mapping[str, Any], case: TriedCase) -> dict[str, Any]:
