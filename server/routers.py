@@ -37,6 +37,7 @@ from server.offline.routes import router as offline_router
 from server.pages.accessibility import router as accessibility_router
 from server.pages.accounts import router as accounts_router
 from server.pages.administration import router as administration_router
+from server.pages.after_success import router as after_success_router
 from server.pages.calendar import router as calendar_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
@@ -74,6 +75,7 @@ ROUTERS = (
     guide_router,
     accounts_router,
     person_router,
+    after_success_router,
     notebook_router,
     own_objectives_router,
     hunts_router,

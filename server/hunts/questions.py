@@ -51,10 +51,18 @@ class PredictionTrial(HuntMessage):
     typed: str
 
 
+class ReviewRequest(HuntMessage):
+    """A request to say what could be written otherwise in a program that passes."""
+
+    kind: Literal["review"] = "review"
+    exercise: str
+    source: str
+
+
 class HuntQuestion(HuntMessage):
     """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
-    hunts: Annotated[HuntOffer | InputTrial | PredictionTrial, Field(discriminator="kind")]
+    hunts: Annotated[HuntOffer | InputTrial | PredictionTrial | ReviewRequest, Field(discriminator="kind")]
     declarations: dict[str, dict[str, Any]] = {}
 
 
@@ -101,8 +109,26 @@ class TrialOutcome(HuntMessage):
     small: bool = False
 
 
+class ProgramRemark(HuntMessage):
+    """Lines of a program to write otherwise, from `line` on; `gain`: how many times faster, 0 if untold."""
+
+    line: int
+    sentence: str
+    before: str
+    after: str
+    gain: float = 0.0
+
+
+class ProgramReview(HuntMessage):
+    """Remarks on a program, each tried; `ratio`: how many times the reference's time it takes, 0 if not measured."""
+
+    remarks: tuple[ProgramRemark, ...] = ()
+    ratio: float = 0.0
+
+
 class HuntReply(HuntMessage):
-    """The answer of the process: no hunt at all, an offer, or the outcome of a trial."""
+    """The answer of the process: no hunt at all, an offer, the outcome of a trial, or a review."""
 
     offer: OfferedHunt | None = None
     outcome: TrialOutcome | None = None
+    review: ProgramReview | None = None

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from graders import discovery
+from graders.core.advice.trying import TIMED, review_program
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.hunts import (
     Hunt,
@@ -38,6 +39,9 @@ from server.hunts.questions import (
     InputTrial,
     OfferedHunt,
     PredictionTrial,
+    ProgramRemark,
+    ProgramReview,
+    ReviewRequest,
     TrialOutcome,
 )
 from server.sandbox import Policy, Sandbox
@@ -79,6 +83,24 @@ class HuntRunner:
                 return HuntReply(outcome=self._try_input(trial))
             case PredictionTrial() as prediction:
                 return HuntReply(outcome=self._try_prediction(prediction))
+            case ReviewRequest() as request:
+                return HuntReply(review=self._review(request))
+
+    def _review(self, request: ReviewRequest) -> ProgramReview:
+        """Try the remarks on a program beside it and the reference, in one run."""
+        programs = SandboxPrograms(self._sandbox, POLICY)
+        review = review_program(_definition(request.exercise), request.source, programs)
+        remarks = tuple(
+            ProgramRemark(
+                line=tried.advice.line,
+                sentence=tried.advice.sentence,
+                before=tried.advice.before,
+                after=tried.advice.after,
+                gain=tried.gain if tried.advice.kind in TIMED else 0.0,
+            )
+            for tried in review.advice
+        )
+        return ProgramReview(remarks=remarks, ratio=review.ratio)
 
     def _offer(self, asked: HuntOffer) -> OfferedHunt | None:
         for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
@@ -149,6 +171,8 @@ class HuntRunner:
 
 def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
     """Return the hunts that a question is about."""
+    if isinstance(question.hunts, ReviewRequest):
+        return ()
     return question.hunts.hunts if isinstance(question.hunts, HuntOffer) else (question.hunts.hunt,)
 
 

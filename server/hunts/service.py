@@ -33,6 +33,8 @@ from server.hunts.questions import (
     InputTrial,
     OfferedHunt,
     PredictionTrial,
+    ProgramReview,
+    ReviewRequest,
     TrialOutcome,
 )
 from server.identity.models import Account
@@ -110,6 +112,11 @@ class HuntService:
         exercise = self._exercise(hunt.exercise)
         await self._read(lambda db: require_may_hunt(db, account, exercise))
         await self.store(account, exercise, hunt.misconception, kind, is_right=False)
+
+    async def review(self, account: Account, exercise: Exercise, source: str, address: str) -> ProgramReview:
+        """Say what could be written otherwise in a program that passes, which the account may see."""
+        question = HuntQuestion(hunts=ReviewRequest(exercise=exercise.id, source=source))
+        return (await self._ask(account, question, address)).review or ProgramReview()
 
     async def _try(
         self,

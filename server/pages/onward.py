@@ -10,6 +10,7 @@ from server.course.practice import practised_objectives
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_have_hunts
+from server.pages.after_success import can_review
 from server.pages.hunts import hunt_href
 from server.pages.schemas import Onward
 from server.recall import paths
@@ -33,6 +34,7 @@ def way_onward(reader: Reader, exercise: Exercise, verdict: VerdictView | None) 
         reason="" if following is None else following.reason,
         challenge=None if challenge is None else (exercise_href(challenge), challenge.title),
         hunts=hunt_href(exercise) if may_have_hunts(reader.course, exercise) else "",
+        is_reviewed=can_review(exercise, reader.course.exercises.is_packaged(exercise.id)),
     )
 
 

@@ -201,13 +201,14 @@ class Onward:
     """The way on from a solved exercise.
 
     The address and title of the next exercise (None: nothing is left on the way) with the `reason`, a clause; a harder
-    question; where its bug hunts are, or empty.
+    question; where its bug hunts are, or empty; `is_reviewed`: there is a page of remarks on the program.
     """
 
     following: tuple[str, str] | None
     reason: str
     challenge: tuple[str, str] | None
     hunts: str
+    is_reviewed: bool
 
 
 @dataclass(frozen=True)

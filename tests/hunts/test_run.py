@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+import graders
 from server.hunts.questions import (
     HuntName,
     HuntOffer,
@@ -11,6 +14,7 @@ from server.hunts.questions import (
     InputTrial,
     OfferedHunt,
     PredictionTrial,
+    ReviewRequest,
     TrialOutcome,
 )
 from server.hunts.run import HuntRunner
@@ -86,3 +90,18 @@ def test_a_prediction_is_compared_with_the_wrong_program(runner: HuntRunner) -> 
 
 def test_a_value_is_one_literal() -> None:
     assert parse_value(" [1, -2.5, pi/2] ")[1] == -2.5
+
+
+def test_a_program_that_passes_is_reviewed_beside_the_reference(runner: HuntRunner) -> None:
+    specimen = Path(graders.__file__).parent / "l20/reechantillonnage/specimens/ok/roue_en_boucle.py"
+    source = specimen.read_text() + "\n\ndef inutile():\n    sum = 1\n    return sum\n"
+    request = ReviewRequest(exercise="l20/reechantillonnage", source=source)
+    review = runner.answer(HuntQuestion(hunts=request)).review
+    assert review is not None
+    assert review.ratio > 0
+    assert "somme = 1" in review.remarks[-1].after
+    assert review.remarks[-1].gain == 0, "a name costs no time"
+    broken = ReviewRequest(exercise="l20/reechantillonnage", source="while True:\n    pass\n")
+    stopped = runner.answer(HuntQuestion(hunts=broken)).review
+    assert stopped is not None
+    assert stopped.remarks == ()
