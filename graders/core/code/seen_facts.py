@@ -128,7 +128,7 @@ _STRONG = (
     " toujours ",
     "que quand",
     "bonnes valeurs",
-    "aucun argument",
+    "même valeur",
     "tours près",
     "converti",
     "à peu près",

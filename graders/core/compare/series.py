@@ -179,7 +179,8 @@ def _arguments(series: Series) -> Iterator[str]:
     """An argument, as it was given, or the same answer to everything."""
     first = series.got[0]
     if all(got.shape == first.shape and same(got, first) for got in series.got):
-        yield "ne dépend d’aucun argument : c’est chaque fois la même valeur"
+        varied = all(_varies(series, index) for index in range(len(series.names)))
+        yield f"{'ne dépend d’aucun argument : c’est' if varied else 'est'} chaque fois la même valeur"
         return
     for index, name in enumerate(series.names):
         if all(
@@ -190,6 +191,12 @@ def _arguments(series: Series) -> Iterator[str]:
         ):
             yield f"est toujours {name}, tel que donné"
             return
+
+
+def _varies(series: Series, index: int) -> bool:
+    """Whether an argument is not the same in all calls, so that the answers could feel it."""
+    values = [repr(call[index]) if index < len(call) else "" for call in series.calls]
+    return len(set(values)) > 1
 
 
 def _steps(series: Series) -> Iterator[str]:

@@ -49,6 +49,11 @@ def test_a_relation_that_holds_in_all_calls_is_told(change: object, words: str) 
     assert words in told([np.asarray(change(row)) for row in ROWS], ROWS)[0]
 
 
+def test_an_argument_that_never_changes_may_be_the_one_that_counts() -> None:
+    same = [ROWS[0]] * 3
+    assert told(same, ROWS, [(1.0, float(k)) for k in range(3)])[0] == "est chaque fois la même valeur"
+
+
 def test_numbers_that_are_all_multiples_of_a_step_are_told() -> None:
     right = [np.array(x) for x in (0.7, 1.3, 2.64, 3.9, 4.1)]
     got = [np.ceil(x / 0.5) * 0.5 for x in right]
