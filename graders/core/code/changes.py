@@ -28,7 +28,7 @@ class ProgramChange:
     """A changed program and the first changed line of the original.
 
     In `counted` its loops count their turns. `operator` says what kind of thing was changed, `mistake` is the id of the
-    undone mistake of the catalogue, if any.
+    undone mistake of the catalogue, if any, which may change `further` lines.
     """
 
     text: str
@@ -36,6 +36,7 @@ class ProgramChange:
     line: int
     operator: str
     mistake: str = ""
+    further: tuple[int, ...] = ()
 
 
 def find_changes(
@@ -63,7 +64,8 @@ def _undone_mistakes(
     for mistake in dict.fromkeys(edit.id for edit in model.edits) if model else ():
         repairs = find_repairs(model, mistake, functions, source, spent) if model else iter(())
         for repair in itertools.islice(repairs, MAX_REPAIRS):
-            yield ProgramChange(repair.text, count_turns(repair.text), repair.lines[0], "", mistake)
+            first, *others = repair.lines
+            yield ProgramChange(repair.text, count_turns(repair.text), first, "", mistake, tuple(others))
 
 
 def _other_changes(text: ProgramText, functions: Sequence[str]) -> Iterator[ProgramChange]:

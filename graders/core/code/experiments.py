@@ -63,7 +63,10 @@ class Experimenter:
         rich = [view for view in views if not _holds_counts(trial.series(view))]
         replaced = list(self._replaced(trial, rich))
         strong = [fact for fact in related if is_strong(fact)]
-        felt = [] if strong or replaced else list(self._felt(source, trial, rich))
+        # Among several right answers, the solution's own choice may feel an argument that others need not.
+        pairs = zip(trial.got, trial.unrounded or trial.got, strict=True)
+        is_free = any(not same(mine, its) for row, own in pairs for mine, its in zip(row, own, strict=True))
+        felt = [] if strong or replaced or is_free else list(self._felt(source, trial, rich))
         return [*strong, *replaced, *felt, *(fact for fact in related if not is_strong(fact))]
 
     def _related(self, trial: FunctionTrial, view: ReturnedValue) -> list[SeenFact]:

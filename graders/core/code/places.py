@@ -158,8 +158,10 @@ def find_place(
 
 
 def _may_hide_others(grader: CodeGrader, verdict: Verdict) -> bool:
-    """Whether a check of several functions fails, of which names explain some: the others may be wrong too."""
+    """Whether names may be consequences, or hide others: several names, or a failed check of other functions too."""
     titles = verdict.diagnosis.titles if verdict.diagnosis is not None else ()
+    if len(titles) > 1:
+        return True
     named = {name for each in grader.misconceptions if each.title in titles for name in each.functions}
     failed = {check.id for check in verdict.checks if not (check.passed or check.neutral or _says_enough(check))}
     return any(check.id in failed and named and not named.issuperset(check.functions) for check in grader.checks)
@@ -300,25 +302,30 @@ def _described(
     step: MendingStep, mending: Mending, source: str, titles: Mapping[str, str], values: Mapping[int, str], is_all: bool
 ) -> Slip:
     """Return the place of a step in words; `is_all` where it alone mends all that fails in the program."""
-    line = step.change.line
-    lines = sorted({line, *(rival.line for rival in step.rivals)})
+    line, further = step.change.line, step.change.further
+    rivals = [] if further else [rival.line for rival in step.rivals if not rival.further]
+    lines = sorted({line, *further, *rivals})
     aspect = _aspect((step.change, *step.rivals))
     title = "Tout se joue" if is_all else "Une erreur se trouve"
-    title += f" ligne {' ou '.join(map(str, lines[:MAX_LINES]))}"
-    where = f"Ligne {line} : « {_quoted(source, line)} »."
+    told = " et ".join(map(str, lines)) if further else " ou ".join(map(str, lines[:MAX_LINES]))
+    title += f" ligne{'s' if further else ''} {told}"
+    where = " ".join(f"Ligne {number} : « {_quoted(source, number)} »." for number in (line, *further))
     seen = f" {values[line]}" if line in values else ""
     look = f" {LOOK} {aspect.noun}." if aspect.noun and len(lines) == 1 else ""
     return Slip(PLACE, title, f"{where}{seen} {_proof(step, mending, titles, is_all)}{look}", aspect.question)
 
 
 def _proof(step: MendingStep, mending: Mending, titles: Mapping[str, str], is_all: bool) -> str:
+    begin, mends = "Écrite autrement", "cette seule ligne fait"
+    if step.change.further:
+        begin, mends = "Écrites autrement ensemble", "ces lignes font"
     if not step.mended:
-        return "Écrite autrement, avec l'autre ligne en cause, elle fait réussir ce qui échoue."
+        return f"{begin}, avec l'autre ligne en cause, {mends} réussir ce qui échoue."
     if is_all:
-        return "Écrite autrement, cette seule ligne fait réussir tout ce qui échoue."
+        return f"{begin}, {mends} réussir tout ce qui échoue."
     names = " ; ".join(f"« {titles.get(check, check)} »" for check in sorted(step.mended))
     others = ", les autres fonctions une fois justes" if mending.beside_right_ones else ""
-    return f"Écrite autrement, cette seule ligne fait réussir {names}{others}."
+    return f"{begin}, {mends} réussir {names}{others}."
 
 
 def _aspect(changes: Sequence[ProgramChange]) -> Aspect:

@@ -69,6 +69,34 @@ def test_both_mistakes_are_told_with_the_points_of_each_function() -> None:
     assert "sans explication" not in found.diagnosis.explanation
 
 
+def test_names_that_are_consequences_of_another_one_are_withdrawn() -> None:
+    """Both other functions call the wrong one, and answer as mistakes of their own would have them answer."""
+    source = """
+def avance(pas):
+    return np.hypot(pas[:, 0], pas[:, 1])
+
+
+def etalonner(pas, vrais):
+    d, dv = avance(pas), avance(vrais)
+    A = np.column_stack([pas[:, 2], d])
+    beta, alpha = np.linalg.lstsq(A, vrais[:, 2], rcond=None)[0]
+    return np.sum(d * dv) / np.sum(d * d), beta, alpha
+
+
+def corriger(pas, gamma, beta, alpha):
+    virage = beta * pas[:, 2] + alpha * avance(pas)
+    demi = (virage - pas[:, 2]) / 2
+    c, s = np.cos(demi), np.sin(demi)
+    x, y = c * pas[:, 0] - s * pas[:, 1], s * pas[:, 0] + c * pas[:, 1]
+    return np.column_stack([gamma * x, gamma * y, virage])
+"""
+    verdict, found = place_of("l20/calibration", source)
+    assert len(verdict.diagnosis.titles) == 3
+    assert found is not None
+    assert found.diagnosis.titles == ("L'avance a perdu son signe",)
+    assert "etalonner et corriger n'ont rien de faux" in found.diagnosis.explanation
+
+
 @pytest.mark.parametrize("exercise", ["l19/gain", "l20/tf_date", "l20/poses"])
 def test_the_solution_beside_itself_fails_nothing(exercise: str) -> None:
     grader = CODE[exercise]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from graders.core.code.changes import count_turns, find_changes, noted_line
-from graders.core.code.mending import Mending, MendingSearch
+from graders.core.code.changes import ProgramChange, count_turns, find_changes, noted_line
+from graders.core.code.mending import Mending, MendingSearch, MendingStep
 from graders.core.code.places import describe_mending, find_place, is_worth_searching, join_place
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Diagnosis, Verdict
@@ -102,6 +102,16 @@ def test_a_function_that_draws_is_held_against_the_solution_with_the_same_draws(
     assert mending is not None
     assert not mending.left
     assert source.splitlines()[mending.steps[0].change.line - 1].strip().startswith("garde.append")
+
+
+def test_two_lines_that_only_together_mend_are_told_together() -> None:
+    change = ProgramChange("", "", 2, "", "axes_echanges", (3,))
+    mending = Mending((MendingStep(change, frozenset({"a"})),), frozenset())
+    words = describe_mending(mending, "def f(g):\n    n, m = g.shape\n    return g[n - 1, 0]\n", ())
+    assert words.title == "Tout se joue lignes 2 et 3"
+    assert "« n, m = g.shape »" in words.explanation
+    assert "« return g[n - 1, 0] »" in words.explanation
+    assert "Écrites autrement ensemble, ces lignes font réussir tout ce qui échoue." in words.explanation
 
 
 def test_what_is_read_unsorted_is_sorted() -> None:
