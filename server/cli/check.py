@@ -33,7 +33,7 @@ from server.cli.check_cache import CheckCache
 from server.cli.exercise_faults import EXERCISE_FAULTS
 from server.cli.local import find, load_course, local_grader
 from server.cli.sandboxes import require_safe_sandbox, start_probing
-from server.course import Course, Exercise, Module, Problem, load
+from server.course import Course, Exercise, Module, Problem, load, retrievals
 from server.course.closure import Imports
 from server.course.models import SEED_BITS
 from server.figures import lessons
@@ -129,7 +129,8 @@ def _read(cache: CheckCache, folder: Path | None) -> tuple[Course, int]:
     else:
         discovery = discover(rooms=[folder.resolve() / GRADERS])
         course = load(folder.resolve() / CURRICULUM, discovery=discovery, render=render, memory=cache.imports)
-    found = (*course.problems, *shapes.faults(course), *objectives.faults(course), *families.faults(course))
+    asked = (fault for module in course.modules.values() for fault in retrievals.find_faults(module))
+    found = (*course.problems, *shapes.faults(course), *objectives.faults(course), *families.faults(course), *asked)
     faults = sum(map(_print_fault, found))
     if not faults:
         cache.record(name, inputs_digest)

@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 
 from graders.courses import module_folder
-from server.course import glossary, toml_file
+from server.course import glossary, retrievals, toml_file
 from server.course.editions import MODULE_SLUG
 from server.course.kinds import BY_FOLDER
 from server.course.models import CourseFault, Drawing, Lesson, Problem
@@ -39,12 +39,14 @@ class Library:
     problems: list[Problem]
     exercises: dict[str, str] = field(default_factory=dict)
     questions: set[str] = field(default_factory=set)
+    paths: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.lessons = tuple(self._lessons())
         self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
         self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
+        self.retrievals = retrievals.list_names(self.folder, self.problems)
         self.manipulations = {path.parent.name for path in self.folder.glob("manipulations/[!_.]*/scene.py")}
 
     def names(self) -> Names:
@@ -62,6 +64,8 @@ class Library:
             pictures={drawing.name: _picture(drawing) for drawing in self.drawings.values()},
             replays=self.replays,
             questions=self.questions,
+            retrievals=self.retrievals,
+            paths=self.paths,
             manipulations=self.manipulations,
             files=self.files,
             elsewhere=find_lesson_title,

@@ -219,12 +219,16 @@ class Drawing:
 
 @dataclass(frozen=True)
 class ReadingPath:
-    """A way for some readers: `page` is a lesson's slug and a label in it (`chemins#s-un`), `exercises` are slugs."""
+    """A way for some readers: `page` is a lesson's slug and a label in it (`chemins#s-un`), `exercises` are slugs.
+
+    By `name`, the lessons say what it leaves for later.
+    """
 
     title: str
     summary: str
     page: str
     exercises: tuple[str, ...] = ()
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +237,7 @@ class Module:
 
     `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules;
     `folder` is where it stands.
+    `retrievals` are the files of its retrieval questions, by their names (`lesson/question`).
     `kits` are what its programs may find: by name, the source texts of its files by their paths. The one that bears the
     slug is of one file, and any program's but for exercises that ask for another.
     """
@@ -256,6 +261,7 @@ class Module:
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     files: Mapping[str, Path] = field(default_factory=dict)
     paths: tuple[ReadingPath, ...] = ()
+    retrievals: Mapping[str, Path] = field(default_factory=dict)
     names: Callable[[], Names] = no_names
     folder: Path = Path()
 

@@ -30,9 +30,10 @@ class Strict(BaseModel):
 class PathEntry(Strict):
     """A way through a module for some of its readers: `page` is the slug of the lesson that says it, with its label.
 
-    `exercises` are the slugs of its exercises, in its order.
+    `exercises` are the slugs of its exercises, in its order; by `name`, lessons say what it leaves for later.
     """
 
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")] = ""
     title: PlainText
     summary: PlainText
     page: Text

@@ -121,6 +121,7 @@ def _load_module(
     card = toml_file.read(path / "module.toml", ModuleFile)
     kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in find_kits(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)
+    library.paths = {way.name: way.title for way in card.paths if way.name}
     sources = replace(sources, names=library.names)
     exercises = _build_all(
         problems, lambda folder: _load_exercise(sources, path, folder), _exercise_folders(path, wanted)
@@ -157,7 +158,10 @@ def _load_module(
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
         files=MappingProxyType(library.files),
-        paths=tuple(ReadingPath(way.title, way.summary, way.page, tuple(way.exercises)) for way in card.paths),
+        paths=tuple(
+            ReadingPath(way.title, way.summary, way.page, tuple(way.exercises), way.name) for way in card.paths
+        ),
+        retrievals=MappingProxyType(dict(library.retrievals)),
         names=library.names,
         folder=path,
     )

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from datetime import date
 from http import HTTPStatus
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Form, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
+from graders.core.answers.numbers import MAX_LENGTH
+from graders.typography import french
 from server.base import root_path
 from server.base.app_services import app_service
-from server.base.errors import NotFound
+from server.base.errors import Invalid, NotFound
 from server.base.http import client_address
 from server.base.turns import out_of_turn
 from server.base.validation import CutAt
@@ -23,13 +26,14 @@ from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.gradebook.dependencies import SolutionToggle
 from server.identity.dependencies import BrowserAccount
 from server.polls import service as polls
+from server.polls.models import POLL_LENGTH
 from server.reading import search, service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
-from server.recall import paths
+from server.recall import paths, retrievals
 from server.web.dependencies import CurrentReader
-from server.web.rendering import render_page, with_etag
-from server.web.views import find_module, lesson_href
+from server.web.rendering import render_page, ticks, with_etag
+from server.web.views import find_module, lesson_href, module_link
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
@@ -84,6 +88,37 @@ def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
     marked = polls.submit_answer(reader.db, reader.account, course_module, poll, body.answer)
     told = {**asdict(marked), "why": root_path.with_external_paths(marked.why)}
     return JSONResponse(told, headers={"Cache-Control": "no-store"})
+
+
+@router.post("/{module:module}/rappels")
+def answer_retrieval(
+    request: Request,
+    module: str,
+    reader: CurrentReader,
+    question: Annotated[str, Form(max_length=POLL_LENGTH)],
+    jour: Annotated[date, Form()],
+    reponse: Annotated[str, Form(max_length=MAX_LENGTH)] = "",
+) -> Response:
+    """Mark an answer to a retrieval question: as JSON for a script, else on a page of its own."""
+    course_module = find_module(reader.course, module)
+    wants_json = "application/json" in request.headers.get("accept", "")
+    marking, refusal = None, ""
+    try:
+        marking = retrievals.answer(reader.db, course_module, question, reader.account, jour, reponse)
+    except Invalid as error:
+        if wants_json:
+            raise
+        refusal = str(error)
+    if marking is not None and wants_json:
+        why = str(ticks(french(marking.why)))
+        return JSONResponse({"right": marking.is_right, "why": why}, headers={"Cache-Control": "no-store"})
+    asked = retrievals.ask(course_module, question, reader.account, jour)
+    lesson = service.find_lesson(course_module, question.partition("/")[0])
+    page = {
+        "module": module_link(course_module), "lesson": lesson.title, "asked": asked, "typed": reponse,
+        "refusal": refusal, "marking": marking,
+    }  # fmt: skip
+    return render_page(request, "reading/recalled_page.html", reader.account, page=page)
 
 
 @router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary)])

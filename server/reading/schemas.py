@@ -27,7 +27,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class LessonLink:
-    """A lesson in a list. `duration` is in words, or empty; `parts` counts its sections."""
+    """A lesson in a list. `duration` is how long it is to read, in words, or empty; `parts` counts its sections."""
 
     slug: str
     href: str
@@ -41,11 +41,12 @@ class LessonLink:
 
 @dataclass(frozen=True)
 class SessionCard:
-    """A séance with the exercises that follow it; `done` of them have full marks."""
+    """A séance with the exercises that follow it; `done` of them have full marks, all take `work`, in words."""
 
     page: LessonLink
     figure: FigureView | None
     exercises: tuple[ExerciseRow, ...]
+    work: str = ""
 
     @property
     def done(self) -> int:
@@ -138,7 +139,11 @@ class Gate:
 @dataclass(frozen=True)
 class LessonPage:
     """A lesson. `terms` are the words whose definition it may be asked for; `said` is, as JSON, what the reader
-    answered first to its questions, by name."""
+    answered first to its questions, by name.
+
+    `duration` is how long it is to read, `work` how long the exercises of the reader's path take, `later` what that
+    path, called `path`, leaves for later. `exercises` follow the page; `placed` counts those that stand in its text.
+    """
 
     module: ModuleLink
     slug: str
@@ -147,6 +152,10 @@ class LessonPage:
     title: str
     summary: str
     duration: str
+    work: str
+    later: str
+    path: str
+    placed: int
     objectives: tuple[str, ...]
     html: Markup
     said: str

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
-from typing import Any
 
 from markupsafe import Markup
 
@@ -16,11 +15,13 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.kinds import KINDS, SEANCE
+from server.course.lengths import exercise_minutes, length_in_words, reading_minutes
 from server.course.models import Heading, Lesson, ReadingPath, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
+from server.identity.models import Account
 from server.polls import service as polls
-from server.reading import gates, search
+from server.reading import gates, search, texts
 from server.reading.schemas import (
     CourseHome,
     Entry,
@@ -44,7 +45,6 @@ from server.text.prose import line
 from server.web import deadlines, editions
 from server.web.deadlines import DueView
 from server.web.next_step import choose_next
-from server.web.rendering import jinja_environment
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import (
     Reader,
@@ -57,9 +57,7 @@ from server.web.views import (
 from server.web.words import plural
 
 MAX_HEADING_LEVEL = 3  # in a table of contents
-QUESTION = re.compile(r'<section class="asked" id="[^"]*" data-question="([^"]+)">')
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
-MINUTES_PER_HOUR = 60
 EXAMPLE_COUNT = 4  # suggested words on an empty search
 
 
@@ -97,7 +95,7 @@ def home_view(
     rows = _rows_by_slug(exercises_in_reading_order(module), progress)
     way = lessons_in_reading_order(module)
     sessions = tuple(
-        _session_card(module, lesson, _exercise_rows_after(module, rows, lesson))
+        _session_card(module, lesson, _exercise_rows_after(module, rows, lesson), chosen)
         for lesson in way
         if lesson.kind is SEANCE
     )
@@ -153,8 +151,26 @@ def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
     return [exercise for exercise in module.exercises if exercise.seance == lesson.slug]
 
 
-def _session_card(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
-    return SessionCard(_lesson_link(lesson), _session_figure(module, lesson), exercises)
+def _session_card(
+    module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...], chosen: ReadingPath | None
+) -> SessionCard:
+    link = _lesson_link(lesson, _left_by(chosen))
+    return SessionCard(link, _session_figure(module, lesson), exercises, _work(module, lesson, chosen))
+
+
+def _left_by(chosen: ReadingPath | None) -> Sequence[str]:
+    """Return the name of the path whose parts for later are left out, in a list."""
+    return (chosen.name,) if chosen is not None and chosen.name else ()
+
+
+def _work(module: Module, lesson: Lesson, chosen: ReadingPath | None) -> str:
+    """Return how long the exercises of a lesson take that the reader's path has, in words."""
+    own = (
+        exercise
+        for exercise in exercises_after(module, lesson)
+        if chosen is None or not chosen.exercises or exercise.slug in chosen.exercises
+    )
+    return length_in_words(sum(map(exercise_minutes, own)))
 
 
 def _session_figure(module: Module, lesson: Lesson) -> FigureView | None:
@@ -173,31 +189,25 @@ def _shelves(way: Sequence[Lesson]) -> Iterator[Shelf]:
             yield Shelf(kind.name, kind.shelf, lessons)
 
 
-def _lesson_link(lesson: Lesson) -> LessonLink:
+def _lesson_link(lesson: Lesson, left: Sequence[str] = ()) -> LessonLink:
     return LessonLink(
         slug=lesson.slug,
         href=lesson_href(lesson),
         label=lesson.label,
         title=lesson.title,
         summary=lesson.summary,
-        duration=duration(lesson.minutes),
+        duration=length_in_words(reading_minutes(lesson, left)),
         objectives=len(lesson.objectives),
         parts=sum(heading.level == 2 for heading in lesson.headings),
     )
 
 
-def duration(minutes: int) -> str:
-    """« 45 min », « 2 h », « 1 h 30 »; nothing for zero."""
-    hours, rest = divmod(minutes, MINUTES_PER_HOUR)
-    if not hours:
-        return f"{rest}\u00a0min" if rest else ""
-    return f"{hours}\u00a0h\u00a0{rest:02}" if rest else f"{hours}\u00a0h"
-
-
 def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
     said = polls.load_lesson_answers(reader.db, reader.account, module, lesson)
     gate = gates.gate(reader, lesson, past_warning=past_warning)
-    return lesson_view(module, lesson, gradebook.load_progress(reader.db, reader.account), said, gate)
+    progress = gradebook.load_progress(reader.db, reader.account)
+    chosen = paths.find_path(module, paths.load_paths(reader.db, reader.account.id if reader.account else None))
+    return lesson_view(module, lesson, progress, said, gate, account=reader.account, chosen=chosen)
 
 
 def lesson_view(
@@ -206,10 +216,17 @@ def lesson_view(
     progress: Mapping[str, ExerciseProgress],
     said: Mapping[str, str] | None,
     gate: Gate | None = None,
+    account: Account | None = None,
+    chosen: ReadingPath | None = None,
 ) -> LessonPage:
     """A lesson for one who stands there in the module's exercises, and `said` so to its questions; None where nobody
-    hears them. Behind a gate that is not open, nothing of its text."""
+    hears them. Behind a gate that is not open, nothing of its text. `chosen` is the reader's path, which folds what it
+    leaves for later."""
     way = lessons_in_reading_order(module)
+    left = _left_by(chosen)
+    rows = _rows_by_slug(module.exercises, progress)
+    following = [exercise.slug for exercise in exercises_after(module, lesson)]
+    placed = lesson.text.exercises
     place = way.index(lesson)
     shown = gate is None or gate.state == "open"
     return LessonPage(
@@ -219,31 +236,21 @@ def lesson_view(
         label=lesson.label,
         title=lesson.title,
         summary=lesson.summary,
-        duration=duration(lesson.minutes),
+        duration=length_in_words(reading_minutes(lesson, left)),
+        work=_work(module, lesson, chosen),
+        later=length_in_words(reading_minutes(lesson) - reading_minutes(lesson, left)),
+        path=chosen.title if left and chosen is not None else "",
+        placed=sum(slug in placed for slug in following),
         objectives=lesson.objectives,
-        html=_with_questions(module, lesson, heard=said is not None) if shown else Markup(),
+        html=texts.fill_text(module, lesson, rows, account, left, is_heard=said is not None) if shown else Markup(),
         said=json.dumps(dict(said or {}), ensure_ascii=False),
         contents=contents(lesson) if shown else (),
-        exercises=tuple(_rows_by_slug(exercises_after(module, lesson), progress).values()),
+        exercises=tuple(rows[slug] for slug in following if slug not in placed),
         terms=_linked_terms(module, lesson) if shown else (),
         previous=_lesson_link(way[place - 1]) if place else None,
         following=_lesson_link(way[place + 1]) if place + 1 < len(way) else None,
         gate=gate,
     )
-
-
-@lru_cache(maxsize=512)
-def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
-    """A lesson's text, its questions written where they stand; `heard`: they are marked there."""
-    macros: Any = jinja_environment().get_template("reading/asked.html").module
-
-    def written(match: re.Match[str]) -> str:
-        poll = polls.polls_of_lesson(module, lesson).get(match[1])
-        if poll is None:  # of an exercise that is at fault, and not served
-            return match[0]
-        return match[0] + str((macros.asked if heard else macros.read)(module.slug, poll))
-
-    return Markup(QUESTION.sub(written, lesson.html))
 
 
 @lru_cache(maxsize=512)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.database import upsert_statement
@@ -19,6 +20,14 @@ def load_answers(db: Session, account_id: UUID) -> Sequence[RecallAnswer]:
     query = select(RecallAnswer).where(RecallAnswer.account_id == account_id)
     latest = query.order_by(RecallAnswer.answered_at.desc(), RecallAnswer.id).limit(MAX_ANSWERS)
     return tuple(reversed(db.execute(latest).scalars().all()))
+
+
+def find_latest_answer(db: Session, account_id: UUID, subject: str) -> datetime | None:
+    """Return when an account last answered about a subject."""
+    query = select(func.max(RecallAnswer.answered_at)).where(
+        RecallAnswer.account_id == account_id, RecallAnswer.subject == subject
+    )
+    return db.execute(query).scalar_one()
 
 
 def add_answer(db: Session, answer: RecallAnswer) -> None:

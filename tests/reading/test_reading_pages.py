@@ -14,9 +14,10 @@ import pytest
 from server.app import create_app
 from server.base.app_services import app_service
 from server.base.settings import Settings
+from server.course.lengths import length_in_words
 from server.database import Database
 from server.figures.service import Figures
-from server.reading.service import duration, plain
+from server.reading.service import plain
 from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app
 from tests.support.small_course import CourseFolder
@@ -283,10 +284,10 @@ def test_nothing_comes_from_elsewhere(small_site: SmallSite) -> None:
 
 
 @pytest.mark.parametrize(
-    ("minutes", "words"), [(0, ""), (45, "45\u00a0min"), (60, "1\u00a0h"), (65, "1\u00a0h\u00a005"), (240, "4\u00a0h")]
+    ("minutes", "words"), [(0, ""), (45, "45\u00a0min"), (60, "1\u00a0h"), (67, "1\u00a0h\u00a010"), (240, "4\u00a0h")]
 )
-def test_durations_in_words(minutes: int, words: str) -> None:
-    assert duration(minutes) == words
+def test_lengths_in_words(minutes: int, words: str) -> None:
+    assert length_in_words(minutes) == words
 
 
 def test_words_are_sorted_as_in_a_dictionary() -> None:

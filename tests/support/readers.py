@@ -172,7 +172,7 @@ IDENTITIES = """
     header:Idempotency-Key header:last-event-id
     form:absence form:action form:approbation form:attendu form:bonus form:choix form:confirme form:defi form:devoir
     form:duree form:edition form:eleve form:erreur form:etat form:exercice form:garder form:groupe form:lien form:ligne
-    form:derniere form:combien form:presents form:deja form:equipe
+    form:derniere form:combien form:presents form:deja form:equipe form:question
     form:module form:non_rendu form:nouveaux form:phrase form:portee form:regle form:retard form:role
     form:sans_reponse form:semaines form:classe form:contenu form:cours form:verification form:version form:code
     body:NewSubmission.exercise body:NewRegrade.exercise body:WeightedIn.exercise body:NewClass.module
@@ -422,7 +422,7 @@ READERS: tuple[Reader, ...] = (
         read_number,
         CODE,
         {**TEXTS, **PROGRAMS},
-        "body:NewSubmission.answers raw:server.pages.answers._placed raw:server.pages.answers._text "
+        "body:NewSubmission.answers form:reponse raw:server.pages.answers._placed raw:server.pages.answers._text "
         "raw:server.pages.answers._ticked",
     ),
     Reader("a sentence of a verdict", lambda text: (ticks(text), sentence(text), french(text)), SENTENCE, TEXTS),

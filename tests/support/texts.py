@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -45,6 +46,9 @@ class Made:
     replays: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = ()
+    exercises: tuple[str, ...] = ()
+    retrievals: tuple[str, ...] = ()
+    amounts: Mapping[tuple[str, str], int] = field(default_factory=lambda: {("", "words"): 13_500})
     is_rendered: bool = True
 
 

@@ -12,7 +12,7 @@ from server.authoring import objectives, shapes
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import PreviewSession
 from server.base.files import write_atomically
-from server.course import Problem
+from server.course import Problem, retrievals
 from server.figures import lessons
 from server.replays.faults import faults as of_replays
 
@@ -29,6 +29,7 @@ def write_faults(session: PreviewSession) -> None:
         *course.problems,
         *shapes.faults(course),
         *objectives.faults(course),
+        *(fault for module in course.modules.values() for fault in retrievals.find_faults(module)),
         *lessons.faults(course),
         *of_replays(course),
     ]

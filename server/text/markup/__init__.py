@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from threading import RLock
@@ -106,6 +107,21 @@ class Text:
     def questions(self) -> tuple[str, ...]:
         """The questions of exercises that it asks, `exercise/question`."""
         return tuple(self.outline.questions)
+
+    @property
+    def exercises(self) -> tuple[str, ...]:
+        """The exercises that are to be done in it, by their slugs."""
+        return tuple(self.outline.exercises)
+
+    @property
+    def retrievals(self) -> tuple[str, ...]:
+        """The retrieval questions that it asks, without its own name."""
+        return tuple(self.outline.retrievals)
+
+    @property
+    def amounts(self) -> Mapping[tuple[str, str], int]:
+        """Amounts of words and of things to look at, run or answer, as in its outline."""
+        return self.outline.amounts
 
     @property
     def stills(self) -> tuple[str, ...]:

@@ -10,9 +10,11 @@ from server.text.markup.text import SLUG
 LABEL = re.compile(SLUG)
 #: A question of an exercise: the exercise's slug, and its own name.
 QUESTION = re.compile(r"[a-z0-9_]{1,60}/[a-z][a-z0-9_]{0,39}")
+#: A course exercise that is to be done there.
+EXERCISE = re.compile(r"[a-z0-9_]{1,60}")
 #: Anchors that are given by the engine: a label may not look like one.
 RESERVED = re.compile(
-    r"(s|fig|rejeu|manipulation|question|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$"
+    r"(s|fig|rejeu|manipulation|question|faire|redire|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$"
 )
 
 
@@ -43,8 +45,14 @@ KINDS = {
 #: How one refers to a numbered equation.
 EQUATION = Kind("Équation", "équation", "de l’", numbered=True)
 #: Folded ones: their label is that of the block that they prove or answer.
-FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": ""}
-MEDIA = ("figure", "rejeu", "manipulation", "question")
+FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": "", "plus-tard": ""}
+#: Parts of a lesson that whoever serves it writes there: a question of a quiz, an exercise, a retrieval question.
+EMPTY = {
+    "question": "elle est celle de l’exercice",
+    "faire": "l’exercice a son propre énoncé",
+    "redire": "la question est dans le dossier « rappels »",
+}
+MEDIA = ("figure", "rejeu", "manipulation", *EMPTY)
 ALL = (*KINDS, *FOLDED, *MEDIA)
 
 
@@ -56,8 +64,8 @@ class BadBlock(Exception):
 class Block:
     """A block's first line. `label` is its own, or for a folded block the one that it speaks of.
 
-    `name` is that of a figure, of a replay, of a manipulation or of a question. `parent` is the label of the block
-    around it.
+    `name` is that of a figure, of a replay, of a manipulation, of a question or of an exercise. `parent` is the label
+    of the block around it; `path` names the path through the module that leaves the block for later.
     """
 
     kind: str
@@ -66,6 +74,7 @@ class Block:
     name: str
     line: int
     parent: str = ""
+    path: str = ""
 
     @property
     def folded(self) -> bool:
@@ -79,6 +88,11 @@ def read(info: str, line: int, parent: str) -> Block:
         raise BadBlock(f"encadré inconnu : « {kind} » (connus : {', '.join(ALL)})")
     if kind in MEDIA:
         return _medium(kind, rest.strip(), line)
+    if kind == "plus-tard":
+        path, _, title = rest.strip().partition(" ")
+        if not LABEL.fullmatch(path) or not title.strip():
+            raise BadBlock("il faut un chemin du module et un titre : « ::: plus-tard lycee Titre »")
+        return Block(kind, "", title.strip(), "", line, parent, path)
     label = ""
     if rest.lstrip().startswith("#"):
         label, _, rest = rest.lstrip()[1:].partition(" ")
@@ -90,7 +104,7 @@ def read(info: str, line: int, parent: str) -> Block:
 
 
 def _medium(kind: str, name: str, line: int) -> Block:
-    if not (QUESTION if kind == "question" else LABEL).fullmatch(name):
+    if not {"question": QUESTION, "faire": EXERCISE}.get(kind, LABEL).fullmatch(name):
         raise BadBlock(f"il faut un nom et rien d’autre après « {kind} » (la légende va en dessous) : « {name} »")
     return Block(kind, "", "", name, line)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -69,7 +70,11 @@ class Reference:
 
 @dataclass
 class Outline:
-    """Lines are lines of the file, as in `faults`."""
+    """Lines are lines of the file, as in `faults`.
+
+    `amounts` counts words and the things to look at, run or answer, by the path that leaves them for later (empty for
+    what all read) and by their kind.
+    """
 
     labels: list[Label] = field(default_factory=list)
     anchors: set[str] = field(default_factory=set)
@@ -78,9 +83,12 @@ class Outline:
     figures: list[str] = field(default_factory=list)
     replays: list[str] = field(default_factory=list)
     questions: list[str] = field(default_factory=list)
+    exercises: list[str] = field(default_factory=list)
+    retrievals: list[str] = field(default_factory=list)
     manipulations: list[str] = field(default_factory=list)
     cells: list[Cell] = field(default_factory=list)
     references: list[Reference] = field(default_factory=list)
+    amounts: Counter[tuple[str, str]] = field(default_factory=Counter)
     faults: list[Fault] = field(default_factory=list)
 
     def unresolved(self, names: Names, lesson: str) -> Iterator[Fault]:
@@ -97,6 +105,9 @@ def missing(reference: Reference, names: Names, lesson: str) -> str:
         "figure": (names.pictures, "figure inconnue : « {} »"),
         "rejeu": (names.replays, "rejeu inconnu : « {} »"),
         "question": (names.questions, "question inconnue : « {} »"),
+        "faire": (names.exercises, "exercice inconnu : « {} »"),
+        "redire": (names.retrievals, "question à redire inconnue : « {} » (une fonction de rappels/<page>.py)"),
+        "chemin": (names.paths, "chemin inconnu : « {} » (« name » d’un [[paths]] de module.toml)"),
         "bloc": (names.labels, "étiquette inconnue : « #{} »"),
     }
     if reference.what in known:

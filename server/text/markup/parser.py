@@ -150,9 +150,9 @@ def _join_captions(job: Job, tokens: list[Token]) -> None:
         block = token.meta.get("block")
         if block is None or not block.name or token.nesting != 1:
             continue
-        if block.kind == "question":
+        if block.kind in blocks.EMPTY:
             if tokens[index + 1].type != "container_block_close":
-                job.fault(_line(token), "rien ne se met dans une question : elle est celle de l’exercice")
+                job.fault(_line(token), f"rien ne se met dans « {block.kind} » : {blocks.EMPTY[block.kind]}")
             continue
         if tokens[index + 1].type != "paragraph_open":
             job.fault(_line(token), "il manque le texte qui accompagne ce dessin : un paragraphe, sous son nom")

@@ -15,6 +15,12 @@ from server.text.markup.parser import Job, children, parse
 from server.text.markup.tex import readable
 from server.text.markup.text import SLUG, Source
 
+#: How blocks with a name are counted; an exercise is counted by itself.
+AMOUNTS = {
+    "figure": "figures", "rejeu": "replays", "manipulation": "manipulations", "question": "questions",
+    "redire": "questions",
+}  # fmt: skip
+
 
 def outline(source: Source) -> Outline:
     """Read a lesson, or a statement (then nothing may have a label)."""
@@ -31,6 +37,8 @@ class _OutlineReader:
         self.found = Outline()
         self._heading = ("", "")
         self._text: list[str] = []
+        #: The path that leaves each of the open blocks for later.
+        self._paths = [""]
 
     def read(self, tokens: Sequence[Token]) -> None:
         for index, token in enumerate(tokens):
@@ -40,7 +48,11 @@ class _OutlineReader:
             elif token.type == "inline":
                 self._inline(token, is_title=tokens[index - 1].type == "heading_open")
             elif token.type == "container_block_open":
+                block = token.meta["block"]
+                self._paths.append((block.path if block is not None else "") or self._paths[-1])
                 self._block(token)
+            elif token.type == "container_block_close":
+                self._paths.pop()
             elif token.type.startswith("math_block"):
                 self._equation(token)
             elif token.type in {"fence", "code_block"}:
@@ -85,6 +97,10 @@ class _OutlineReader:
                 self._refer("link", str(child.attrGet("href") or ""), child, empty=empty)
         if not is_title:
             self._text.append(plain(token))
+        self._count("words", len(plain(token).split()))
+
+    def _count(self, what: str, amount: int = 1) -> None:
+        self.found.amounts[self._paths[-1], what] += amount
 
     def _block(self, token: Token) -> None:
         block = token.meta["block"]
@@ -92,6 +108,8 @@ class _OutlineReader:
             return
         if block.name:
             self._medium(token, block.kind, block.name)
+        elif block.path and self._only_in_pages(token, "une partie à laisser pour plus tard"):
+            self._refer("chemin", block.path, token)
         elif block.label and block.folded:
             self._refer("bloc", block.label, token)
         elif block.label and self._only_in_pages(token, "une étiquette"):
@@ -104,18 +122,22 @@ class _OutlineReader:
             "rejeu": ("un rejeu", "rejeu", self.found.replays),
             "manipulation": ("une manipulation", "manipulation", self.found.manipulations),
             "question": ("une question", "question", self.found.questions),
+            "faire": ("un exercice à faire", "faire", self.found.exercises),
+            "redire": ("une question à redire", "redire", self.found.retrievals),
         }[kind]
         if not self._only_in_pages(token, what):
             return
+        self._count(AMOUNTS.get(kind, kind))
         self._anchor(f"{prefix}-{name.replace('/', '-')}", token)
         found.append(name)
-        self._refer(kind, name, token)
+        self._refer(kind, f"{self._job.source.page}/{name}" if kind == "redire" else name, token)
 
     def _label(self, token: Token, label: str, kind: str) -> None:
         self._anchor(label, token)
         self.found.labels.append(Label(label, kind, self._job.source.first_line + token.meta["line"]))
 
     def _equation(self, token: Token) -> None:
+        self._count("formulas")
         self._text.append(readable(token.content))
         if token.type == "math_block_label" and self._only_in_pages(token, "une étiquette"):
             try:
@@ -131,6 +153,7 @@ class _OutlineReader:
         if language and not is_known(language):
             self._fault(token, f"langage inconnu : « {language} »")
         if not words:
+            self._count("words", len(token.content.split()))
             return
         if language != "python" or words[0] != CELL or len(words) != 2:
             self._fault(token, "après le langage, rien, ou « python cellule nom-de-cellule »")
@@ -140,6 +163,7 @@ class _OutlineReader:
             self._cell(token, words[1])
 
     def _cell(self, token: Token, name: str) -> None:
+        self._count("cells")
         self._anchor(f"cellule-{name}", token)
         line = self._job.source.first_line + token.meta["line"] + 1
         self.found.cells.append(Cell(name, token.content, line))

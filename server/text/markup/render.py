@@ -165,6 +165,10 @@ def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
         return "<div>\n"
     if block.kind in MEDIA:
         return MEDIA[block.kind](writer, block, tokens[index])
+    if block.path:
+        known = writer.exists("chemin", block.path, tokens[index])
+        marked = f' data-later="{block.path}"' if known else ""
+        return f'<details class="block block-later"{marked} open>'
     if block.folded:
         state = " open" if block.kind == "preuve" else ""
         return f'<details class="block block-{block.kind}"{state}>'
@@ -176,7 +180,7 @@ def _block_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
     block: Block | None = tokens[index].meta["block"]
     if block is None:
         return "</div>\n"
-    if block.kind == "question":
+    if block.kind in blocks.EMPTY:
         return "</section>\n"
     if block.name:
         return "</figcaption></figure>\n"
@@ -216,6 +220,9 @@ def _reference_name(target: Target) -> tuple[blocks.Kind, str]:
 
 def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     block: Block = tokens[index].meta["block"]
+    if block.path:
+        reader = html.escape(french(writer.names.paths.get(block.path, "")))
+        return f' <span class="later-note">«\u00a0{reader}\u00a0»\u00a0: pour plus tard</span></summary>\n'
     return f"</summary>\n{_back_link(writer, block)}" if block.folded else "</p>\n"
 
 
@@ -278,6 +285,21 @@ def _question_open(writer: Writer, block: Block, token: Token) -> str:
     return f'<section class="asked" id="question-{block.name.replace("/", "-")}" data-question="{block.name}">'
 
 
+def _exercise_open(writer: Writer, block: Block, token: Token) -> str:
+    """Where an exercise is first possible: who serves the lesson writes its card there."""
+    if not writer.exists("faire", block.name, token):
+        return f'<section><code class="fault">{block.name}</code>'
+    return f'<section class="to-do" id="faire-{block.name}" data-exercise="{block.name}">'
+
+
+def _retrieval_open(writer: Writer, block: Block, token: Token) -> str:
+    """Where a retrieval question stands: who serves the lesson draws its numbers."""
+    name = f"{writer.page}/{block.name}"
+    if not writer.exists("redire", name, token):
+        return f'<section><code class="fault">{block.name}</code>'
+    return f'<section class="asked recalled" id="redire-{block.name}" data-retrieval="{name}">'
+
+
 def _manipulation_open(writer: Writer, block: Block, token: Token) -> str:
     """What the hand moves, and a drawing for who has no script."""
     if not writer.exists("manipulation", block.name, token):
@@ -294,6 +316,8 @@ MEDIA: dict[str, Callable[[Writer, Block, Token], str]] = {
     "rejeu": _replay_open,
     "manipulation": _manipulation_open,
     "question": _question_open,
+    "faire": _exercise_open,
+    "redire": _retrieval_open,
 }
 
 

@@ -90,6 +90,8 @@ class Names:
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     replays: Collection[str] = ()
     questions: Collection[str] = ()
+    retrievals: Collection[str] = ()
+    paths: Mapping[str, str] = field(default_factory=dict)
     manipulations: Collection[str] = ()
     files: Collection[str] = ()
     elsewhere: Callable[[str, str], str] = nowhere

@@ -84,6 +84,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /deux-minutes": {"exercice": EXERCISE, "erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
     "POST /deux-minutes/rappels": {"rappels": "non"},
+    "POST /{module}/rappels": {"question": "localiser/case", "jour": "2026-01-05", "reponse": "a"},
     "POST /{module}/exercices/{slug}/chasse": {"erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
     "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},

@@ -6,6 +6,7 @@ export function setUpQuestions(page) {
     const form = section.querySelector("form");
     if (form) new Question(form, page.dataset.answers, section.dataset.question, said[section.dataset.question]);
   }
+  for (const form of page.querySelectorAll(".recalled form")) new Retrieval(form);
 }
 
 class Question {
@@ -42,14 +43,44 @@ class Question {
   }
 
   #tell(kind, words, html = "") {
-    const head = document.createElement("p");
-    head.className = `asked-${kind}`;
-    head.textContent = words;
-    const why = document.createElement("div");
-    why.className = "prose";
-    why.innerHTML = html; // the server's own, from the course's files
-    this.place.replaceChildren(head, why);
+    tell(this.place, kind, words, html);
   }
+}
+
+// A question with fresh numbers: the form is sent as it stands, and marked where it is.
+class Retrieval {
+  constructor(form) {
+    this.form = form;
+    this.place = form.querySelector(".asked-mark");
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.#check();
+    });
+    form.addEventListener("input", () => this.place.replaceChildren());
+  }
+
+  async #check() {
+    const typed = new FormData(this.form);
+    if (!typed.get("reponse")) return tell(this.place, "", "Répondez d’abord : essayer de se souvenir apprend plus que relire.");
+    const answer = await fetch(this.form.action, {
+      method: "POST",
+      headers: { Accept: "application/json" },
+      body: new URLSearchParams(typed),
+    }).catch(() => null);
+    const told = await answer?.json().catch(() => null);
+    if (!answer?.ok || !told) return tell(this.place, "", told?.detail ?? "Le serveur n’a pas répondu. Réessayez.");
+    return tell(this.place, told.right ? "right" : "wrong", told.right ? "✓ Juste." : "✗ Pas cela.", told.why);
+  }
+}
+
+function tell(place, kind, words, html = "") {
+  const head = document.createElement("p");
+  head.className = `asked-${kind}`;
+  head.textContent = words;
+  const why = document.createElement("div");
+  why.className = "prose";
+  why.innerHTML = html; // the server's own, from the course's files
+  place.replaceChildren(head, why);
 }
 
 function parse(text) {

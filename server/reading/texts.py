@@ -1,0 +1,83 @@
+"""What the server writes into a lesson's text: quiz questions, exercises, retrieval questions, parts for later."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from datetime import date
+from functools import lru_cache
+from typing import Any
+
+from markupsafe import Markup
+
+from server.course import Module
+from server.course.lengths import exercise_minutes, length_in_words
+from server.course.models import Lesson
+from server.identity.models import Account
+from server.polls import service as polls
+from server.recall import retrievals
+from server.web.rendering import jinja_environment
+from server.web.schemas import ExerciseRow
+
+QUESTION = re.compile(r'<section class="asked" id="[^"]*" data-question="([^"]+)">')
+EXERCISE = re.compile(r'<section class="to-do" id="[^"]*" data-exercise="([^"]+)">')
+RETRIEVAL = re.compile(r'<section class="asked recalled" id="[^"]*" data-retrieval="([^"]+)">')
+LATER = re.compile(r'<details class="block block-later" data-later="([^"]+)" open>')
+
+
+def fill_text(
+    module: Module,
+    lesson: Lesson,
+    rows: Mapping[str, ExerciseRow],
+    account: Account | None,
+    left: Collection[str],
+    *,
+    is_heard: bool,
+) -> Markup:
+    """Return a lesson's text for a reader; `left` names the paths whose parts for later are folded.
+
+    `is_heard`: answers are marked there; else the page stands away from the server.
+    """
+    text = _with_questions(module, lesson, heard=is_heard)
+    if lesson.text.exercises:
+        text = EXERCISE.sub(lambda match: match[0] + _exercise(module, rows, match[1]), text)
+    if lesson.text.retrievals:
+        day = retrievals.today()
+        text = RETRIEVAL.sub(lambda match: match[0] + _retrieval(module, match[1], account, day, is_heard), text)
+    if left:
+        text = LATER.sub(lambda match: match[0][: -len(" open>")] + ">" if match[1] in left else match[0], text)
+    return Markup(text)
+
+
+def _macros(template: str) -> Any:
+    return jinja_environment().get_template(template).module
+
+
+def _exercise(module: Module, rows: Mapping[str, ExerciseRow], slug: str) -> str:
+    row = rows.get(slug)
+    if row is None:  # of an exercise that is at fault, and not served
+        return ""
+    exercise = next(exercise for exercise in module.exercises if exercise.slug == slug)
+    return str(_macros("reading/to_do.html").to_do(row, length_in_words(exercise_minutes(exercise))))
+
+
+def _retrieval(module: Module, name: str, account: Account | None, day: date, is_heard: bool) -> str:
+    if name not in module.retrievals:
+        return ""
+    asked = retrievals.ask(module, name, account, day)
+    macros = _macros("reading/recalled.html")
+    return str(macros.recalled(asked) if is_heard else macros.told(asked))
+
+
+@lru_cache(maxsize=512)
+def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> str:
+    """Return a lesson's text with its quiz questions where they stand; `heard`: they are marked there."""
+    macros = _macros("reading/asked.html")
+
+    def written(match: re.Match[str]) -> str:
+        poll = polls.polls_of_lesson(module, lesson).get(match[1])
+        if poll is None:  # of an exercise that is at fault, and not served
+            return match[0]
+        return match[0] + str((macros.asked if heard else macros.read)(module.slug, poll))
+
+    return QUESTION.sub(written, lesson.html)
