@@ -27,5 +27,6 @@ def test_a_path_leads_to_every_exercise_of_code() -> None:
         pages = {path.page.partition("#")[0] for path in module.paths}
         lessons = [lesson for lesson in module.lessons if not pages or lesson.slug in pages]
         linked = {slug for lesson in lessons for slug in LINK.findall(lesson.text.source.text)}
+        linked |= {slug for lesson in lessons for slug in lesson.text.exercises}
         coded = {exercise.slug for exercise in module.exercises if exercise.id in set(CODE)}
         assert coded <= linked, f"{module.slug}: {coded - linked}"
