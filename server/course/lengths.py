@@ -19,10 +19,9 @@ WORDS_A_MINUTE = 150
 MINUTES_OF = {
     "formulas": 0.5, "figures": 0.5, "cells": 3.0, "replays": 3.0, "manipulations": 3.0, "questions": 1.0,
 }  # fmt: skip
-#: Minutes of an exercise: to take it up, and for each function to write or question to answer.
-START_MINUTES, FUNCTION_MINUTES, QUESTION_MINUTES = 5.0, 12.0, 2.0
-#: A challenge takes so many times longer for each star.
-STAR_FACTOR = 1.0
+#: Minutes of a question by its form, and of an exercise of code: at least so many, and one more a line.
+MINUTES_OF_FORM = {"number": 3.0, "one": 1.5, "several": 2.0, "order": 10.0}
+CODE_MINUTES = 10.0
 MINUTES_PER_HOUR = 60
 #: Lengths are written in steps of so many minutes, up to an hour and beyond it.
 SHORT_STEP, LONG_STEP = 5, 10
@@ -44,14 +43,18 @@ def reading_minutes(lesson: Lesson, left: Collection[str] = ()) -> float:
 
 
 @lru_cache(maxsize=1024)
-def exercise_minutes(exercise: Exercise) -> float:
-    """Return the minutes that an exercise takes, its statement included. Loads the grader of one without code."""
-    words = sum(len(section.text.split()) for section in exercise.statement.sections)
-    if exercise.answers is None:
-        work = FUNCTION_MINUTES * max(1, len(exercise.functions))
+def estimate_minutes(exercise: Exercise) -> int:
+    """Estimate how long an exercise takes, to five minutes, from its length: of its solution, or of its questions.
+
+    A rule of thumb, for one who has read the lesson: `MINUTES_OF_FORM` a question; 10 minutes and one more a line of
+    code; half as long again for each star. Loads the grader of an exercise without code.
+    """
+    if exercise.answers is not None:
+        minutes = sum(MINUTES_OF_FORM[question.form] for question in exercise.answers.paper(0).questions)
     else:
-        work = QUESTION_MINUTES * len(exercise.answers.checks())
-    return (START_MINUTES + words / WORDS_A_MINUTE + work) * (1 + STAR_FACTOR * exercise.stars)
+        code = [line for line in exercise.solution.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+        minutes = CODE_MINUTES + len(code)
+    return max(5, 5 * round(minutes * (1 + exercise.stars / 2) / 5))
 
 
 def length_in_words(minutes: float) -> str:

@@ -12,6 +12,7 @@ from fastapi.responses import Response
 from server.board.objective_loading import load_own_states
 from server.board.objectives import RULE, Mastery, MistakeFinder, ObjectiveState
 from server.course import Course, Exercise, Module
+from server.course.lengths import estimate_minutes, reading_minutes
 from server.course.objectives import Objective
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -22,7 +23,7 @@ from server.recall import paths
 from server.recall.service import Candidate, Recall, load_recall
 from server.recall.subjects import title_of_subject
 from server.web.dependencies import CurrentReader
-from server.web.next_step import NextExercise, choose_next, estimate_minutes, list_way
+from server.web.next_step import NextExercise, choose_next, list_way
 from server.web.own_objectives import OwnObjectiveRow, count_states, group_by_lesson, own_row
 from server.web.rendering import render_page
 from server.web.views import Reader, exercise_href, find_module, lesson_href, lessons_in_reading_order, module_link
@@ -157,9 +158,8 @@ def propose(
         return _propose_exercise(rows, following)
     way = lessons_in_reading_order(module)
     if following is not None and way:
-        return Proposal(
-            lesson_href(way[0]), f"Commencer : {way[0].label}", way[0].minutes, "c’est par là que l’on commence"
-        )
+        minutes = round(reading_minutes(way[0]))
+        return Proposal(lesson_href(way[0]), f"Commencer : {way[0].label}", minutes, "c’est par là que l’on commence")
     return None
 
 

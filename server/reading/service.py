@@ -15,7 +15,7 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.kinds import KINDS, SEANCE
-from server.course.lengths import exercise_minutes, length_in_words, reading_minutes
+from server.course.lengths import estimate_minutes, length_in_words, reading_minutes
 from server.course.models import Heading, Lesson, ReadingPath, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
@@ -170,7 +170,7 @@ def _work(module: Module, lesson: Lesson, chosen: ReadingPath | None) -> str:
         for exercise in exercises_after(module, lesson)
         if chosen is None or not chosen.exercises or exercise.slug in chosen.exercises
     )
-    return length_in_words(sum(map(exercise_minutes, own)))
+    return length_in_words(sum(map(estimate_minutes, own)))
 
 
 def _session_figure(module: Module, lesson: Lesson) -> FigureView | None:

@@ -16,7 +16,6 @@ AGAIN = "vous l’aviez commencé"
 ON_PATH = "c’est la suite de votre chemin, {title}"
 NEXT_IN_LESSON = "il suit dans {lesson}"
 FIRST_LEFT = "le premier que vous n’avez pas fait"
-MINUTES_OF_FORM = {"number": 3.0, "one": 1.5, "several": 2.0, "order": 10.0}
 
 
 @dataclass(frozen=True)
@@ -30,20 +29,6 @@ class NextExercise:
     @property
     def href(self) -> str:
         return exercise_href(self.exercise)
-
-
-def estimate_minutes(exercise: Exercise) -> int:
-    """Estimate how long an exercise takes, to five minutes, from its length: of its solution, or of its questions.
-
-    A rule of thumb, for one who has read the lesson: `MINUTES_OF_FORM` a question; 10 minutes and one more a line of
-    code; half as long again for each star.
-    """
-    if exercise.answers is not None:
-        minutes = sum(MINUTES_OF_FORM[question.form] for question in exercise.answers.paper(0).questions)
-    else:
-        code = [line for line in exercise.solution.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-        minutes = 10.0 + len(code)
-    return max(5, 5 * round(minutes * (1 + exercise.stars / 2) / 5))
 
 
 def list_way(module: Module, path: ReadingPath | None) -> Sequence[Exercise]:

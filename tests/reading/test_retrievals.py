@@ -12,7 +12,7 @@ from graders.core.answers.retrieval import (
     WrongAnswer,
     find_question_fault,
 )
-from server.course.lengths import exercise_minutes, length_in_words, reading_minutes
+from server.course.lengths import estimate_minutes, length_in_words, reading_minutes
 from server.course.retrievals import find_faults
 from server.recall import repository, retrievals
 from tests.support.classes import person
@@ -182,8 +182,8 @@ def test_lengths_count_the_text_and_leave_out_what_a_path_does(folder: CourseFol
     assert whole - short == pytest.approx(6 / 150)
     assert short == pytest.approx(1 + 2 / 150)
     exercise = the_course().exercises["l20/odometrie"]
-    words = sum(len(section.text.split()) for section in exercise.statement.sections)
-    assert exercise_minutes(exercise) == pytest.approx(5 + words / 150 + 2 * 12)
+    lines = [line for line in exercise.solution.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    assert abs(estimate_minutes(exercise) - (10 + len(lines))) <= 2.5
     assert [length_in_words(minutes) for minutes in (0.4, 1, 7, 62)] == ["", "1\u00a0min", "5\u00a0min", "1\u00a0h"]
 
 
