@@ -50,8 +50,10 @@ def corriger(rng: np.random.Generator) -> RetrievalQuestion:
         tolerance=0.02,
         why=f"On fait un quart du chemin vers la mesure : {believed} + 0,25 × {gap}.",
         wrong=(
-            WrongAnswer(believed + 3 * gap / 4, "Le gain est la part de l’innovation que l’on retient, non "
-                        "celle que l’on laisse."),
+            WrongAnswer(
+                believed + 3 * gap / 4,
+                "Le gain est la part de l’innovation que l’on retient, non celle que l’on laisse.",
+            ),
             WrongAnswer(float(believed + gap), "Ce serait un gain de 1 : recopier la mesure."),
         ),
     )

@@ -33,8 +33,9 @@ def signe(rng: np.random.Generator) -> RetrievalQuestion:
         why="p devient 1 − p, la cote devient son inverse, et son logarithme change de signe.",
         wrong=(
             WrongAnswer(number(1 - hundredths / 10), "C’est la probabilité qui devient 1 − p, pas son log-odds."),
-            WrongAnswer(number(10 / hundredths, 2), "C’est la cote qui devient son inverse ; le logarithme, son "
-                        "opposé."),
+            WrongAnswer(
+                number(10 / hundredths, 2), "C’est la cote qui devient son inverse ; le logarithme, son opposé."
+            ),
         ),
     )
 
@@ -51,8 +52,9 @@ def touches(rng: np.random.Generator) -> RetrievalQuestion:
         why=f"Tout s’additionne à partir de 0 : il reste {hits - through} fois 0,847.",
         wrong=(
             WrongAnswer(0.847 * hits, "Les « traversés » retirent autant que les « touchés » ajoutent."),
-            WrongAnswer(0.847 * (hits + through), "Un « traversé » vote pour que la case soit libre : il se "
-                        "retranche."),
+            WrongAnswer(
+                0.847 * (hits + through), "Un « traversé » vote pour que la case soit libre : il se retranche."
+            ),
             WrongAnswer(1 / (1 + math.exp(-value)), "C’est déjà la probabilité ; on demande le log-odds."),
         ),
     )
@@ -66,8 +68,10 @@ def arret(rng: np.random.Generator) -> RetrievalQuestion:
         answer="Elle est libre, comme les autres",
         why="Un rayon qui lit la portée n’a rien touché : il n’y a pas de case d’arrêt.",
         wrong=(
-            WrongAnswer("Elle est occupée : le rayon s’y arrête", "Le rayon ne s’est pas arrêté ; c’est le "
-                        "capteur qui ne voit pas plus loin."),
+            WrongAnswer(
+                "Elle est occupée : le rayon s’y arrête",
+                "Le rayon ne s’est pas arrêté ; c’est le capteur qui ne voit pas plus loin.",
+            ),
             WrongAnswer("Rien : on ne sait rien d’elle", "Le rayon l’a traversée : elle reçoit un vote « libre »."),
         ),
     )
@@ -82,8 +86,9 @@ def borne(rng: np.random.Generator) -> RetrievalQuestion:
         tolerance=0.4,
         why=f"Il faut dépasser {limit} / 0,847, soit {number(limit / 0.847, 3)} passages.",
         wrong=(
-            WrongAnswer(float(math.floor(limit / 0.847)), f"Il en manque un : {limit} / 0,847 n’est pas encore "
-                        "dépassé."),
+            WrongAnswer(
+                float(math.floor(limit / 0.847)), f"Il en manque un : {limit} / 0,847 n’est pas encore dépassé."
+            ),
             WrongAnswer(float(math.ceil(2 * limit / 0.847)), "C’est ce qu’il faut d’une saturation à l’autre."),
         ),
     )
@@ -99,7 +104,9 @@ def independance(rng: np.random.Generator) -> RetrievalQuestion:
         "une foule.",
         wrong=(
             WrongAnswer("L’erreur se moyenne et disparaît", "Elle est la même à chaque fois : rien ne la compense."),
-            WrongAnswer("Rien : un scan répété ne compte qu’une fois", "Ce serait sage, mais il faut le "
-                        "programmer : l’addition, elle, compte tout."),
+            WrongAnswer(
+                "Rien : un scan répété ne compte qu’une fois",
+                "Ce serait sage, mais il faut le programmer : l’addition, elle, compte tout.",
+            ),
         ),
     )

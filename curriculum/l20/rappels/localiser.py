@@ -23,8 +23,8 @@ def case(rng: np.random.Generator) -> RetrievalQuestion:
         wrong=(
             WrongAnswer(f"`libres[{x}, {y}]`", "x et y sont échangés : un tableau se lit ligne d’abord."),
             WrongAnswer(
-                f"`libres[{y}, {x + 1}]`", f"La colonne {x} va de {x} inclus à {x + 1} exclu : on n’arrondit "
-                "pas au plus près."
+                f"`libres[{y}, {x + 1}]`",
+                f"La colonne {x} va de {x} inclus à {x + 1} exclu : on n’arrondit pas au plus près.",
             ),
         ),
     )
@@ -62,8 +62,9 @@ def ligne(rng: np.random.Generator) -> RetrievalQuestion:
         f"{number((10 - tenths) / 10)} / 0,8.",
         wrong=(
             WrongAnswer(back, "Ce serait la ligne d’où il vient : il s’en éloigne."),
-            WrongAnswer((10 - tenths) / 10 * cosine, "On divise par le cosinus : le rayon est plus long que sa "
-                        "projection."),
+            WrongAnswer(
+                (10 - tenths) / 10 * cosine, "On divise par le cosinus : le rayon est plus long que sa projection."
+            ),
             WrongAnswer((10 - tenths) / 10, "C’est la distance en x ; le rayon, oblique, parcourt davantage."),
         ),
     )
@@ -80,10 +81,12 @@ def pas(rng: np.random.Generator) -> RetrievalQuestion:
         unit="rad",
         why=f"Δθ est la différence des chemins, droite moins gauche, divisée par l’entraxe : {extra} / {track}.",
         wrong=(
-            WrongAnswer(-extra / track, "Le signe est celui de droite moins gauche : la roue droite est allée "
-                        "plus loin."),
-            WrongAnswer((2 * left + extra) / 2 / track, "C’est l’avance, moyenne des deux roues, que vous avez "
-                        "divisée."),
+            WrongAnswer(
+                -extra / track, "Le signe est celui de droite moins gauche : la roue droite est allée plus loin."
+            ),
+            WrongAnswer(
+                (2 * left + extra) / 2 / track, "C’est l’avance, moyenne des deux roues, que vous avez divisée."
+            ),
             WrongAnswer(2 * extra / track, "On divise par l’entraxe entier, la distance entre les deux roues."),
         ),
     )
@@ -98,8 +101,9 @@ def cap(rng: np.random.Generator) -> RetrievalQuestion:
         answer=sigma * root,
         why=f"Les variances s’ajoutent : l’écart-type est multiplié par √{root * root} = {root}.",
         wrong=(
-            WrongAnswer(sigma * root * root, "Vous avez ajouté les écarts-types : ce sont les variances qui "
-                        "s’ajoutent."),
+            WrongAnswer(
+                sigma * root * root, "Vous avez ajouté les écarts-types : ce sont les variances qui s’ajoutent."
+            ),
             WrongAnswer(sigma, "L’erreur grandit : chaque pas ajoute la sienne, et rien ne l’efface."),
             WrongAnswer(sigma / root, "C’est une moyenne qui se resserre ainsi ; ici, les erreurs s’additionnent."),
         ),
@@ -151,10 +155,14 @@ def deux_nuages(rng: np.random.Generator) -> RetrievalQuestion:
         answer="Rien : aucune particule n’est là, et le robot non plus",
         why="La moyenne de deux bosses tombe entre elles. On annonce plutôt la pose du nuage le plus lourd.",
         wrong=(
-            WrongAnswer("C’est la meilleure estimation possible", "Elle l’est d’une seule bosse ; entre deux, "
-                        "c’est peut-être un mur."),
-            WrongAnswer("Elle deviendra juste avec plus de particules", "Plus de particules rendent les deux "
-                        "bosses plus nettes, sans les réunir."),
+            WrongAnswer(
+                "C’est la meilleure estimation possible",
+                "Elle l’est d’une seule bosse ; entre deux, c’est peut-être un mur.",
+            ),
+            WrongAnswer(
+                "Elle deviendra juste avec plus de particules",
+                "Plus de particules rendent les deux bosses plus nettes, sans les réunir.",
+            ),
         ),
     )
 
@@ -171,8 +179,9 @@ def deux_caps(rng: np.random.Generator) -> RetrievalQuestion:
         why=f"{360 - below}° est aussi −{below}° : le milieu est à {number((above - below) / 2)}°, donc "
         f"{number(mean)}°.",
         wrong=(
-            WrongAnswer((above + 360 - below) / 2, "C’est la direction opposée : on moyenne les vecteurs, pas "
-                        "les angles."),
+            WrongAnswer(
+                (above + 360 - below) / 2, "C’est la direction opposée : on moyenne les vecteurs, pas les angles."
+            ),
             WrongAnswer((below - above) / 2, "Le bon écart, mais du mauvais côté de 0°."),
         ),
     )
@@ -241,10 +250,12 @@ def copies(rng: np.random.Generator) -> RetrievalQuestion:
         why="Les dents sont régulières : entre deux bords, il en tombe la partie entière du nombre attendu, ou "
         "une de plus.",
         wrong=(
-            WrongAnswer(f"De 0 à {count}", "Ce serait la loterie ; le peigne n’a qu’un seul tirage, et des "
-                        "dents régulières."),
-            WrongAnswer(f"Toujours {round(expected)}", "Selon le décalage du peigne, il peut en tomber une de "
-                        "plus ou de moins."),
+            WrongAnswer(
+                f"De 0 à {count}", "Ce serait la loterie ; le peigne n’a qu’un seul tirage, et des dents régulières."
+            ),
+            WrongAnswer(
+                f"Toujours {round(expected)}", "Selon le décalage du peigne, il peut en tomber une de plus ou de moins."
+            ),
         ),
     )
 

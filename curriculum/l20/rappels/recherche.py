@@ -16,8 +16,10 @@ def echelle(rng: np.random.Generator) -> RetrievalQuestion:
         why="Une image ne donne que des directions. Il faut une seconde caméra, ou une centrale inertielle, "
         "pour l’échelle.",
         wrong=(
-            WrongAnswer(f"Tout est {factor} fois plus petit", "La maquette est vue de plus près : les "
-                        "directions sont les mêmes."),
+            WrongAnswer(
+                f"Tout est {factor} fois plus petit",
+                "La maquette est vue de plus près : les directions sont les mêmes.",
+            ),
             WrongAnswer("Les distances lues par la caméra", "Une caméra ne lit pas de distances."),
         ),
     )

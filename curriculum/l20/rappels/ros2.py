@@ -32,8 +32,9 @@ def rencontre(rng: np.random.Generator) -> RetrievalQuestion:
         tolerance=0.1,
         why="L’émetteur doit offrir au moins ce que le lecteur demande : ils ne communiquent pas.",
         wrong=(
-            WrongAnswer(float(rate), "La demande dépasse l’offre : la rencontre n’a pas lieu, sans erreur dans "
-                        "le code."),
+            WrongAnswer(
+                float(rate), "La demande dépasse l’offre : la rencontre n’a pas lieu, sans erreur dans le code."
+            ),
             WrongAnswer(rate / 2, "Rien n’est partagé ni perdu : aucun message ne passe."),
         ),
     )
@@ -64,8 +65,10 @@ def sans_mur(rng: np.random.Generator) -> RetrievalQuestion:
         answer="Il s’arrête : l’obstacle est trop près pour être mesuré",
         why="La REP 117 réserve −inf à ce qui est trop près, et +inf à ce qui n’a rien rencontré.",
         wrong=(
-            WrongAnswer("Il l’ignore : la lecture est invalide", "C’est au moment où l’on touche presque que "
-                        "l’on relâcherait le frein."),
+            WrongAnswer(
+                "Il l’ignore : la lecture est invalide",
+                "C’est au moment où l’on touche presque que l’on relâcherait le frein.",
+            ),
             WrongAnswer("Il continue : le rayon n’a rien rencontré", "C’est +inf qui le dit ; −inf dit l’inverse."),
         ),
     )

@@ -18,8 +18,10 @@ def enchainer(rng: np.random.Generator) -> RetrievalQuestion:
         why="Le déplacement, donné dans ses axes, est tourné de son cap avant d’être ajouté.",
         wrong=(
             WrongAnswer(f"({x + ahead} ; {y})", "Vous avez ajouté sans tourner : « devant » dépend du cap."),
-            WrongAnswer(f"({x} ; {y - ahead})", "La rotation est dans l’autre sens : un cap de 90° regarde vers "
-                        "les y croissants."),
+            WrongAnswer(
+                f"({x} ; {y - ahead})",
+                "La rotation est dans l’autre sens : un cap de 90° regarde vers les y croissants.",
+            ),
         ),
     )
 
@@ -119,8 +121,10 @@ def chaine(rng: np.random.Generator) -> RetrievalQuestion:
         why="Sans retour, aucune mesure n’en contredit une autre : le trajet de l’odométrie a une erreur nulle.",
         wrong=(
             WrongAnswer("Elle réduit la dérive de moitié", "Rien ne dit de combien on a dérivé : il faut un retour."),
-            WrongAnswer("Elle redresse le dernier tiers du trajet", "Seule une mesure qui contredit les autres "
-                        "redresse quelque chose."),
+            WrongAnswer(
+                "Elle redresse le dernier tiers du trajet",
+                "Seule une mesure qui contredit les autres redresse quelque chose.",
+            ),
         ),
     )
 
@@ -135,8 +139,9 @@ def crans(rng: np.random.Generator) -> RetrievalQuestion:
         why="Tourner d’un cran décale la liste des rayons : seule la phase change. Entre deux crans, les rayons "
         "tombent ailleurs.",
         wrong=(
-            WrongAnswer("Tous", "Entre deux crans, les rayons touchent d’autres points : l’invariance n’est "
-                        "qu’approchée."),
+            WrongAnswer(
+                "Tous", "Entre deux crans, les rayons touchent d’autres points : l’invariance n’est qu’approchée."
+            ),
             WrongAnswer("Aucun, sauf un tour entier", "Un décalage circulaire ne change que la phase."),
         ),
     )
