@@ -422,7 +422,8 @@ READERS: tuple[Reader, ...] = (
         read_number,
         CODE,
         {**TEXTS, **PROGRAMS},
-        "body:NewSubmission.answers form:reponse raw:server.reading.routes.answer_retrieval raw:server.pages.answers._placed raw:server.pages.answers._text "
+        "body:NewSubmission.answers form:reponse raw:server.reading.routes.answer_retrieval "
+        "raw:server.pages.answers._placed raw:server.pages.answers._text "
         "raw:server.pages.answers._ticked",
     ),
     Reader("a sentence of a verdict", lambda text: (ticks(text), sentence(text), french(text)), SENTENCE, TEXTS),
