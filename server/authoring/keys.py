@@ -76,6 +76,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "order": Key("sa place parmi les modules, si ce n’est celle de son numéro", "20"),
     },
     PathEntry: {
+        "name": Key("nom, par lequel une page dit ce que le chemin laisse pour plus tard", '"lycee"'),
         "title": Key("pour qui il est", '"En terminale"'),
         "summary": Key("une phrase : par où il passe", '"Les séances 1 et 2, sans les démonstrations."'),
         "page": Key("nom de la page qui le décrit", '"chemins"'),
@@ -94,7 +95,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "label": Key("nom court, pour les menus", '"Séance 1"'),
         "summary": Key("une phrase : ce que l’on y apprend", '"Une croyance, et comment une mesure la change."'),
         "order": Key("sa place parmi les pages de cette sorte", "10"),
-        "minutes": Key("durée d’une séance", "120"),
+        "minutes": Key("durée, en minutes, d’un sujet, d’un TP ou d’un défi", "120"),
         "objectives": Key("ce que l’on saura faire après", '["Écrire un filtre bayésien sur une grille."]'),
         "objective": Key(
             "au lieu d’`objectives` : une table par objectif, avec ses exercices (voir plus bas)",
