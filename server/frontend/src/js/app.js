@@ -9,6 +9,7 @@ import { setUpSearchKey } from "./search.js";
 import { showPresence } from "./presence.js";
 import { followProgress } from "./progress.js";
 import { setUpTheme, showTheme } from "./themes.js";
+import { setUpVerdictKey } from "./verdict_key.js";
 
 setUpTheme();
 noteAccount();
@@ -78,6 +79,7 @@ setUpSearchKey();
 setUpFieldCopies();
 setUpColumnMarks();
 setUpCountdowns();
+setUpVerdictKey();
 
 // Once its time is over, the page of a test says what comes next.
 document.addEventListener("balise:test-over", () => setTimeout(() => location.reload(), 3000));

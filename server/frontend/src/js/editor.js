@@ -1,8 +1,20 @@
 // CodeMirror over the text area, in a shadow tree: its styles are then adopted sheets, which a strict
 // content security policy lets through without any exception.
 
-import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { closeBrackets, closeBracketsKeymap, insertBracket } from "@codemirror/autocomplete";
+import {
+  cursorCharLeft,
+  cursorCharRight,
+  cursorLineDown,
+  cursorLineUp,
+  defaultKeymap,
+  history,
+  historyKeymap,
+  indentLess,
+  indentMore,
+  indentWithTab,
+  undo,
+} from "@codemirror/commands";
 import {
   HighlightStyle,
   StreamLanguage,
@@ -78,6 +90,17 @@ function submitKey(onSubmit) {
   return Prec.highest(keymap.of([{ key: "Mod-Enter", run }]));
 }
 
+// By the names that a bar of keys gives them.
+const COMMANDS = {
+  indent: indentMore,
+  dedent: indentLess,
+  left: cursorCharLeft,
+  right: cursorCharRight,
+  up: cursorLineUp,
+  down: cursorLineDown,
+  undo,
+};
+
 // Searching comes when it is asked for: few do, and all would wait for it.
 const SEARCH_KEYS = ["Mod-f", "F3", "Mod-g", "Mod-d", "Mod-Alt-g", "Mod-Shift-l"];
 
@@ -119,13 +142,14 @@ function faultAt(document, line) {
   return Decoration.set([Decoration.line({ class: "cm-faultLine" }).range(document.line(line).from)]);
 }
 
-export function createEditor({ area, text, label, onChange, onSubmit }) {
+// `covered` tells how many pixels of the page's foot hide what is under them.
+export function createEditor({ area, text, label, onChange, onSubmit, covered }) {
   const host = document.createElement("div");
   host.className = "editor-host";
   const shadow = host.attachShadow({ mode: "open" });
   area.after(host);
 
-  const description = label ?? "Votre code Python. Tab indente ; Échap puis Tab pour sortir de l’éditeur.";
+  const description = label ?? "Votre code Python. Tab indente ; Échap puis Tab pour sortir de l’éditeur ; Ctrl+Maj+Entrée va au verdict.";
   const state = EditorState.create({
     doc: text,
     extensions: [
@@ -144,6 +168,7 @@ export function createEditor({ area, text, label, onChange, onSubmit }) {
       keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
       StreamLanguage.define(python),
       folds,
+      EditorView.scrollMargins.of(() => (covered ? { bottom: covered() } : null)),
       syntaxHighlighting(colours),
       look,
       faultLine,
@@ -160,6 +185,9 @@ export function createEditor({ area, text, label, onChange, onSubmit }) {
     set: (fresh) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: fresh } }),
     mark: (line) => view.dispatch({ effects: markFault.of(faultAt(view.state.doc, line)) }),
     insert: (typed) => view.dispatch(view.state.replaceSelection(typed)),
+    command: (name) => COMMANDS[name](view),
+    // As a key of the keyboard: a bracket or a quote comes with what closes it.
+    type: (sign) => view.dispatch(insertBracket(view.state, sign) ?? view.state.replaceSelection(sign), { scrollIntoView: true }),
     // The caret goes to a place on the screen, where one is told.
     focus: ({ x, y } = {}) => {
       const at = x === undefined ? null : view.posAtCoords({ x, y });

@@ -31,7 +31,7 @@ function keyOf(account) {
 function plainEditor() {
   area.addEventListener("input", saveDraft);
   area.addEventListener("keydown", (event) => {
-    if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) form.requestSubmit();
+    if (event.key === "Enter" && !event.shiftKey && (event.ctrlKey || event.metaKey)) form.requestSubmit();
   });
   return {
     get: () => area.value,
@@ -55,8 +55,14 @@ async function setUpEditor() {
   area.value = text;
   try {
     const { createEditor } = await import("./editor.js");
-    editor = createEditor({ area, text: area.value, onChange: saveDraft, onSubmit: () => form.requestSubmit() });
+    let covered = () => 0;
+    const options = { onChange: saveDraft, onSubmit: () => form.requestSubmit(), covered: () => covered() };
+    editor = createEditor({ area, text: area.value, ...options });
     document.documentElement.classList.add("has-editor");
+    onTouchWidth(async () => {
+      const { setUpKeysBar } = await import("./keys_bar.js");
+      covered = setUpKeysBar(form.querySelector(".editor"), editor);
+    });
   } catch (error) {
     console.warn("L’éditeur n’a pas pu être chargé ; la zone de texte reste.", error);
   }
@@ -72,6 +78,13 @@ async function setUpEditor() {
   }
   if (editor.get() !== there) saves.changed();
   draft.tellAnother();
+}
+
+// As editor.css, which hides the bar elsewhere.
+function onTouchWidth(action) {
+  const touch = window.matchMedia("(max-width: 40rem), (pointer: coarse)");
+  if (touch.matches) action();
+  else touch.addEventListener("change", action, { once: true });
 }
 
 function showMessage(text, step = null) {
