@@ -97,13 +97,14 @@ def parse_flaser(
     Readings that are codes of faults are no measurements.
 
     Raises LogError for a line that is cut short, holds what is no number, or repeats the scan before it to the last
-    digit, date included.
+    digit, date included; and for a text without any scan.
     """
     scans: list[Scan] = []
     numbers: list[list[float]] = []
     lines: list[int] = []
     spans: list[tuple[Place, Place]] = []
     previous: list[str] = []
+    line = 0
     for line, words in enumerate(map(str.split, split_lines(text, error=LogError)), 1):
         if words[:1] == ["ODOM"]:
             pose = _odometry(line, words[1:])
@@ -120,6 +121,8 @@ def parse_flaser(
             lines.append(line)
             spans.append(UNTOLD)
             previous = words
+    if not scans:
+        raise LogError("text", f"ends at line {line} without any FLASER line: no scan was read")
     rows = np.array(numbers).reshape(-1, AFTER_RANGES)
     of_odom = np.array(spans, dtype=np.float64).reshape(-1, 2, 3)
     return LaserLog(tuple(scans), rows[:, 0:3], rows[:, 3:6], rows[:, 6], np.array(lines, dtype=np.int64), of_odom)

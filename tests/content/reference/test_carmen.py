@@ -87,7 +87,6 @@ def test_a_log_without_odometry_names_the_scan_after_which_it_is_missing() -> No
     second = LINE.replace("12.5", "13")
     with pytest.raises(LogError, match="follows the scan of line 3"):
         parse_flaser(f"{LINE}\n{ODOM}\n{second}\n{LINE.replace('12.5', '14')}", 50.0).wheel_poses()
-    assert parse_flaser("", 50.0).wheel_poses().shape == (0, 3)
     assert parse_flaser(LINE, 50.0).wheel_poses().tolist() == [[0, 0, 0]]
 
 
@@ -116,3 +115,9 @@ def test_the_odometry_of_the_intel_log(dataset: Callable[[str], bytes]) -> None:
     assert turns[:120].std() == pytest.approx(0.040, abs=0.002)
     with pytest.raises(LogError, match="is dated"):
         log.increasing_times()
+
+
+@pytest.mark.parametrize(("text", "lines"), [("", 0), ("# a log\nODOM 0 0 0 0 0 0 1 pippo 1\nRAWLASER1 0\n", 3)])
+def test_a_log_without_a_scan_is_refused_with_its_last_line(text: str, lines: int) -> None:
+    with pytest.raises(LogError, match=f"ends at line {lines} without any FLASER line"):
+        parse_flaser(text, 50.0)
