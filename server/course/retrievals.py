@@ -7,15 +7,18 @@ import re
 import traceback
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from graders.core.answers.retrieval import DrawQuestion, RetrievalQuestion, draw, find_question_fault
 from graders.core.syntax_trees import parse_source
 from server.course import toml_file
 from server.course.code import load_file
 from server.course.models import CourseFault, Module, Problem
-from server.text.markup.text import SLUG
+
+if TYPE_CHECKING:  # loaded where a question is drawn: a verdict of code needs none
+    from graders.core.answers.retrieval import DrawQuestion, RetrievalQuestion
 
 FOLDER = "rappels"
+QUESTION_NAME = re.compile(r"[a-z0-9]+(?:_[a-z0-9]+)*")
 #: Draws of each question that `balise check` looks at.
 CHECKED_DRAWS = 40
 
@@ -34,13 +37,15 @@ def list_names(folder: Path, problems: list[Problem]) -> Mapping[str, Path]:
             problems.append(fault.problem)
             continue
         for node in tree.body:
-            if isinstance(node, ast.FunctionDef) and re.fullmatch(SLUG, node.name):
+            if isinstance(node, ast.FunctionDef) and QUESTION_NAME.fullmatch(node.name):
                 names[f"{path.stem.replace('_', '-')}/{node.name}"] = path
     return names
 
 
 def draw_question(module: Module, name: str, seed: int) -> RetrievalQuestion:
     """Return a question with the numbers of a seed. Raises KeyError for a name that is not in `module.retrievals`."""
+    from graders.core.answers.retrieval import draw
+
     return draw(_function(module.retrievals[name], name), seed)
 
 
@@ -51,6 +56,8 @@ def _function(path: Path, name: str) -> DrawQuestion:
 
 def find_faults(module: Module) -> Iterator[Problem]:
     """Yield a problem for each question that cannot be drawn, or whose answers are confused, with its line."""
+    from graders.core.answers.retrieval import draw, find_question_fault
+
     for name, path in module.retrievals.items():
         try:
             function = _function(path, name)
