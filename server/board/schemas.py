@@ -34,7 +34,8 @@ class BoardStudent:
 class ProgressCell(NamedTuple):
     """A student in an exercise. `points` out of 20, in force; `misconception` is that of the latest attempt.
 
-    `is_concerned`: the exercise is given to the class, or to a group of the student.
+    `is_concerned`: the exercise is given to the class, or to a group of the student. `partner`: who has sent for them
+    both, where the student has sent nothing; points and state are then those of what the partner sent.
     """
 
     student: UUID
@@ -44,6 +45,7 @@ class ProgressCell(NamedTuple):
     state: ProgressState
     misconception: str | None
     is_concerned: bool = True
+    partner: str = ""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.gradebook.histories import load_attempts, load_revisions
+from server.gradebook.team_work import TeamAttempts, load_team_attempts
 from server.identity.models import Account
 from server.marks.repository import load_exercise_overrides
 from server.marks.schemas import ActiveOverride
@@ -45,11 +46,13 @@ class BoardInputs:
 
     progress: ClassProgress
     overrides: Mapping[Pair, ActiveOverride]
+    team_attempts: TeamAttempts
 
     @cached_property
     def version(self) -> Hashable:
         """The version of the class: equal versions mean equal boards."""
-        return self.progress.version, self.progress.stuck, frozenset(self.overrides.items())
+        inputs = (frozenset(self.overrides.items()), frozenset(self.team_attempts.items()))
+        return self.progress.version, self.progress.stuck, *inputs
 
     @cached_property
     def board(self) -> Board:
@@ -73,15 +76,21 @@ class BoardInputs:
     def _cell(self, student: BoardStudent, exercise: str) -> ProgressCell:
         pair = student.id, exercise
         totals, override = self.progress.standings.get(pair), self.overrides.get(pair)
-        automatic = None if totals is None else round(MAX_POINTS * totals.best_score, 4)
+        shared = self.team_attempts.get(pair) if totals is None else None
+        score = shared.score if shared else None if totals is None else totals.best_score
+        automatic = None if score is None else round(MAX_POINTS * score, 4)
+        state = progress_state(totals, stuck=pair in self.progress.stuck)
+        if shared:
+            state = ProgressState.solved if shared.score == 1 else ProgressState.trying
         return ProgressCell(
             student=student.id,
             exercise=exercise,
             points=automatic if override is None else override.points,
             attempts=totals.attempts if totals else 0,
-            state=progress_state(totals, stuck=pair in self.progress.stuck),
+            state=state,
             is_concerned=self.progress.concerns(student, exercise),
             misconception=totals.last_diagnosis if totals else None,
+            partner=shared.partner if shared else "",
         )
 
 
@@ -113,7 +122,10 @@ def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: 
 
 
 def load_inputs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> BoardInputs:
-    return BoardInputs(load_progress(db, course, school_class, now), load_exercise_overrides(db, school_class.id))
+    progress = load_progress(db, course, school_class, now)
+    students, until = [student.id for student in progress.students], progress.scope.until
+    shared = load_team_attempts(db, students, class_id=school_class.id, until=until)
+    return BoardInputs(progress, load_exercise_overrides(db, school_class.id), shared)
 
 
 def load_progress(

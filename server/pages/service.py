@@ -22,7 +22,7 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.course.reuse import offers_course_functions
 from server.database import utc_now
-from server.gradebook import early_verdicts, importable_files, solutions
+from server.gradebook import early_verdicts, importable_files, solutions, team_work
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, AttemptList
 from server.pages import kits, marks, notebook, onward, opening, talk, withheld
@@ -188,6 +188,7 @@ def attempts_page(reader: Reader, exercise: Exercise, number: int) -> dict[str, 
         "exercise_title": exercise.title,
         "exercise_href": exercise_href(exercise),
         "attempts": _rows(exercise, attempts),
+        "shared": None if attempts.lines else team_work.find_team_attempt(reader.db, reader.account, exercise.id),
         "total": attempts.total,
         "number": number,
         "more": skipped + ATTEMPTS_A_PAGE < attempts.total,

@@ -185,7 +185,7 @@ def test_a_board_takes_as_many_queries_for_a_bigger_class(sqlite: Database, cour
             read(sqlite, course, made, now)
         return len(counted.statements)
 
-    assert queries(2, 1) == queries(30, 6) <= 7
+    assert queries(2, 1) == queries(30, 6) <= 8
 
 
 def test_failures_with_equal_answers_are_one_group(sqlite: Database, course: Course) -> None:

@@ -11,7 +11,10 @@ from server.desk.schemas import ClassHead, JoinCodeView
 
 @dataclass(frozen=True)
 class BoardCell:
-    """A student in an exercise: sign and text are seen, `label` is read aloud; `href` is empty without attempts."""
+    """A student in an exercise: sign and text are seen, `label` is read aloud; `href` is empty without attempts.
+
+    `by` is seen too, where a partner has sent for the student.
+    """
 
     key: str
     kind: str
@@ -19,6 +22,7 @@ class BoardCell:
     text: str
     label: str
     href: str
+    by: str = ""
 
 
 @dataclass(frozen=True)

@@ -219,8 +219,9 @@ def _row(class_href: str, board: Board, student: BoardStudent) -> BoardRow:
 
 def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
     tried, misconception = cell.attempts > 0, cell.misconception
-    is_left_out = not (tried or cell.is_concerned)
-    label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else "")
+    by = f"rendu par {cell.partner}" if cell.partner else ""
+    is_left_out = not (tried or by or cell.is_concerned)
+    label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else f", {by}" if by else "")
     if misconception is not None and cell.state is not ProgressState.solved:
         label += f" : {board.titles.get((cell.exercise, misconception), misconception)}"
     return BoardCell(
@@ -229,7 +230,8 @@ def board_cell(class_href: str, board: Board, cell: ProgressCell) -> BoardCell:
         sign=NOT_CONCERNED_SIGN if is_left_out else SIGNS[cell.state],
         text="" if cell.points is None else format_mark(cell.points),
         label=STATE_WORDS[MarkState.not_concerned] if is_left_out else label,
-        href=work_href(class_href, cell.student, cell.exercise) if tried else "",
+        href=work_href(class_href, cell.student, cell.exercise) if tried or by else "",
+        by=by,
     )
 
 

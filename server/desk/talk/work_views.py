@@ -16,6 +16,7 @@ from server.comments.side_by_side import compare_side_by_side
 from server.course import Exercise
 from server.desk.views import class_head, class_href
 from server.gradebook import student_work
+from server.gradebook.team_work import TeamAttempt, load_team_attempts
 from server.identity.models import Account
 from server.rights.service import ClassAccess
 from server.web.threads import Draft, thread_views, writer_view
@@ -65,6 +66,8 @@ def build_student_page(reader: Reader, student: StudentWork) -> dict[str, Any]:
     school_class = student.access.school_class
     module = reader.course.modules.get(school_class.module)
     work = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
+    by_pair = load_team_attempts(reader.db, [student.member.id], class_id=school_class.id, until=student.until)
+    shared = {name: attempt for (_, name), attempt in by_pair.items() if name not in work}
     asking = service.count_open_questions(reader.db, student.member.id, student.until)
     exercises = exercises_in_reading_order(module) if module else []
     served = {exercise.id for exercise in exercises}
@@ -74,9 +77,14 @@ def build_student_page(reader: Reader, student: StudentWork) -> dict[str, Any]:
         "head": class_head(reader.course, student.access, "/eleves"),
         "student": student,
         "rows": [(exercise, work.get(exercise.id), asking.get(exercise.id, 0)) for exercise in exercises],
-        "solved": sum(exercise.id in work and work[exercise.id].best == 1 for exercise in exercises),
+        "shared": shared,
+        "solved": sum(_is_solved(work.get(exercise.id), shared.get(exercise.id)) for exercise in exercises),
         "asking": sum(asking.get(exercise.id, 0) for exercise in exercises),
     }
+
+
+def _is_solved(own: student_work.ExerciseWork | None, shared: TeamAttempt | None) -> bool:
+    return own.best == 1 if own else shared is not None and shared.score == 1
 
 
 def find_class_exercise(reader: Reader, access: ClassAccess, module: str, slug: str) -> Exercise:
@@ -112,6 +120,7 @@ def build_work_page(
         "head": class_head(reader.course, student.access, "/eleves"),
         "student": student,
         "exercise": exercise,
+        "shared": None if attempts else _load_shared(reader, student, exercise),
         "action": href,
         "attempts": attempts,
         "shown": shown,
@@ -124,6 +133,13 @@ def build_work_page(
         "draft": draft,
         "diagnosis": diagnosis,
     }
+
+
+def _load_shared(reader: Reader, student: StudentWork, exercise: Exercise) -> TeamAttempt | None:
+    """Return what a partner has sent for the student too, None without any."""
+    own, class_id = student.member.id, student.access.school_class.id
+    rows = load_team_attempts(reader.db, [own], class_id=class_id, exercise=exercise.id, until=student.until)
+    return rows.get((own, exercise.id))
 
 
 def _code_change(reader: Reader, student: StudentWork, exercise: Exercise, number: int) -> dict[str, Any] | None:

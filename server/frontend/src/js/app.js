@@ -22,7 +22,11 @@ function showLocalTimes() {
   for (const time of document.querySelectorAll("time[datetime]:not([data-own])")) {
     const when = new Date(time.dateTime);
     time.dataset.own = "";
-    if (school.format(when) !== own.format(when)) time.textContent += ` (chez vous : ${own.format(when)})`;
+    if (school.format(when) === own.format(when)) continue;
+    const beside = document.createElement("span");
+    beside.className = "own-clock";
+    beside.textContent = ` (chez vous : ${own.format(when)})`;
+    time.append(beside);
   }
 }
 

@@ -1,0 +1,113 @@
+"""Queries on what partners have sent for a student who hands in with them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import and_, or_, select
+from sqlalchemy.orm import Session, aliased
+
+from server.assignments.models import AssignedExercise, Assignment, AttemptSelection, TeamMember
+from server.base.errors import NotFound
+from server.classes.models import Membership
+from server.classes.schemas import display_name
+from server.database import END_OF_TIME
+from server.gradebook.models import Grading
+from server.gradebook.service import find_attempt
+from server.identity.models import Account
+from server.submissions.models import Submission
+
+
+@dataclass(frozen=True)
+class TeamAttempt:
+    """A graded attempt that a partner, of that name, has sent for a student too; `score` in [0, 1]."""
+
+    id: UUID
+    partner: str
+    sent_at: datetime
+    score: float
+
+
+TeamAttempts = Mapping[tuple[UUID, str], TeamAttempt]
+
+
+def load_team_attempts(
+    db: Session,
+    students: Collection[UUID],
+    *,
+    class_id: UUID | None = None,
+    exercise: str | None = None,
+    until: datetime | None = None,
+) -> TeamAttempts:
+    """Load by student and exercise the attempt of a partner that counts, sent while they handed in together.
+
+    It is the latest where the assignment takes the last attempt, else the best. `class_id` and `exercise`: in this
+    class, at this exercise only. `until` is the time of the latest attempt that is read (None: without an end).
+    """
+    mine, other = aliased(TeamMember), aliased(TeamMember)
+    query = (
+        select(
+            mine.account_id,
+            Submission.exercise,
+            *(Submission.id, Submission.created_at, Grading.score, Assignment.counts),
+            *(Membership.given_name, Membership.family_name, Account.name),
+        )
+        .select_from(mine)
+        .join(Assignment, Assignment.id == mine.assignment_id)
+        .join(AssignedExercise, AssignedExercise.assignment_id == mine.assignment_id)
+        .join(
+            other,
+            and_(
+                other.assignment_id == mine.assignment_id,
+                other.team_id == mine.team_id,
+                other.account_id != mine.account_id,
+            ),
+        )
+        .join(Account, Account.id == other.account_id)
+        .outerjoin(
+            Membership, and_(Membership.class_id == Assignment.class_id, Membership.account_id == other.account_id)
+        )
+        .join(
+            Submission,
+            and_(Submission.account_id == other.account_id, Submission.exercise == AssignedExercise.exercise),
+        )
+        .join(Grading, Grading.id == Submission.grading_id)
+        .where(
+            mine.account_id.in_(students),
+            Assignment.removed_at.is_(None),
+            Submission.created_at <= (until or END_OF_TIME),
+            *(each.since <= Submission.created_at for each in (mine, other)),
+            *(or_(each.until.is_(None), each.until > Submission.created_at) for each in (mine, other)),
+        )
+        .order_by(Submission.created_at, Submission.id)
+    )
+    if class_id is not None:
+        query = query.where(Assignment.class_id == class_id)
+    if exercise is not None:
+        query = query.where(AssignedExercise.exercise == exercise)
+    counted: dict[tuple[UUID, str], TeamAttempt] = {}
+    for student, name, id, sent_at, score, counts, *names in db.execute(query) if students else ():
+        if score is None:
+            continue
+        attempt = TeamAttempt(id, display_name(*names), sent_at, score)
+        earlier = counted.get((student, name))
+        if earlier is None or counts == AttemptSelection.last or score > earlier.score:
+            counted[student, name] = attempt
+    return counted
+
+
+def find_team_attempt(db: Session, account: Account | None, exercise: str) -> TeamAttempt | None:
+    """Return what a partner has sent for the account too; None without any, and where a test withholds it."""
+    if account is None:
+        return None
+    shared = load_team_attempts(db, [account.id], exercise=exercise).get((account.id, exercise))
+    if shared is None:
+        return None
+    try:
+        find_attempt(db, account, shared.id)
+    except NotFound:
+        return None
+    return shared
