@@ -291,3 +291,15 @@ def test_axe_finds_nothing_and_nothing_is_wider_than_a_phone(visit: NewVisit, wa
         check(visitor, f"{who}: {path}")
         visitor.page.set_viewport_size({"width": 390, "height": 844})
         assert visitor.page.evaluate("document.documentElement.scrollWidth") == 390, path
+
+
+def test_a_page_on_paper_has_the_schools_dates_alone(visit: NewVisit, walk: Walk) -> None:
+    visitor = visit(at=walk.server, timezone_id="Asia/Tokyo")
+    enters(visitor, walk.database, walk.teacher)
+    path = CLASS + "/eleves/{student}/{module}/{slug}"
+    page = visitor.open(path.format(**walk.values))
+    beside = page.get_by_text("chez vous").first
+    beside.wait_for()
+    page.emulate_media(media="print")
+    assert not beside.is_visible()
+    assert page.locator("time").first.is_visible()
