@@ -49,7 +49,10 @@ class CellTraceRequest(_Frozen):
 
 
 class CallTraceRequest(_Frozen):
-    """A request to trace a call that the student typed, on a program of an exercise; `is_declared` tells its kit."""
+    """A request to trace a call that the student typed, on a program of an exercise; `is_declared` tells its kit.
+
+    `plain`: without the steps; an empty call then runs the file as it is.
+    """
 
     kind: Literal["call"] = "call"
     exercise: str
@@ -57,6 +60,7 @@ class CallTraceRequest(_Frozen):
     library: tuple[LibraryFileData, ...]
     call: str
     is_declared: bool = False
+    plain: bool = False
 
 
 class ReplayTraceRequest(_Frozen):

@@ -55,7 +55,7 @@ POLICY = Policy(
 class _TracedProgram:
     """A source, the call to trace (None: its top level), its kit, and the call as text.
 
-    `driven`: a driver plays the call, and returns no value of the program.
+    `driven`: a driver plays the call, and returns no value of the program. `plain`: the steps are not wanted.
     """
 
     source: bytes
@@ -67,6 +67,7 @@ class _TracedProgram:
     call: str = ""
     drawing: bool = False
     driven: bool = False
+    plain: bool = False
 
 
 def answer_question(sandbox: Sandbox, question: TraceQuestion) -> TraceOut:
@@ -94,19 +95,19 @@ def _trace_cell(sandbox: Sandbox, request: CellTraceRequest) -> TraceOut:
 
 
 def _trace_call(sandbox: Sandbox, request: CallTraceRequest) -> TraceOut:
-    call = calls.parse_call(request.call)
     settings = (
         KitSettings(SCENARIOS, {"seed": SEED})
         if request.is_declared
         else _find_definition(request.exercise).kit(stream(SEED, "kit"))
     )
     kit = _make_kit(settings, request.library)
-    return _trace_program(
-        sandbox,
-        _TracedProgram(
-            request.source, FILENAME, call.function, call.arguments, call.named, kit, calls.format_call(call)
-        ),
+    if request.plain and not request.call.strip():
+        return _trace_program(sandbox, _TracedProgram(request.source, FILENAME, None, (), {}, kit, plain=True))
+    call = calls.parse_call(request.call)
+    program = _TracedProgram(
+        request.source, FILENAME, call.function, call.arguments, call.named, kit, calls.format_call(call)
     )
+    return _trace_program(sandbox, replace(program, plain=request.plain))
 
 
 def _trace_replay(sandbox: Sandbox, request: ReplayTraceRequest) -> TraceOut:
@@ -176,6 +177,9 @@ def _trace_program(
         result = session.trace(program.function, *program.arguments, named=program.named)
     reader = TraceReader(len(_split_lines(program.source)))
     end, reply = read_trace(reader, result, shows_value=not (is_top_level or program.driven))
+    if program.plain:
+        reader.frames, reader.steps, reader.omissions = [], [], []
+        end = _fault_end(result.fault) if result.fault and end.kind == "cut" else end
     omissions = trace_messages.omission_messages(reader.omissions, truncated=session.stdout_truncated)
     if before is not None and end.kind == "returned" and not (reply and same_value(before.value, reply[0])):
         omissions.append(trace_messages.ANSWERED_OTHERWISE)

@@ -14,10 +14,14 @@ class _Frozen(BaseModel):
 
 
 class CallBody(RequestBody):
-    """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »)."""
+    """A typed call: the code in the editor, and the call (« predire2d((0, 0, 0), 1, 0.5) »).
+
+    `plain`: only the prints and the end are wanted; the call may then be empty, and the file runs as it is.
+    """
 
     code: str
     call: str = Field(max_length=4000)
+    plain: bool = False
 
 
 class ReplayBody(RequestBody):

@@ -75,7 +75,8 @@ class StepService:
         """Trace a typed call of the code in the editor. Raises NotFound, NotNow, Invalid or TooLarge."""
         exercise = self._exercise(exercise_id)
         source = encode_bounded(_unix_newlines(new.code), self.settings.code_bytes)
-        calls.parse_call(new.call)
+        if new.call.strip() or not new.plain:
+            calls.parse_call(new.call)
 
         def build(db: Session) -> TraceRequest:
             if tests := feedback.load_holds(db, account.id, exercise.id).tests:
@@ -89,6 +90,7 @@ class StepService:
                 library=self._library(exercise.id, own, tested),
                 call=new.call,
                 is_declared=exercise.kit == SCENARIOS,
+                plain=new.plain,
             )
 
         return await self._trace_with_token(account, address, build)

@@ -21,6 +21,20 @@ def test_a_call_a_cell_and_a_case_are_followed(tmp_path: Path, course: Course) -
         call = {"code": code, "call": "composer((0, 0, 2), (0, 0, 2))"}
         own = live.client.post("/l20/exercices/poses/pas", json=call).json()
         assert own["end"]["value"]["values"] == ["0.0", "0.0", "4.0"]
+        printing = "print('avant')\ndef f(x):\n    print('dans')\n    return 1 / x\n"
+        ends = []
+        for call in ("f(2)", "f(0)", ""):
+            body = {"code": printing, "call": call, "plain": True}
+            plain = live.client.post("/l20/exercices/poses/pas", json=body).json()
+            assert (plain["steps"], plain["frames"], plain["left_out"]) == ([], [], [])
+            ends.append((plain["stdout"], plain["end"]["kind"], plain["end"].get("line")))
+        assert ends == [
+            ("avant\ndans\n", "returned", None),
+            ("avant\ndans\n", "fault", 4),
+            ("avant\n", "returned", None),
+        ]
+        loop = {"code": "def f():\n    while True:\n        pass\n", "call": "f()", "plain": True}
+        assert "temps" in live.client.post("/l20/exercices/poses/pas", json=loop).json()["end"]["title"].lower()
         sent = live.client.post("/l20/exercices/poses/soumissions", data={"code": code}).headers["location"]
         address = sent.partition("?")[0]
         until(lambda: "verification" in live.client.get(f"{address}/verdict").text, "it is graded")

@@ -96,6 +96,17 @@ def test_ones_own_call_goes_with_what_the_program_may_import(site: Site, process
     assert {one.label: one.sealed for one in asked.library}["poses"] is True
 
 
+def test_a_program_is_run_plainly_with_a_call_or_as_it_is(site: Site, process: Process) -> None:
+    for call in ("composer((0, 0, 0), (1, 0, 0))", " "):
+        body = {"code": CODE, "call": call, "plain": True}
+        assert site.client.post("/l20/exercices/poses/pas", json=body).status_code == 200
+        assert (process.asked[-1].call, process.asked[-1].plain) == (call, True)
+    for call, plain in (("composer(x)", True), ("", False)):
+        body = {"code": CODE, "call": call, "plain": plain}
+        assert site.client.post("/l20/exercices/poses/pas", json=body, headers=JSON).status_code == 422
+    assert len(process.asked) == 2
+
+
 @pytest.mark.parametrize(
     ("slug", "call", "status"),
     [

@@ -20,11 +20,11 @@ export async function ask(address, body) {
 }
 
 /** Asks on behalf of a button, which says that it waits; a refusal is said in `place`. Returns the trace, or null. */
-export async function asked(asking, place, address, body) {
+export async function asked(asking, place, address, body, wait = "Rejeu en cours…") {
   if (asking.getAttribute("aria-busy") === "true") return null;
   const words = asking.textContent;
   asking.setAttribute("aria-busy", "true");
-  asking.textContent = "Rejeu en cours…";
+  asking.textContent = wait;
   place.hidden = true;
   const [{ trace, refusal }] = await Promise.all([ask(address, body), styles()]);
   asking.removeAttribute("aria-busy");
