@@ -27,7 +27,7 @@ def home_page(reader: Reader) -> HomePage:
     choices = paths.load_paths(reader.db, reader.account.id if reader.account else None)
     cards = tuple(_card(module, progress, choices) for module in editions.visible_editions(reader, progress))
     solved = {name for name, own in progress.items() if own.succeeded}
-    if reader.account is None or not solved or choices.get(REMINDERS) == OFF:
+    if reader.account is None or choices.get(REMINDERS) == OFF:
         return HomePage(cards, due)
     recall = load_recall(
         reader.db,

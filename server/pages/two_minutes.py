@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from datetime import date
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Form, Request
 from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
 
+from graders.core.answers.numbers import MAX_LENGTH
+from server.base.errors import Invalid
 from server.base.http import client_address
+from server.course import Course
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf
@@ -19,12 +23,14 @@ from server.hunts.service import HuntService, may_have_hunts
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.hunts import MAX_NAME, Act, HuntsOf, Kind, Typed, answer_question, hunt_page
-from server.recall import repository
+from server.polls.models import POLL_LENGTH
+from server.recall import repository, retrievals
+from server.recall.retrievals import AskedQuestion
 from server.recall.scheduling import SITTING_QUESTIONS
-from server.recall.service import OFF, REMINDERS, Recall, load_recall
+from server.recall.service import OFF, REMINDERS, Candidate, Recall, load_recall
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.views import find_exercise
+from server.web.views import find_exercise, find_module
 
 router = APIRouter(include_in_schema=False)
 
@@ -49,25 +55,51 @@ async def show_question(
         return redirect_to_login(request)
     recall = await run_in_threadpool(read_recall, database, course, account)
     page: dict[str, Any] = {"offer": None}
-    offer, question = await _offer_due(hunts, account, recall, client_address(request))
-    if offer is not None:
-        exercise = course.exercises[offer.hunt.exercise]
-        page = dict(await run_in_threadpool(hunt_page, course, exercise, offer, question))
+    for subject, candidates in recall.due.items():
+        if found := retrievals.find_question(course, subject):
+            asked = await run_in_threadpool(retrievals.ask, *found, account, retrievals.today())
+            page = _question_page(course, asked)
+            break
+        turn = recall.answers.get(subject, 0)
+        offer, question = await _offer_hunt(hunts, account, turn, candidates, client_address(request))
+        if offer is not None:
+            exercise = course.exercises[offer.hunt.exercise]
+            page = dict(await run_in_threadpool(hunt_page, course, exercise, offer, question))
+            break
     return await run_in_threadpool(_render, request, account, page, recall)
 
 
-async def _offer_due(
-    hunts: HuntService, account: Account, recall: Recall, address: str
+async def _offer_hunt(
+    hunts: HuntService, account: Account, turn: int, candidates: Sequence[Candidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
-    """Offer the first question that can be asked: a hunt and a prediction in turn."""
-    for subject, candidates in recall.due.items():
-        turn = recall.answers.get(subject, 0)
-        places = [(k + turn) % len(candidates) for k in range(len(candidates))]
-        names = [HuntName(exercise=candidates[k].exercise, misconception=candidates[k].misconception) for k in places]
-        offer = await hunts.offer_first(account, names, address)
-        if offer is not None:
-            return offer, "prevision" if turn % 2 and offer.predictable else "entree"
-    return None, "entree"
+    """Offer the first misconception about which a question can be asked: a hunt and a prediction in turn."""
+    places = [(k + turn) % len(candidates) for k in range(len(candidates))]
+    names = [HuntName(exercise=candidates[k].exercise, misconception=candidates[k].misconception) for k in places]
+    offer = await hunts.offer_first(account, names, address)
+    return offer, "prevision" if offer is not None and turn % 2 and offer.predictable else "entree"
+
+
+@router.post(f"{PATH}/questions/{{module:module}}")
+def answer_question_of_lesson(
+    request: Request,
+    account: SignedIn,
+    database: DatabaseOf,
+    course: CourseOf,
+    module: str,
+    question: Annotated[str, Form(max_length=POLL_LENGTH)],
+    jour: Annotated[date, Form()],
+    reponse: Annotated[str, Form(max_length=MAX_LENGTH)] = "",
+) -> Response:
+    """Mark an answer to a retrieval question as in its lesson."""
+    course_module = find_module(course, module)
+    asked = retrievals.ask(course_module, question, account, jour)
+    shown: dict[str, Any] = {"typed": reponse}
+    try:
+        with database.write() as db:
+            shown["marking"] = retrievals.answer(db, course_module, question, account, jour, reponse)
+    except Invalid as error:
+        shown["refusal"] = str(error)
+    return _render(request, account, _question_page(course, asked) | shown, read_recall(database, course, account))
 
 
 @router.post(PATH)
@@ -108,11 +140,17 @@ def set_reminders(
     return redirect("/" if rappels == "non" else PATH)
 
 
+def _question_page(course: Course, asked: AskedQuestion) -> dict[str, Any]:
+    module, slug = course.modules[asked.module], asked.name.partition("/")[0]
+    title = next((lesson.title for lesson in module.lessons if lesson.slug == slug), module.title)
+    return {"offer": None, "asked": asked, "lesson": title, "typed": "", "refusal": "", "marking": None}
+
+
 def _split(exercise: str) -> Sequence[str]:
     module, _, slug = exercise.partition("/")
     return module, slug
 
 
 def _render(request: Request, account: Account, page: Mapping[str, Any], recall: Recall) -> Response:
-    shown = {**page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
+    shown = {"asked": None, **page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
     return render_page(request, "two_minutes.html", account, page=shown)

@@ -14,7 +14,7 @@ from server.base import school_time
 from server.course import Course, Exercise
 from server.database import utc_now
 from server.gradebook import mistakes
-from server.recall import repository
+from server.recall import repository, retrievals
 from server.recall.scheduling import Review, Schedule, choose_due, count_streak, order_due, schedule
 from server.recall.subjects import list_misconceptions, subject_of
 
@@ -31,7 +31,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Recall:
-    """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked.
+    """What comes back to an account. `due` are subjects, the most forgotten first, each with what may be asked:
+    misconceptions, or none where the subject is a retrieval question itself.
 
     `fading` are all subjects that are due, whether or not a day is long enough for them, with what was confused.
     """
@@ -53,7 +54,9 @@ def load_recall(
     can_ask: Callable[[Exercise], bool],
     choices: Mapping[str, str],
 ) -> Recall:
-    """Load what comes back, of the solved exercises about which questions can be asked, in two queries.
+    """Load what comes back, in two queries: of the solved exercises about which questions can be asked, and of lessons.
+
+    A question of a lesson is scheduled from its first wrong answer on.
 
     `choices` are the account's, as `repository.load_choices` loads them.
     """
@@ -62,7 +65,8 @@ def load_recall(
     asked = [course.exercises[name] for name in course.exercises if name in solved]
     reviews: dict[str, list[Review]] = defaultdict(list)
     confused: dict[str, list[Candidate]] = defaultdict(list)
-    for mistake in mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]):
+    past = mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]) if asked else ()
+    for mistake in past:
         exercise = course.exercises[mistake.exercise]
         if mistake.mended is not None and can_ask(exercise):
             subject = subject_of(course, exercise, mistake.misconception)
@@ -70,15 +74,16 @@ def load_recall(
             confused[subject].append(Candidate(exercise.id, mistake.misconception))
     answers = repository.load_answers(db, account_id)
     for answer in answers:
-        if answer.subject in confused:
+        is_missed = not answer.is_right and retrievals.find_question(course, answer.subject) is not None
+        if answer.subject in reviews or is_missed:
             reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
     days = [school_time.to_local(answer.answered_at).date() for answer in answers]
     schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
     answered_today, counts = days.count(today), Counter(answer.subject for answer in answers)
     due = choose_due(schedules, now, answered_today)
     return Recall(
-        due={subject: (*confused[subject], *_relatives(course, asked, subject, can_ask)) for subject in due},
-        fading={subject: confused[subject] for subject in order_due(schedules, now)},
+        due={subject: (*confused.get(subject, ()), *_relatives(course, asked, subject, can_ask)) for subject in due},
+        fading={subject: confused.get(subject, ()) for subject in order_due(schedules, now)},
         answered_today=answered_today,
         answers={subject: counts[subject] for subject in due},
         streak=count_streak(days, today),

@@ -12,9 +12,13 @@ from graders.core.contract.findings import Judgement
 from server.base.app_services import add_services, get_service
 from server.grading.grading_task import GradingInput
 from server.hunts.service import HuntService
+from server.recall import retrievals
+from server.recall.models import RecallAnswer
 from server.submissions.models import Submission
 from tests.hunts.test_service import TYPED, Process, answers
 from tests.pages.test_notebook import graded
+from tests.support.classes import person
+from tests.support.quick import the_course
 from tests.support.service import Site
 
 PATH = "/deux-minutes"
@@ -75,3 +79,30 @@ def test_what_is_not_mended_yet_or_cannot_be_asked_does_not_come_back(site: Site
     confuse_and_mend(site, "association", "bruit_oublie")
     age(site, 5)
     assert 'id="deux-minutes"' not in site.client.get("/").text
+
+
+def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site) -> None:
+    ada, module, day = person(site), the_course().modules["l20"], retrievals.today()
+    browser = ada.browser(site)
+    for name, reply in (("localiser/cap", "-3"), ("localiser/copies", None)):
+        right = retrievals.ask(module, name, ada.account, day).question.answer
+        form = {"question": name, "jour": day.isoformat(), "reponse": str(right) if reply is None else reply}
+        browser.post("/l20/rappels", data=form, headers={"Accept": "application/json"})
+    assert 'id="deux-minutes"' not in browser.get("/").text, "not on the day itself"
+    with site.database.write() as db:
+        for stored in db.execute(select(RecallAnswer)).scalars():
+            stored.answered_at -= timedelta(days=2)
+    assert 'id="deux-minutes"' in browser.get("/").text, "with no exercise solved"
+    assert "1 question" in browser.get("/l20/objectifs").text.replace("\u202f", " ").replace("\xa0", " ")
+    assert 'value="localiser/cap"' in browser.get(PATH).text, "the right answer does not come back"
+    form = {"question": "localiser/cap", "jour": day.isoformat()}
+    refused = browser.post(f"{PATH}/questions/l20", data={**form, "reponse": "douze"})
+    assert 'value="douze"' in refused.text
+    assert "Vérifier" in refused.text
+    right = retrievals.ask(module, "localiser/cap", ada.account, day).question.answer
+    page = browser.post(f"{PATH}/questions/l20", data={**form, "reponse": str(right)}).text
+    assert "✓ Juste." in page
+    assert "Terminer" in page
+    assert answers(site)[-1] == ("calculation", True)
+    assert 'id="deux-minutes"' not in browser.get("/").text
+    assert "C’est tout pour aujourd’hui" in browser.get(PATH).text
