@@ -303,3 +303,15 @@ def test_a_page_on_paper_has_the_schools_dates_alone(visit: NewVisit, walk: Walk
     page.emulate_media(media="print")
     assert not beside.is_visible()
     assert page.locator("time").first.is_visible()
+
+
+def test_the_sheet_of_a_class_of_35_is_printed_on_two_pages(visit: NewVisit, walk: Walk) -> None:
+    visitor = visit(at=walk.server)
+    enters(visitor, walk.database, walk.teacher)
+    page = visitor.open((CLASS + "/conseil").format(**walk.values))
+    page.evaluate(
+        "body => { const rows = [...body.rows]; for (let n = rows.length; n < 35; n++)"
+        " body.append(rows[n % rows.length].cloneNode(true)); }",
+        page.locator(".council-sheet tbody").element_handle(),
+    )
+    assert len(re.findall(rb"/Type\s*/Page\b", page.pdf(prefer_css_page_size=True))) == 2
