@@ -20,11 +20,11 @@ from server.base.turns import out_of_turn
 from server.base.validation import CutAt
 from server.course.dependencies import CourseOf
 from server.course.first_reading import SingleFlightOf, render_glossary, render_lesson
-from server.database.dependencies import Db
+from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.drawing_requests import MEDIA_TYPES, Theme
 from server.gradebook.dependencies import SolutionToggle
-from server.identity.dependencies import BrowserAccount
+from server.identity.dependencies import BrowserAccount, load_session_account
 from server.polls import service as polls
 from server.polls.models import POLL_LENGTH
 from server.reading import search, service
@@ -94,17 +94,19 @@ def say(module: str, body: NewAnswer, reader: CurrentReader) -> JSONResponse:
 def answer_retrieval(
     request: Request,
     module: str,
-    reader: CurrentReader,
+    course: CourseOf,
+    database: DatabaseOf,
     question: Annotated[str, Form(max_length=POLL_LENGTH)],
     jour: Annotated[date, Form()],
     reponse: Annotated[str, Form(max_length=MAX_LENGTH)] = "",
 ) -> Response:
-    """Mark an answer to a retrieval question: as JSON for a script, else on a page of its own."""
-    course_module = find_module(reader.course, module)
+    """Mark an answer to a retrieval question: as JSON for a script, else on a page of its own, after it is stored."""
+    course_module, account = find_module(course, module), load_session_account(request, database)
     wants_json = "application/json" in request.headers.get("accept", "")
     marking, refusal = None, ""
     try:
-        marking = retrievals.answer(reader.db, course_module, question, reader.account, jour, reponse)
+        with database.write() as db:
+            marking = retrievals.answer(db, course_module, question, account, jour, reponse)
     except Invalid as error:
         if wants_json:
             raise
@@ -112,13 +114,13 @@ def answer_retrieval(
     if marking is not None and wants_json:
         why = str(ticks(french(marking.why)))
         return JSONResponse({"right": marking.is_right, "why": why}, headers={"Cache-Control": "no-store"})
-    asked = retrievals.ask(course_module, question, reader.account, jour)
+    asked = retrievals.ask(course_module, question, account, jour)
     lesson = service.find_lesson(course_module, question.partition("/")[0])
     page = {
         "module": module_link(course_module), "lesson": lesson.title, "asked": asked, "typed": reponse,
         "refusal": refusal, "marking": marking,
     }  # fmt: skip
-    return render_page(request, "reading/recalled_page.html", reader.account, page=page)
+    return render_page(request, "reading/recalled_page.html", account, page=page)
 
 
 @router.get("/{module:module}/glossaire", dependencies=[Depends(render_glossary)])

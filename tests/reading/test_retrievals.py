@@ -139,6 +139,7 @@ def test_the_first_answer_of_a_day_is_stored_and_others_are_marked(site: Site) -
     assert "La réponse était" in wrong["why"]
     right = browser.post("/l20/rappels", data={**form, "reponse": str(asked.question.answer)}, headers=JSON).json()
     assert right["right"] is True
+    assert "La réponse était" in browser.post("/l20/rappels", data={**form, "reponse": "-3"}).text, "without script"
     with site.database.read() as db:
         (stored,) = repository.load_answers(db, ada.account.id)
     assert (stored.subject, stored.kind, stored.is_right) == ("rappel:l20/localiser/cap", "calculation", False)

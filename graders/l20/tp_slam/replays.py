@@ -60,7 +60,7 @@ def chaine(data: dict[str, Any]) -> Replay:
     return Replay(
         _view(paths, truth, clouds),
         frames,
-        _summary(errors[0], errors[last - 1], errors[last], len(data["loops"]), worse),
+        _summary(paths, errors, len(data["loops"]), worse, bool(data.get("borrowed"))),
         charts=[
             Chart(
                 "Erreur de la trajectoire (ATE, en m)",
@@ -74,13 +74,16 @@ def chaine(data: dict[str, Any]) -> Replay:
         ],
         legend=[
             Key("line", "estimate", "votre trajectoire"),
-            Key("line", "truth", "la vraie"),
+            Key("line", "truth", "celle du journal" if data["place"] == "intel" else "la vraie"),
             Key("line", "measure", "boucle refermée"),
             Key("dot", "ink", "point vu"),
         ],
         period=1.6,
         alt=ALT,
-        panels=("Vos étapes", "La vérité"),
+        panels=(
+            "Étapes du cours, puis les vôtres" if data.get("borrowed") else "Vos étapes",
+            "Le journal" if data["place"] == "intel" else "La vérité",
+        ),
         wrong=worse,
     )
 
@@ -114,10 +117,16 @@ def _caption(name: str, error: float, loops: int, worse: bool) -> str:
     return f"{name} : {what}. ATE de {decimal(error, 2)} m.{wrong}"
 
 
-def _summary(odometry: float, matched: float, solved: float, loops: int, worse: int | None) -> list[str]:
+def _summary(
+    paths: list[tuple[str, Floats]], errors: list[float], loops: int, worse: int | None, borrowed: bool
+) -> list[str]:
+    """The error after each stage that changes it; whose matches and loops these are."""
+    of = {name: decimal(error, 2) for (name, _), error in zip(paths, errors, strict=True)}
+    calibrated = f", à {of['Étalonnage']} m une fois l'odométrie étalonnée" if "Étalonnage" in of else ""
+    whose = "ceux du cours, partout où une étape d'avant n'a pas réussi" if borrowed else "les vôtres"
     told = (
-        f"L'erreur est passée de {decimal(odometry, 2)} m avec l'odométrie à {decimal(matched, 2)} m avec vos "
-        f"recalages, puis à {decimal(solved, 2)} m avec {loops} boucles dans le graphe."
+        f"L'erreur est passée de {of['Odométrie']} m avec l'odométrie à {of['Recalages']} m avec les recalages"
+        f"{calibrated}, puis à {of['Graphe']} m avec {loops} boucles dans le graphe. Recalages et boucles sont {whose}."
     )
     return [told] if worse is None else [told, "Une étape a fait pire que celle d'avant : regardez-la d'abord."]
 

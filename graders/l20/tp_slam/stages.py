@@ -228,7 +228,7 @@ def solving(bench: Bench) -> None:
     got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
     before, after = ate(start, truth), ate(got, truth)
     bench.observe("optimiser", after < SOLVED, ok=after < SOLVED)
-    film(bench, "simule", chain.odometry[chain.keys], start, loops, got, chain.keys)
+    film(bench, "simule", chain.odometry[chain.keys], start, loops, got, chain.keys, borrows=chain.borrowed)
     if after >= SOLVED:
         raise Rejection(
             f"Le graphe devrait ramener l’ATE de {metres(before)} à {metres(0.10)} environ ; elle vaut "
@@ -237,7 +237,7 @@ def solving(bench: Bench) -> None:
             expected=f"une ATE sous {metres(SOLVED)}",
             got=f"une ATE de {metres(after)}",
         )
-    bench.measured = f"L’ATE passe de {metres(before)} à {metres(after)}."
+    bench.measured = f"L’ATE passe de {metres(before)} à {metres(after)}.{borrowed(chain)}"
     chain.own.poses = got
 
 
@@ -250,16 +250,19 @@ def film(
     solved: Floats,
     keys: Sequence[int] = (),
     before: Floats | None = None,
+    borrows: bool = False,
 ) -> None:
     """Leave what the stages have come to: poses of the key scans, and the loops by their ends.
 
-    `before`: what matches came to from odometry that was not yet calibrated.
+    `before`: what matches came to from odometry that was not yet calibrated. `borrows`: it began with results of the
+    course.
     """
     bench.film(
         ({} if before is None else {"before": np.round(before, 3)})
         | {
             "kind": "chaine",
             "place": place,
+            "borrowed": borrows,
             "keys": list(keys),
             "odometry": np.round(odometry, 3),
             "matched": np.round(start, 3),
