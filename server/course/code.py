@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import sys
 from pathlib import Path
 from threading import RLock
 from types import ModuleType
 
+from graders.core.syntax_trees import parse_source
+from server.course.models import CourseFault, Problem
+
 #: The folder of a module in which each entry is a folder itself.
 MANIPULATIONS = "manipulations"
 # A page asks for its figures at once: without it, one thread would find the half-made module of another.
 _LOADING = RLock()
+
+
+def parse_python(source: str, path: Path) -> ast.Module:
+    """Return the tree of the text of a Python file. Raises CourseFault, with its line, where it does not compile."""
+    try:
+        return parse_source(source)
+    except (SyntaxError, ValueError) as error:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
 
 
 def load_file(path: Path) -> ModuleType:

@@ -7,9 +7,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from graders.core.syntax_trees import parse_source
 from server.course import toml_file
-from server.course.code import MANIPULATIONS
+from server.course.code import MANIPULATIONS, parse_python
 from server.course.models import CourseFault, Drawing, Problem
 from server.text.markup.text import SLUG
 
@@ -38,11 +37,7 @@ def _fault(path: Path, line: int | None, message: str) -> CourseFault:
 
 
 def _read_file(path: Path) -> Iterator[Drawing]:
-    try:
-        tree = parse_source(toml_file.read_text(path))
-    except (SyntaxError, ValueError) as error:
-        line = error.lineno if isinstance(error, SyntaxError) else None
-        raise _fault(path, line, f"ce fichier Python ne se compile pas ({error})") from error
+    tree = parse_python(toml_file.read_text(path), path)
     table = next((value for node in tree.body if (value := _figures_value(node)) is not None), None)
     if not isinstance(table, ast.Dict):
         raise _fault(path, table.lineno if table else 1, f"il faut un dictionnaire écrit en toutes lettres : {SHAPE}")

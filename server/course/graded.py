@@ -16,9 +16,9 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.declared.exercise import DeclaredDefinition
 from graders.core.declared.grading import DeclaredGrader
-from graders.core.syntax_trees import parse_source
 from server.course import toml_file
 from server.course.closure import Imports
+from server.course.code import parse_python
 from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
 from server.course.start_cache import ExerciseFacts
@@ -193,9 +193,5 @@ def python_of(path: Path) -> str:
 
 
 def _check_compiles(source: str, path: Path) -> str:
-    try:
-        parse_source(source)
-    except (SyntaxError, ValueError) as error:
-        line = error.lineno if isinstance(error, SyntaxError) else None
-        raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
+    parse_python(source, path)
     return source

@@ -9,9 +9,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graders.core.syntax_trees import parse_source
 from server.course import toml_file
-from server.course.code import load_file
+from server.course.code import load_file, parse_python
 from server.course.models import CourseFault, Module, Problem
 
 if TYPE_CHECKING:  # loaded where a question is drawn: a verdict of code needs none
@@ -28,11 +27,7 @@ def list_names(folder: Path, problems: list[Problem]) -> Mapping[str, Path]:
     names: dict[str, Path] = {}
     for path in sorted((folder / FOLDER).glob("[!_.]*.py")):
         try:
-            tree = parse_source(toml_file.read_text(path))
-        except (SyntaxError, ValueError) as error:
-            line = error.lineno if isinstance(error, SyntaxError) else None
-            problems.append(Problem(path, line, f"ce fichier Python ne se compile pas ({error})"))
-            continue
+            tree = parse_python(toml_file.read_text(path), path)
         except CourseFault as fault:
             problems.append(fault.problem)
             continue
@@ -58,6 +53,7 @@ def find_faults(module: Module) -> Iterator[Problem]:
     """Yield a problem for each question that cannot be drawn, or whose answers are confused, with its line."""
     from graders.core.answers.retrieval import draw, find_question_fault
 
+    pages = {lesson.slug for lesson in module.lessons}
     for name, path in module.retrievals.items():
         try:
             function = _function(path, name)
@@ -70,5 +66,5 @@ def find_faults(module: Module) -> Iterator[Problem]:
             continue
         if fault:
             yield Problem(path, line, f"question « {name} » : {fault}")
-        if name.partition("/")[0] not in {lesson.slug for lesson in module.lessons}:
+        if name.partition("/")[0] not in pages:
             yield Problem(path, None, f"aucune page ne se nomme « {name.partition('/')[0]} »")

@@ -17,6 +17,7 @@ from server.base.caches import LRUCache
 from server.grading.sandbox_grader import SandboxPrograms
 from server.hunts.questions import (
     GONE,
+    MAX_OFFERS,
     OUTSIDE,
     Argument,
     HuntName,
@@ -29,8 +30,8 @@ from server.hunts.questions import (
 )
 from server.sandbox import Policy, Sandbox
 
-#: Hunts that are tried until one can be made, and exercises whose hunts stay known.
-MAX_OFFERS, MAX_KNOWN = 12, 64
+#: Hunts whose witness stays known.
+MAX_KNOWN = 64
 
 
 @dataclass(frozen=True)

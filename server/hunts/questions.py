@@ -10,6 +10,8 @@ OUTSIDE = (
     "Cette entrée sort de ce que l’énoncé promet : des programmes justes n’y répondent pas tous pareil. "
     "Donnez des valeurs que la fonction peut recevoir."
 )
+#: Hunts that are tried until one can be made.
+MAX_OFFERS = 12
 GONE = "Cette chasse n’existe plus : prenez-en une autre."
 
 

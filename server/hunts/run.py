@@ -30,6 +30,7 @@ from server.grading.sandbox_grader import SandboxPrograms
 from server.hunts.declared import DeclaredHuntRunner
 from server.hunts.questions import (
     GONE,
+    MAX_OFFERS,
     OUTSIDE,
     Argument,
     HuntName,
@@ -49,8 +50,6 @@ from server.steps import calls
 
 MIB = 1 << 20
 POLICY = Policy(cpu_seconds=3.0, wall_seconds=5.0, memory_bytes=512 * MIB)
-#: Hunts that are tried until one can be made.
-MAX_OFFERS = 12
 #: Numbers of an answer that one predicts, and how near the prediction must be.
 MAX_PREDICTED, PREDICTION_TOLERANCE = 6, 0.011
 
