@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
+from typing import TypeVarTuple
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Row, Select, and_, func, null, select, tuple_
@@ -19,6 +20,7 @@ from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
 
+Ts = TypeVarTuple("Ts")
 #: The key of PostgreSQL's advisory lock on the groups.
 GROUPS_LOCK = 0x67726F75
 #: Outcomes of programs that ran.
@@ -48,13 +50,8 @@ def find_grading_to_observe(db: Session, versions: Mapping[str, str], since: dat
         )
     )
     query = (
-        select(Grading.id)
-        .join(Submission, Submission.grading_id == Grading.id)
-        .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
+        _unobserved(select(Grading.id), since)
         .where(
-            Grading.finished_at >= since,
-            Grading.outcome.in_(OBSERVABLE_OUTCOMES),
-            Fingerprint.grading_id.is_(None),
             tuple_(Submission.exercise, Grading.exercise_version).in_(list(versions.items())),
             in_class.exists(),
         )
@@ -64,19 +61,23 @@ def find_grading_to_observe(db: Session, versions: Mapping[str, str], since: dat
     return db.execute(query).scalar_one_or_none()
 
 
-def list_unobserved_exercises(db: Session, since: datetime, known: Collection[str]) -> Sequence[str]:
-    """Return the exercises besides `known` ones that have failed gradings without fingerprint since then."""
-    query = (
-        select(Submission.exercise)
-        .join(Grading, Submission.grading_id == Grading.id)
+def _unobserved(query: Select[*Ts], since: datetime) -> Select[*Ts]:
+    """Restrict a query to the gradings of a program that ran and failed, without fingerprint, since then."""
+    return (
+        query.select_from(Grading)
+        .join(Submission, Submission.grading_id == Grading.id)
         .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
         .where(
             Grading.finished_at >= since,
             Grading.outcome.in_(OBSERVABLE_OUTCOMES),
             Fingerprint.grading_id.is_(None),
-            Submission.exercise.not_in(list(known)),
         )
     )
+
+
+def list_unobserved_exercises(db: Session, since: datetime, known: Collection[str]) -> Sequence[str]:
+    """Return the exercises besides `known` ones that have failed gradings without fingerprint since then."""
+    query = _unobserved(select(Submission.exercise), since).where(Submission.exercise.not_in(list(known)))
     return db.execute(query.distinct()).scalars().all()
 
 
