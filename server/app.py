@@ -48,10 +48,9 @@ from server.health.readiness import Readiness
 from server.hunts.service import HuntService
 from server.identity import service as accounts
 from server.identity.devices import DEVICE_DAYS
-from server.identity.service import AccountService
 from server.mails import service as mails
 from server.offline.service import Archives
-from server.personal.guest_adoption import adopt_guest_data, require_joinable
+from server.personal.accounts import make_account_service
 from server.personal.service import PersonalData
 from server.queue.engine import create_nats_engine
 from server.queue.interfaces import GiveUpHandler, Queue
@@ -63,7 +62,6 @@ from server.reading.downloads import Downloads
 from server.regrades.service import RegradeService
 from server.replays.routes import Desk
 from server.replays.service import Replays
-from server.rights import slips
 from server.routers import ROUTERS, UNNAMED_ROUTERS
 from server.steps.service import StepService
 from server.studio import repository as authored_exercises
@@ -315,18 +313,14 @@ def _share(app: FastAPI, services: Services) -> None:
     )
     add_services(app, PrometheusMetrics(services.database, services.supervisor, services.settings.data_dir))
     add_services(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
-    add_services(app, services.archives, SingleFlight(), services.federation, _account_service(services))
-    check_services(app)
-
-
-def _account_service(services: Services) -> AccountService:
-    return AccountService(
-        services.database,
-        services.settings,
-        adopt=adopt_guest_data,
-        is_link_in_force=slips.is_link_in_force,
-        check_join=require_joinable,
+    add_services(
+        app,
+        services.archives,
+        SingleFlight(),
+        services.federation,
+        make_account_service(services.database, services.settings),
     )
+    check_services(app)
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:

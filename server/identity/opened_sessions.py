@@ -47,6 +47,8 @@ class PasswordProof:
 
 #: Moves the work of a guest (first id) to the account (second id) of the same person.
 Adopt = Callable[[Session, UUID, UUID], None]
+#: Records in the log that an account was made by an invitation.
+RecordInvited = Callable[[Session, Account], None]
 #: Raises Conflict where the work of an account (first id) cannot move to another one (second id).
 JoinCheck = Callable[[Session, UUID, UUID], None]
 
@@ -55,6 +57,10 @@ def frames_of_session(db: Session, token: str) -> str:
     """Return the origins that may show a session in a frame, separated by spaces; empty for none."""
     session = repository.find_session(db, secrets.digest(token), utc_now())
     return "" if session is None else session.frames
+
+
+def record_nothing(_db: Session, _account: Account) -> None:
+    pass
 
 
 def accept_every_join(_db: Session, _newcomer_id: UUID, _account_id: UUID) -> None:

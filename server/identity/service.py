@@ -29,15 +29,12 @@ from server.identity.opened_sessions import (
     JoinCheck,
     OpenedSession,
     PasswordProof,
+    RecordInvited,
     SessionOrigin,
     accept_every_join,
+    record_nothing,
 )
-from server.identity.schemas import (
-    NewAccount,
-    RefusedForm,
-    validate_new_password,
-    validate_token_label,
-)
+from server.identity.schemas import NewAccount, RefusedForm, validate_new_password, validate_token_label
 from server.limits import service as limits
 
 BUCKET_RETENTION = timedelta(days=7)
@@ -60,7 +57,8 @@ TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez 
 class AccountService:
     """Sign-up, log-in and password changes. `adopt` moves a guest's work to an account.
 
-    `is_link_in_force` checks a link to a password against the rights of its maker and the place of its account.
+    `is_link_in_force` checks a link to a password against the rights of its maker and the place of its account;
+    `record_invited` records who used an invitation.
     """
 
     database: Database
@@ -69,6 +67,7 @@ class AccountService:
     hashing: PasswordHasher = field(default_factory=PasswordHasher)
     is_link_in_force: LinkCheck = links.accept_every_link
     check_join: JoinCheck = accept_every_join
+    record_invited: RecordInvited = record_nothing
 
     def create_guest(self, address: str) -> OpenedSession:
         """Create a guest account with a browser session. Raises RateLimited."""
@@ -113,11 +112,12 @@ class AccountService:
                 role = Role.student if invitation is None else links.use_invitation(db, invitation)
                 require_free(db, form.login)
                 account = _new_or_guest_account(db, visitor)
-                account.role, account.name = role, form.name
-                account.login, account.password_hash = form.login, hashed
+                account.role, account.name, account.login, account.password_hash = role, form.name, form.login, hashed
                 db.flush()
                 repository.delete_sessions_of(db, account.id)
                 repository.delete_tokens_of(db, account.id)  # a guest's, made without a password
+                if invitation is not None:
+                    self.record_invited(db, account)
                 return self.open_session(db, account, device)
         except IntegrityError as error:  # taken by somebody else at the same time
             raise RefusedForm({"login": TAKEN}) from error

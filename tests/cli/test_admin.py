@@ -259,3 +259,14 @@ def test_administrators_read_the_log_on_a_page(site: Site, admin: Admin) -> None
     assert "Bob le Bref" in page
     assert "enseignant" in page
     assert person(site, Role.teacher, "Prof").browser(site).get("/administration/journal").status_code == 403
+
+
+def test_the_log_has_the_account_that_an_invitation_made(site: Site, admin: Admin) -> None:
+    with site.database.write() as db:
+        token = links.invite(db, Role.teacher, timedelta(days=1))
+    form = {"name": "Marie", "login": "marie", "password": "une phrase bien longue"}
+    assert site.client.post(f"/bienvenue/{token}", data=form).status_code == 303
+    (event,) = admin("log")["actions"]
+    assert (event["action"], event["after"]) == (AuditAction.account_created, {"role": "teacher"})
+    assert event["account"] is not None
+    assert event["about"] == "lien à usage unique"
