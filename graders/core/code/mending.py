@@ -20,7 +20,7 @@ from graders.core.code.changes import ProgramChange, count_turns, find_changes, 
 from graders.core.code.checks import Check
 from graders.core.code.grading import NO_SHRINKING, CodeGrader
 from graders.core.code.mutants import NO_ANSWER
-from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, read_answer, same_probe_answer
+from graders.core.code.probes import TOLERANCE, ProbeAnswer, ProbeFault, Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.running import run_check
 from graders.core.code.variants import VariantCaller
@@ -210,7 +210,7 @@ class MendingSearch:
             for answers in self._caller.answers(
                 texts[begin : begin + SLICE], probes.function, calls, probes.kit, draws
             ):
-                read = [read_answer(args, answer, probes.read) for args, answer in zip(calls, answers, strict=False)]
+                read = [probes.read_answer(args, answer) for args, answer in zip(calls, answers, strict=False)]
                 read += [NO_ANSWER] * (len(calls) - len(read))
                 in_each_style = [
                     [_right_numbers(probes, answer, right[k]) for k, answer in zip(indices, read, strict=True)]
@@ -230,7 +230,7 @@ class MendingSearch:
             answers = VariantCaller(self._programs).answers(
                 [solution], probes.function, probes.calls, probes.kit, draws
             )[0]
-            read = [read_answer(args, answer, probes.read) for args, answer in zip(probes.calls, answers, strict=False)]
+            read = [probes.read_answer(args, answer) for args, answer in zip(probes.calls, answers, strict=False)]
             self._drawn_answers[index] = [*read, *[NO_ANSWER] * (len(probes.calls) - len(read))]
         return [self._drawn_answers[index]]
 

@@ -297,7 +297,8 @@ def _answers(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -
         except MemoryError:
             raise
         except Exception as error:
-            yield ProbeFault(type(error).__name__)
+            fault = ProbeFault(type(error).__name__)
+            yield probes.faults.get(fault.name, fault)
         else:
             yield probes.read(args, value)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from graders.core.code.probes import ProbeAnswer, Probes, read_answer, same_probe_answer
+from graders.core.code.probes import ProbeAnswer, Probes, same_probe_answer
 from graders.core.code.runner import Runner
 from graders.core.code.shared_results import find_changed_result
 from graders.core.contract.program import KitSettings, PlannedCalls, StudentFault, flatten_blocks
@@ -25,7 +25,7 @@ def read_piggybacked(
     if any(answers is None for answers in answers_by_batch):
         return []
     results = [
-        [read_answer(args, answer, probes.read) for args, answer in zip(batch.calls, answers or (), strict=False)]
+        [probes.read_answer(args, answer) for args, answer in zip(batch.calls, answers or (), strict=False)]
         for probes, batch, answers in zip(probed, batches, answers_by_batch, strict=True)
     ]
     return [] if any(map(repeat_differs, probed, results)) else results
@@ -49,7 +49,7 @@ def probe_side_program(
                 if runner.clock() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
                     break
                 args = batches[number].calls[len(results[index])]
-                results[index].append(read_answer(args, answer, probed[index].read))
+                results[index].append(probed[index].read_answer(args, answer))
     except StudentFault:
         return []
     return results

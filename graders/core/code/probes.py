@@ -91,6 +91,7 @@ class Probes:
     for the mutants only. `last_rules` apply when nothing else has found a name. The first call is repeated last, to
     detect state, unless the function is `random`; every mutant then draws the same numbers. `same` compares two
     answers, loosely where a check grants a margin. Nothing is called where a check of one of `unless` alone failed.
+    `faults` are the answers that stand for exceptions, by name, which come or not as numbers are rounded.
     """
 
     function: str
@@ -105,6 +106,12 @@ class Probes:
     facet: Facet | None = None
     compared: int | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
+    faults: Mapping[str, Value] = field(default_factory=dict)
+
+    def read_answer(self, args: Arguments, answer: Answer) -> ProbeAnswer:
+        """Return the compared part of an answer to one of these calls."""
+        shown = read_answer(args, answer, self.read)
+        return self.faults.get(shown.name, shown) if isinstance(shown, ProbeFault) else shown
 
 
 def array_or_reason(args: Arguments, value: Value) -> Value:

@@ -129,11 +129,14 @@ def landmarks_stay(shown: ProbeResults) -> str | None:
 
 
 def singular(shown: ProbeResults) -> str | None:
-    """Systems that cannot be solved, or of which the solution is any, the first pose going with it: none is held."""
-    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
+    """The first pose goes along, wherever the system has a solution; elsewhere it has none, or any, far away.
+
+    Systems none of which can be solved tell nothing: without observations, landmarks are anywhere too.
+    """
     lost = [isinstance(one, str) and one == LOST for one in shown.got]
-    astray = [faults[k] or lost[k] or _first_moved(shown, k) for k in range(len(MAPS))]
-    return "jauge_libre" if all(astray) and (any(faults) or any(lost[k] for k in STEPS)) else None
+    moved = [_first_moved(shown, k) for k in range(len(MAPS))]
+    astray = all(left or gone for left, gone in zip(moved, lost, strict=True))
+    return "jauge_libre" if astray and any(moved) and any(lost) else None
 
 
 def _first_moved(shown: ProbeResults, k: int) -> bool:
@@ -175,6 +178,7 @@ PROBES = (
         calls=tuple(tuple(one.inputs.values()) for one in MAPS),
         kit=world.STILL,
         read=read,
+        faults={"LinAlgError": LOST},
         rules=(never_moves, landmarks_stay, singular, first_moves, turns_only, one_step_only),
     ),
 )

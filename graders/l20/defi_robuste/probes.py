@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeResults, Probes, as_array
 from graders.core.compare.comparison import Mismatch
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_scalar
 from graders.l20 import world
@@ -86,12 +86,15 @@ def never_moves(shown: ProbeResults) -> str | None:
 
 
 def first_moves(shown: ProbeResults) -> str | None:
-    """No pose is held, or another than the first: it is not where it was given, or the system cannot be solved."""
-    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
+    """No pose is held, or another than the first: it is not where it was given, or the system cannot be solved.
+
+    Systems none of which can be solved tell nothing: with weights of zero there is no other either.
+    """
+    unsolved = [isinstance(one, str) and one == LOST for one in shown.got]
     found = [_shown(shown, k) for k in range(len(GRAPHS))]
     moved = [one is not None and float(np.abs(gaps(START[:1], one[0][:1])).max()) > HELD for one in found]
-    astray = [fault or away for fault, away in zip(faults, moved, strict=True)]
-    return "jauge_libre" if sum(astray) >= len(GRAPHS) - 1 else None
+    astray = [left or gone for left, gone in zip(moved, unsolved, strict=True)]
+    return "jauge_libre" if any(moved) and sum(astray) >= len(GRAPHS) - 1 else None
 
 
 def weights_out(shown: ProbeResults) -> str | None:
@@ -129,6 +132,7 @@ PROBES = (
         calls=tuple((one.poses, list(one.edges), DELTA, one.n_iter) for one in GRAPHS),
         kit=world.STILL,
         read=read,
+        faults={"LinAlgError": LOST},
         rules=(never_moves, first_moves, plain_least_squares, all_trusted, weights_out),
     ),
 )

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import ProbeFault, ProbeResults, Probes, as_array
+from graders.core.code.probes import ProbeResults, Probes, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.poses.probes import only_angle, only_position, only_turns, position
@@ -96,17 +96,21 @@ def _reached(poses: Floats | None, graph: Graph) -> bool:
 
 
 def singular(shown: ProbeResults) -> str | None:
-    """The system cannot be solved, or its solution is any, on the first step already: the first pose goes too."""
-    faults = [isinstance(one, ProbeFault) and one.name == "LinAlgError" for one in shown.got]
-    if sum(faults) >= len(faults) - 1:
-        return "jauge_libre"
-    astray = [faults[k] or _is_lost(shown, k) or _first_moved(shown, k) for k in range(len(GRAPHS))]
-    return "jauge_libre" if all(astray) and (any(faults) or any(_is_lost(shown, k) for k in STEPS)) else None
+    """The first pose goes along, wherever the system has a solution; elsewhere it has none, or any, far away.
+
+    Poses that run away alone tell nothing, nor do systems none of which can be solved: a wrong sign has the first do
+    so, a derivative that is zero the second, whatever is held.
+    """
+    moved = [_first_moved(shown, k, columns=2) for k in range(len(GRAPHS))]
+    unsolved = [isinstance(one, str) and one == LOST for one in shown.got]
+    drawn = any(unsolved) or any(moved[k] and _is_lost(shown, k) for k in STEPS)
+    astray = all(left or gone for left, gone in zip(moved, unsolved, strict=True))
+    return "jauge_libre" if astray and any(moved) and drawn else None
 
 
-def _first_moved(shown: ProbeResults, k: int) -> bool:
+def _first_moved(shown: ProbeResults, k: int, columns: int = 3) -> bool:
     poses = _poses(shown, k)
-    return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])).max()) > 1e-2
+    return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])[:, :columns]).max()) > 1e-2
 
 
 def at_the_origin(shown: ProbeResults) -> str | None:
@@ -182,8 +186,10 @@ def elsewhere(shown: ProbeResults) -> str | None:
 
 
 def runs_away(shown: ProbeResults) -> str | None:
-    """From a start near the optimum, it ends far from it."""
-    return "diverge" if all(_is_lost(shown, k) for k in (PLAIN, WRAPPING, DOUBLED)) else None
+    """From a start near the optimum, it ends far from it, and the first steps lead away: they are not all unsolved."""
+    steps = [(_poses(shown, k), GRAPHS[k]) for k in STEPS]
+    worse = any(poses is not None and graph.chi2(poses) > graph.chi2(graph.poses) for poses, graph in steps)
+    return "diverge" if worse and all(_is_lost(shown, k) for k in (PLAIN, WRAPPING, DOUBLED)) else None
 
 
 def _is_lost(shown: ProbeResults, k: int) -> bool:
@@ -207,6 +213,7 @@ PROBES = (
         calls=tuple(tuple(graph.inputs.values()) for graph in GRAPHS),
         kit=world.STILL,
         read=read,
+        faults={"LinAlgError": LOST},
         rules=(
             never_moves,
             at_the_origin,
