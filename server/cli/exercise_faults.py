@@ -8,7 +8,8 @@ from pathlib import Path
 
 from graders.core.code.folder import MISCONCEPTIONS, read_specimens
 from graders.core.code.grading import CodeGrader
-from graders.core.code.hunts import find_hunt_faults, list_hunts
+from graders.core.code.hunt_faults import find_hunt_faults
+from graders.core.code.hunts import list_hunts
 from graders.core.code.promises import find_broken_promises
 from graders.core.contract.definition import MODULE_FILE
 from graders.core.contract.outcomes import Outcome

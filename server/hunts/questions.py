@@ -53,6 +53,22 @@ class PredictionTrial(HuntMessage):
     typed: str
 
 
+class LineTrial(HuntMessage):
+    """A request to say whether a line makes the program wrong, in the form of `seed`; line 0 gives up."""
+
+    kind: Literal["line"] = "line"
+    hunt: HuntName
+    seed: int
+    line: int
+
+
+class ComparisonRequest(HuntMessage):
+    """A request for a call on which the first possible of these mistakes shows, with the answers of other mistakes."""
+
+    kind: Literal["comparison"] = "comparison"
+    hunts: tuple[HuntName, ...]
+
+
 class ReviewRequest(HuntMessage):
     """A request to say what could be written otherwise in a program that passes."""
 
@@ -64,7 +80,10 @@ class ReviewRequest(HuntMessage):
 class HuntQuestion(HuntMessage):
     """A question of the service, recognised by its field `hunts`; `declarations` are those of declared exercises."""
 
-    hunts: Annotated[HuntOffer | InputTrial | PredictionTrial | ReviewRequest, Field(discriminator="kind")]
+    hunts: Annotated[
+        HuntOffer | InputTrial | PredictionTrial | LineTrial | ComparisonRequest | ReviewRequest,
+        Field(discriminator="kind"),
+    ]
     declarations: dict[str, dict[str, Any]] = {}
 
 
@@ -81,7 +100,8 @@ class OfferedHunt(HuntMessage):
     """A hunt that can be made. `index` is its place among those asked for; `numbers` and `nonzero`, its answer's size,
     0 where that is not told in numbers.
 
-    `predictable`: what the wrong program answers to the witness is short enough to be typed; `returns` says what it is.
+    `wrong_lines` lines of the program make it wrong, 0 where the mistake is not one of lines. `predictable`: what the
+    wrong program answers to the witness is short enough to be typed; `returns` says what it is.
     """
 
     index: int
@@ -92,14 +112,15 @@ class OfferedHunt(HuntMessage):
     numbers: int
     nonzero: int
     predictable: bool
+    wrong_lines: int = 0
     returns: str
 
 
 class TrialOutcome(HuntMessage):
     """What an input shows, or why it cannot be taken (`refusal`, of the argument `argument`).
 
-    `small`: no longer than the known answer. `expected` and `got` are written for readers; `fault` says how the wrong
-    program stopped.
+    `small`: no longer than the known answer. `expected` and `got` are written for readers, or lines of the program
+    with those that mend it; `fault` says how the wrong program stopped.
     """
 
     is_right: bool = False
@@ -128,9 +149,28 @@ class ProgramReview(HuntMessage):
     ratio: float = 0.0
 
 
+class ComparedAnswer(HuntMessage):
+    """An answer to a call, in words, and the misconception that leads to it."""
+
+    misconception: str
+    words: str
+
+
+class AnswerComparison(HuntMessage):
+    """A call, its right answer in words, and different ones of known mistakes, that of the hunt first. `index` is the
+    place of the hunt among those asked for."""
+
+    index: int
+    hunt: HuntName
+    call: str
+    right: str
+    wrong: tuple[ComparedAnswer, ...]
+
+
 class HuntReply(HuntMessage):
-    """The answer of the process: no hunt at all, an offer, the outcome of a trial, or a review."""
+    """The answer of the process: no hunt at all, an offer, the outcome of a trial, a comparison, or a review."""
 
     offer: OfferedHunt | None = None
     outcome: TrialOutcome | None = None
+    comparison: AnswerComparison | None = None
     review: ProgramReview | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -22,6 +22,7 @@ from graders.core.code.hunts import (
     list_hunts,
     size_of,
 )
+from graders.core.code.wrong_lines import find_wrong_lines
 from graders.core.compare.words import fraction_of_pi, text
 from graders.core.contract.program import Program, StudentFault
 from graders.core.contract.values import Arguments, Value
@@ -32,12 +33,16 @@ from server.hunts.questions import (
     GONE,
     MAX_OFFERS,
     OUTSIDE,
+    AnswerComparison,
     Argument,
+    ComparedAnswer,
+    ComparisonRequest,
     HuntName,
     HuntOffer,
     HuntQuestion,
     HuntReply,
     InputTrial,
+    LineTrial,
     OfferedHunt,
     PredictionTrial,
     ProgramRemark,
@@ -50,6 +55,10 @@ from server.steps import calls
 
 MIB = 1 << 20
 POLICY = Policy(cpu_seconds=3.0, wall_seconds=5.0, memory_bytes=512 * MIB)
+#: Other mistakes of a function whose answers are compared with the right one.
+MAX_COMPARED = 6
+#: Significant digits of compared answers: few, where these tell the right one from the wrong one.
+FEW_DIGITS, MANY_DIGITS = (3, 4), 6
 #: Numbers of an answer that one predicts, and how near the prediction must be.
 MAX_PREDICTED, PREDICTION_TOLERANCE = 6, 0.011
 
@@ -60,6 +69,7 @@ class KnownHunt:
 
     hunt: Hunt
     witness: Arguments
+    expected: Value
     got: Value
 
 
@@ -78,12 +88,21 @@ class HuntRunner:
         match question.hunts:
             case HuntOffer() as asked:
                 return HuntReply(offer=self._offer(asked))
-            case InputTrial() as trial:
-                return HuntReply(outcome=self._try_input(trial))
-            case PredictionTrial() as prediction:
-                return HuntReply(outcome=self._try_prediction(prediction))
+            case ComparisonRequest() as asked:
+                return HuntReply(comparison=self._compare(asked))
             case ReviewRequest() as request:
                 return HuntReply(review=self._review(request))
+            case InputTrial() | PredictionTrial() | LineTrial() as trial:
+                return HuntReply(outcome=self._try(trial))
+
+    def _try(self, trial: InputTrial | PredictionTrial | LineTrial) -> TrialOutcome:
+        match trial:
+            case InputTrial():
+                return self._try_input(trial)
+            case PredictionTrial():
+                return self._try_prediction(trial)
+            case LineTrial():
+                return self._try_line(trial)
 
     def _review(self, request: ReviewRequest) -> ProgramReview:
         """Try the remarks on a program beside it and the reference, in one run."""
@@ -114,8 +133,60 @@ class HuntRunner:
             with self._programs(name, hunt) as (ground, wrong):
                 witness = find_witness(hunt, ground, wrong)
                 answer = None if witness is None else ground.try_input(hunt, wrong, witness)
-            self._known[name] = None if witness is None or answer is None else KnownHunt(hunt, witness, answer.got)
+            self._known[name] = (
+                None if witness is None or answer is None else KnownHunt(hunt, witness, answer.expected, answer.got)
+            )
         return self._known[name]
+
+    def _try_line(self, trial: LineTrial) -> TrialOutcome:
+        """Compare a line with those by which the program differs from a right one. Runs nothing."""
+        definition, hunt = _definition(trial.hunt.exercise), next(_hunts_of(trial.hunt), None)
+        public = sorted(definition.judged_functions)
+        changed = None if hunt is None else find_wrong_lines(definition, hunt, trial.seed, public)
+        if hunt is None or changed is None:
+            return TrialOutcome(refusal=GONE)
+        lines = hunt.program(trial.seed, public).splitlines()
+        if not 0 <= trial.line <= len(lines):
+            return TrialOutcome(refusal="Choisissez une ligne du programme.")
+        wrong = "\n".join(lines[number - 1].strip() for number in changed.mending)
+        mending = "\n".join(line.strip() for line in changed.mending.values())
+        return TrialOutcome(is_right=trial.line in changed.mending, expected=mending, got=wrong)
+
+    def _compare(self, asked: ComparisonRequest) -> AnswerComparison | None:
+        for index, name in enumerate(asked.hunts[:MAX_OFFERS]):
+            for hunt in _hunts_of(name):
+                exact = HuntName(exercise=name.exercise, misconception=name.misconception, function=hunt.function)
+                known = self._find(exact, hunt)
+                if known is not None and _is_short(known.expected) and _is_short(known.got):
+                    return self._comparison(index, exact, known)
+        return None
+
+    def _comparison(self, index: int, name: HuntName, known: KnownHunt) -> AnswerComparison:
+        digits = next((few for few in FEW_DIGITS if _is_told_apart(known, few)), MANY_DIGITS)
+        given = zip(known.hunt.contract.takes, known.witness, strict=False)
+        call = ", ".join(f"{argument}={write_value(value)}" for argument, value in given)
+        return AnswerComparison(
+            index=index,
+            hunt=name,
+            call=f"{name.function}({call})",
+            right=text(known.expected, digits=digits),
+            wrong=tuple(self._wrong_answers(name, known, digits)),
+        )
+
+    def _wrong_answers(self, name: HuntName, known: KnownHunt, digits: int) -> Iterator[ComparedAnswer]:
+        """Yield what a few known mistakes of the function answer to a witness, that of the hunt first, each once."""
+        got = text(known.got, digits=digits)
+        told = {text(known.expected, digits=digits), got}
+        yield ComparedAnswer(misconception=name.misconception, words=got)
+        others = [hunt for hunt in _all_hunts(name.exercise) if hunt.function == known.hunt.function]
+        with self._programs(name, known.hunt) as (ground, _):
+            for other in others[:MAX_COMPARED]:
+                with closing(ground.open(other.source)) as wrong:
+                    answer = next(ground.try_inputs(other, wrong, [known.witness]))
+                words = "" if answer is None or not _is_short(answer.got) else text(answer.got, digits=digits)
+                if answer is not None and answer.shows and words and words not in told:
+                    told.add(words)
+                    yield ComparedAnswer(misconception=other.misconception.id, words=words)
 
     @contextmanager
     def _programs(self, name: HuntName, hunt: Hunt) -> Iterator[tuple[HuntGround, Program]]:
@@ -172,7 +243,13 @@ def _names_of(question: HuntQuestion) -> Sequence[HuntName]:
     """Return the hunts that a question is about."""
     if isinstance(question.hunts, ReviewRequest):
         return ()
-    return question.hunts.hunts if isinstance(question.hunts, HuntOffer) else (question.hunts.hunt,)
+    if isinstance(question.hunts, HuntOffer | ComparisonRequest):
+        return question.hunts.hunts
+    return (question.hunts.hunt,)
+
+
+def _is_told_apart(known: KnownHunt, digits: int) -> bool:
+    return text(known.expected, digits=digits) != text(known.got, digits=digits)
 
 
 def _as_read(typed: np.ndarray) -> Value:
@@ -180,15 +257,16 @@ def _as_read(typed: np.ndarray) -> Value:
 
 
 def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> OfferedHunt:
-    hunt, size = known.hunt, size_of(known.witness)
-    public = _definition(name.exercise).judged_functions
+    hunt, size, definition = known.hunt, size_of(known.witness), _definition(name.exercise)
+    public = sorted(definition.judged_functions)
+    changed = find_wrong_lines(definition, hunt, seed, public)
     optional = {argument for argument, _ in hunt.contract.defaults}
     witness = dict(zip(hunt.contract.takes, map(write_value, known.witness), strict=False))
     return OfferedHunt(
         index=index,
         hunt=name,
         title=hunt.misconception.title,
-        program=hunt.program(seed, sorted(public)),
+        program=hunt.program(seed, public),
         arguments=tuple(
             Argument(name=argument, words=form.words, witness=witness.get(argument, ""), optional=argument in optional)
             for argument, form in hunt.contract.takes.items()
@@ -196,6 +274,7 @@ def _describe(index: int, name: HuntName, known: KnownHunt, seed: int) -> Offere
         numbers=size.numbers,
         nonzero=size.nonzero,
         predictable=_is_short(known.got),
+        wrong_lines=0 if changed is None else len(changed.mending),
         returns=hunt.contract.returns.words,
     )
 

@@ -26,11 +26,14 @@ from server.gradebook import mistakes
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET
 from server.hunts.questions import (
+    AnswerComparison,
+    ComparisonRequest,
     HuntName,
     HuntOffer,
     HuntQuestion,
     HuntReply,
     InputTrial,
+    LineTrial,
     OfferedHunt,
     PredictionTrial,
     ProgramReview,
@@ -107,11 +110,27 @@ class HuntService:
         trial = PredictionTrial(hunt=hunt, typed=typed)
         return await self._try(account, hunt, trial, QuestionKind.prediction, address)
 
+    async def try_line(self, account: Account, hunt: HuntName, line: int, address: str) -> TrialOutcome:
+        """Say whether a line makes the program wrong, and store whether it does. Raises as `offer`."""
+        trial = LineTrial(hunt=hunt, seed=form_seed(account, hunt.exercise), line=line)
+        return await self._try(account, hunt, trial, QuestionKind.line, address)
+
     async def give_up(self, account: Account, hunt: HuntName, kind: QuestionKind) -> None:
         """Store that no answer was found. Raises as `offer`."""
         exercise = self._exercise(hunt.exercise)
         await self._read(lambda db: require_may_hunt(db, account, exercise))
         await self.store(account, exercise, hunt.misconception, kind, is_right=False)
+
+    async def compare(self, account: Account, hunts: Sequence[HuntName], address: str) -> AnswerComparison | None:
+        """Return a call on which students differ, from the first of these hunts that gives one; None where none does.
+
+        The caller knows that the mistakes may be told. Declared exercises give none.
+        """
+        asked = [name for name in hunts if not self._declarations([name])]
+        if not asked:
+            return None
+        question = HuntQuestion(hunts=ComparisonRequest(hunts=tuple(asked)))
+        return (await self._ask(account, question, address)).comparison
 
     async def review(self, account: Account, exercise: Exercise, source: str, address: str) -> ProgramReview:
         """Say what could be written otherwise in a program that passes, which the account may see."""
@@ -122,7 +141,7 @@ class HuntService:
         self,
         account: Account,
         hunt: HuntName,
-        trial: InputTrial | PredictionTrial,
+        trial: InputTrial | PredictionTrial | LineTrial,
         kind: QuestionKind,
         address: str,
     ) -> TrialOutcome:
@@ -132,8 +151,8 @@ class HuntService:
         reply = await self._ask(account, question, address)
         if reply.outcome is None:
             raise InternalFailure("La question n’a pas pu être posée : l’incident est de notre côté. Réessayez.")
-        # A wrong input is no answer yet: one looks on. A wrong prediction is one.
-        if reply.outcome.is_right or (kind is QuestionKind.prediction and not reply.outcome.refusal):
+        # A wrong input is no answer yet: one looks on. A wrong prediction is one, and so is a wrong line.
+        if reply.outcome.is_right or (kind is not QuestionKind.hunt and not reply.outcome.refusal):
             await self.store(account, exercise, hunt.misconception, kind, is_right=reply.outcome.is_right)
         return reply.outcome
 
@@ -233,6 +252,14 @@ def order_hunts(exercise: Exercise, own: Collection[str], account: Account) -> l
     shuffled = [names[k] for k in np.random.default_rng(form_seed(account, exercise.id)).permutation(len(names))]
     ordered = sorted(shuffled, key=lambda name: rank.get(name, len(rank)))
     return [HuntName(exercise=exercise.id, misconception=name) for name in ordered]
+
+
+def choose_kind(offer: OfferedHunt, turn: int) -> QuestionKind:
+    """Return the question of a turn, of those that can be asked about a hunt."""
+    kinds = [QuestionKind.hunt]
+    kinds += [QuestionKind.prediction] if offer.predictable else []
+    kinds += [QuestionKind.line] if offer.wrong_lines else []
+    return kinds[turn % len(kinds)]
 
 
 def form_seed(account: Account, exercise: str) -> int:

@@ -22,10 +22,10 @@ from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET
+from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import ProgramReview
 from server.identity.dependencies import OptionalAccount
 from server.identity.models import Account
-from server.pages.hunts import HuntsOf
 from server.web.forms import redirect
 from server.web.rendering import python, render_page
 from server.web.views import exercise_href, find_exercise, module_link

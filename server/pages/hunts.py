@@ -5,34 +5,41 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Form, Query, Request
+from fastapi import APIRouter, Form, Query, Request
 from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
 
-from server.base.app_services import app_service
 from server.base.http import client_address
 from server.board.catalogue import find_misconception
 from server.course import Course, Exercise
 from server.course.dependencies import CourseOf
 from server.course.families import find_family
+from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import HuntName, OfferedHunt, TrialOutcome
 from server.hunts.service import MAX_ARGUMENTS, MAX_TYPED_CHARACTERS, HuntService
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.recall.models import QuestionKind
+from server.text.python_colours import colour_lines
 from server.web.forms import redirect_to_login
 from server.web.rendering import render_page
 from server.web.views import exercise_href, find_exercise, module_link
 
 router = APIRouter(include_in_schema=False)
 
-HuntsOf = Annotated[HuntService, Depends(app_service(HuntService))]
 MAX_SKIP = 500
 MAX_NAME = 100
+#: Digits of the number of a line.
+MAX_DIGITS = 4
 Skip = Annotated[int, Query(alias="suite", ge=0, le=MAX_SKIP)]
-Kind = Literal["entree", "prevision"]
+Kind = Literal["entree", "prevision", "ligne"]
 Act = Literal["essayer", "abandonner"]
 Typed = Annotated[list[Annotated[str, Form(max_length=MAX_TYPED_CHARACTERS)]], Form(max_length=MAX_ARGUMENTS)]
-KINDS: Mapping[Kind, QuestionKind] = {"entree": QuestionKind.hunt, "prevision": QuestionKind.prediction}
+KINDS: Mapping[Kind, QuestionKind] = {
+    "entree": QuestionKind.hunt,
+    "prevision": QuestionKind.prediction,
+    "ligne": QuestionKind.line,
+}
+WORDS: Mapping[QuestionKind, Kind] = {kind: word for word, kind in KINDS.items()}
 
 
 def hunt_href(exercise: Exercise) -> str:
@@ -94,6 +101,10 @@ async def answer_question(
     address: str,
 ) -> TrialOutcome | None:
     """Judge what was typed, or note that the reader gives up (None)."""
+    if question == "ligne":
+        typed_line = typed[0] if typed else ""
+        line = 0 if action == "abandonner" else int(typed_line) if is_line_number(typed_line) else -1
+        return await hunts.try_line(account, offer.hunt, line, address)
     if action == "abandonner":
         await hunts.give_up(account, offer.hunt, KINDS[question])
         return None
@@ -101,6 +112,10 @@ async def answer_question(
         return await hunts.try_prediction(account, offer.hunt, typed[0] if typed else "", address)
     names = [argument.name for argument in offer.arguments]
     return await hunts.try_input(account, offer.hunt, dict(zip(names, typed, strict=False)), address)
+
+
+def is_line_number(typed: str) -> bool:
+    return typed.isascii() and typed.isdigit() and len(typed) <= MAX_DIGITS
 
 
 def hunt_page(
@@ -114,7 +129,7 @@ def hunt_page(
     gave_up: bool = False,
 ) -> Mapping[str, Any]:
     """Return what the template of a hunt shows; the mistake is named once it is found, or given up."""
-    is_over = gave_up or (outcome is not None and (outcome.is_right or question == "prevision") and not outcome.refusal)
+    is_over = gave_up or (outcome is not None and (outcome.is_right or question != "entree") and not outcome.refusal)
     mistake = None
     if offer is not None and is_over:
         catalogued = find_misconception(course, exercise.id, offer.hunt.misconception)
@@ -128,6 +143,7 @@ def hunt_page(
         "here": hunt_href(exercise),
         "offer": offer,
         "question": question,
+        "lines": colour_lines(offer.program.rstrip("\n")) if offer is not None and question == "ligne" else (),
         "typed": values,
         "outcome": outcome,
         "is_over": is_over,

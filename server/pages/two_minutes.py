@@ -18,11 +18,12 @@ from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
+from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import HuntName, OfferedHunt
-from server.hunts.service import HuntService, may_have_hunts
+from server.hunts.service import HuntService, choose_kind, may_have_hunts
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
-from server.pages.hunts import MAX_NAME, Act, HuntsOf, Kind, Typed, answer_question, hunt_page
+from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, answer_question, hunt_page
 from server.polls.models import POLL_LENGTH
 from server.recall import repository, retrievals
 from server.recall.retrievals import AskedQuestion
@@ -72,11 +73,11 @@ async def show_question(
 async def _offer_hunt(
     hunts: HuntService, account: Account, turn: int, candidates: Sequence[Candidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
-    """Offer the first misconception about which a question can be asked: a hunt and a prediction in turn."""
+    """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
     places = [(k + turn) % len(candidates) for k in range(len(candidates))]
     names = [HuntName(exercise=candidates[k].exercise, misconception=candidates[k].misconception) for k in places]
     offer = await hunts.offer_first(account, names, address)
-    return offer, "prevision" if offer is not None and turn % 2 and offer.predictable else "entree"
+    return offer, "entree" if offer is None else WORDS[choose_kind(offer, turn)]
 
 
 @router.post(f"{PATH}/questions/{{module:module}}")

@@ -13,10 +13,11 @@ SUBJECT_LENGTH, NAME_LENGTH, VALUE_LENGTH = 250, 100, 200
 
 
 class QuestionKind(StrEnum):
-    """A question about a misconception: an input that shows it, an answer of its program, a small calculation."""
+    """A question about a misconception: an input that shows it, an answer of its program, its line, a calculation."""
 
     hunt = "hunt"
     prediction = "prediction"
+    line = "line"
     calculation = "calculation"
 
 

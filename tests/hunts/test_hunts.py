@@ -11,7 +11,9 @@ import pytest
 
 from graders.core.code import hunts
 from graders.core.code.exercise import CodeDefinition
+from graders.core.code.hunt_faults import find_hunt_faults
 from graders.core.code.hunts import Hunt, HuntGround, InputFault, OutsideStatement, find_witness, list_hunts, size_of
+from graders.core.code.wrong_lines import find_wrong_lines
 from graders.core.contract.local import LOCAL
 from graders.core.contract.values import Value
 from graders.discovery import load_definition
@@ -83,10 +85,10 @@ def test_check_proves_hunts_and_finds_a_right_program_called_wrong() -> None:
         path.name: path.read_text("utf-8") for path in sorted((poses.folder / "specimens" / "ok").glob("*.py"))[:3]
     }
     some = replace(poses, misconceptions=poses.misconceptions[:4])
-    assert not list(hunts.find_hunt_faults(some, sorted(poses.judged_functions), right))
+    assert not list(find_hunt_faults(some, sorted(poses.judged_functions), right))
     wrong = (poses.folder / "misconceptions" / "rotation_oubliee.py").read_text("utf-8")
     program = f"{Path(poses.folder / 'solution.py').read_text('utf-8')}\n\n{wrong}"
-    [*faults] = hunts.find_hunt_faults(some, sorted(poses.judged_functions), {"faux.py": program})
+    [*faults] = find_hunt_faults(some, sorted(poses.judged_functions), {"faux.py": program})
     assert any("faux.py, qui est juste" in message for _, message in faults)
 
 
@@ -94,3 +96,20 @@ def test_long_and_untypable_exercises_have_none() -> None:
     assert not list(list_hunts(definition("l20/mcl")))
     assert not list(list_hunts(definition("l20/planifier")))
     assert np.all([hunt.contract.takes for hunt in list_hunts(definition("l20/poses"))])
+
+
+def test_the_wrong_line_is_that_by_which_a_right_program_of_the_same_form_differs() -> None:
+    poses = definition("l20/poses")
+    hunt = hunt_of("l20/poses", "translation_de_a_oubliee")
+    ground = HuntGround(poses, LOCAL)
+    witness = find_witness(hunt, ground, ground.open(hunt.source))
+    assert witness is not None
+    for seed in range(4):
+        program = hunt.program(seed, ["composer"])
+        changed = find_wrong_lines(poses, hunt, seed, ["composer"])
+        assert changed is not None
+        [(number, right)] = changed.mending.items()
+        assert program.splitlines()[number - 1] != right
+        assert not ground.try_input(hunt, ground.open(changed.mend(program)), witness).shows
+    spread = hunt_of("l20/poses", "rotation_oubliee")
+    assert find_wrong_lines(poses, spread, 0, ["composer"]) is None, "its program is no edit of the model"

@@ -8,10 +8,12 @@ import pytest
 
 import graders
 from server.hunts.questions import (
+    ComparisonRequest,
     HuntName,
     HuntOffer,
     HuntQuestion,
     InputTrial,
+    LineTrial,
     OfferedHunt,
     PredictionTrial,
     ReviewRequest,
@@ -105,3 +107,37 @@ def test_a_program_that_passes_is_reviewed_beside_the_reference(runner: HuntRunn
     stopped = runner.answer(HuntQuestion(hunts=broken)).review
     assert stopped is not None
     assert stopped.remarks == ()
+
+
+def test_a_call_is_compared_with_the_answers_of_other_known_mistakes(runner: HuntRunner) -> None:
+    unknown = HuntName(exercise="l20/poses", misconception="inconnue")
+    found = runner.answer(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown, ROTATION)))).comparison
+    assert found is not None
+    assert (found.index, found.hunt) == (1, ROTATION)
+    assert found.call.startswith("composer(a=[")
+    answers = [found.right, *(wrong.words for wrong in found.wrong)]
+    assert len(set(answers)) == len(answers) >= 3
+    assert found.wrong[0].misconception == ROTATION.misconception
+    assert runner.answer(HuntQuestion(hunts=ComparisonRequest(hunts=(unknown,)))).comparison is None
+
+
+def test_the_wrong_line_is_judged_in_the_form_that_its_reader_sees(runner: HuntRunner) -> None:
+    name = HuntName(exercise="l20/poses", misconception="translation_de_a_oubliee", function="composer")
+    offered = offer(runner, name, seed=9)
+    assert offered is not None
+    assert offered.wrong_lines == 1
+
+    def choose(line: int) -> TrialOutcome:
+        outcome = runner.answer(HuntQuestion(hunts=LineTrial(hunt=name, seed=9, line=line))).outcome
+        assert outcome is not None
+        return outcome
+
+    lines = offered.program.splitlines()
+    outcomes = [choose(number) for number in range(1, len(lines) + 1)]
+    [right] = [number for number, outcome in enumerate(outcomes, 1) if outcome.is_right]
+    assert outcomes[0].got == lines[right - 1].strip() != outcomes[0].expected
+    assert (choose(0).is_right, choose(0).refusal) == (False, ""), "who gives up sees the lines"
+    assert choose(len(lines) + 1).refusal
+    spread = offer(runner, ROTATION)
+    assert spread is not None
+    assert spread.wrong_lines == 0

@@ -11,11 +11,12 @@ from sqlalchemy import select
 from graders.core.contract.findings import Judgement
 from server.base.app_services import add_services, get_service
 from server.grading.grading_task import GradingInput
-from server.hunts.service import HuntService
+from server.hunts.questions import LineTrial, TrialOutcome
+from server.hunts.service import HuntService, choose_kind
 from server.recall import retrievals
 from server.recall.models import RecallAnswer
 from server.submissions.models import Submission
-from tests.hunts.test_service import TYPED, Process, answers
+from tests.hunts.test_service import OFFER, TYPED, Process, answers
 from tests.pages.test_notebook import graded
 from tests.support.classes import person
 from tests.support.quick import the_course
@@ -106,3 +107,29 @@ def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site)
     assert answers(site)[-1] == ("calculation", True)
     assert 'id="deux-minutes"' not in browser.get("/").text
     assert "C’est tout pour aujourd’hui" in browser.get(PATH).text
+
+
+def test_questions_about_a_mistake_are_of_each_possible_kind_in_turn() -> None:
+    offer = OFFER.model_copy(update={"wrong_lines": 1})
+    assert [choose_kind(offer, turn) for turn in range(4)] == ["hunt", "prediction", "line", "hunt"]
+    alone = OFFER.model_copy(update={"predictable": False})
+    assert [choose_kind(alone, turn) for turn in range(2)] == ["hunt", "hunt"]
+
+
+def test_a_wrong_line_is_an_answer_and_giving_up_shows_the_lines(site: Site, process: Process) -> None:
+    confuse_and_mend(site)
+    age(site, 2)
+    process.outcome = TrialOutcome(expected="return a + b", got="return a - b")
+    shown = site.client.post(PATH, data=DUE | {"question": "ligne", "valeur": ["1"]}).text
+    assert "Ce n’est pas là" in shown
+    assert answers(site) == [("line", False)]
+    trial = process.asked[-1].hunts
+    assert isinstance(trial, LineTrial)
+    assert trial.line == 1
+    site.client.post(PATH, data=DUE | {"question": "ligne", "valeur": ["1"], "action": "abandonner"})
+    given_up = process.asked[-1].hunts
+    assert isinstance(given_up, LineTrial)
+    assert given_up.line == 0
+    process.outcome = TrialOutcome(refusal="Choisissez une ligne du programme.")
+    assert "Choisissez une ligne" in site.client.post(PATH, data=DUE | {"question": "ligne", "valeur": ["x"]}).text
+    assert answers(site) == [("line", False)] * 2

@@ -9,9 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import redirect_stdout
 from dataclasses import dataclass
-from io import StringIO
 from itertools import islice
 from typing import NamedTuple
 
@@ -26,7 +24,6 @@ from graders.core.code.student_form import student_form
 from graders.core.compare.comparison import compare
 from graders.core.compare.forms import ArrayForm, IndicesForm, NumberForm, ValueForm, WholeForm, shape_text
 from graders.core.compare.shrinking import neighbours
-from graders.core.contract.local import LOCAL
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
@@ -41,8 +38,6 @@ LARGEST = 1e6
 MAX_CASES, MAX_SHRUNK, MAX_SHRINKS, SHRINK_BATCH = 40, 40, 150, 16
 #: Other right versions of a model against which an input is held.
 MAX_VERSIONS = 3
-#: Seeds of the forms in which a hunt is checked.
-CHECKED_FORMS = (0, 1, 2)
 
 
 class InputSize(NamedTuple):
@@ -128,11 +123,11 @@ def list_hunts(definition: CodeExercise) -> Iterator[Hunt]:
                 continue
             if all(map(_can_be_typed, contract.takes.values())):
                 seen.add(key)
-                source = f"{_imports(definition.solution)}{misconception.source}"
+                source = f"{imports_of(definition.solution)}{misconception.source}"
                 yield Hunt(misconception, function, contract, tuple(checks[function]), source)
 
 
-def _imports(solution: str) -> str:
+def imports_of(solution: str) -> str:
     """Return the imports of a solution: a model has none of its own."""
     nodes = [node for node in parse_source(solution).body if isinstance(node, ast.Import | ast.ImportFrom)]
     return "".join(f"{ast.unparse(node)}\n" for node in nodes)
@@ -192,7 +187,7 @@ class HuntGround:
     def __init__(self, definition: CodeExercise, programs: Programs) -> None:
         self._programs = programs
         self.kit: KitSettings = definition.kit(stream(SEED, "kit"))
-        imports = _imports(definition.solution)
+        imports = imports_of(definition.solution)
         model = read_model(definition.folder)
         versions = [version.text for version in model.correct_versions()][: MAX_VERSIONS + 1] if model else []
         self._right = [self.open(text) for text in (definition.solution, *(imports + text for text in versions))]
@@ -245,7 +240,7 @@ def find_witness(hunt: Hunt, ground: HuntGround, wrong: Program) -> Arguments | 
     for check in hunt.checks:
         cases = [tuple(args) for args, _ in zip(check.cases(stream(SEED, check.id)), range(MAX_CASES), strict=False)]
         short = [args for args in cases if size_of(args).numbers <= MAX_SHRUNK]
-        showing = _showing(hunt, ground, wrong, short)
+        showing = find_showing(hunt, ground, wrong, short)
         shrunk = [_shrink(hunt, ground, wrong, check, args) for args in sorted(showing, key=_reading_cost)[:1]]
         if shrunk and size_of(shrunk[0]).numbers <= MAX_NEEDED:
             return shrunk[0]
@@ -261,7 +256,7 @@ def _numbers(args: Arguments) -> list[float]:
     return [float(number) for value in args for number in np.ravel(np.asarray(value, dtype=np.float64))]
 
 
-def _showing(hunt: Hunt, ground: HuntGround, wrong: Program, inputs: Sequence[Arguments]) -> list[Arguments]:
+def find_showing(hunt: Hunt, ground: HuntGround, wrong: Program, inputs: Sequence[Arguments]) -> list[Arguments]:
     """Return the inputs that show the mistake, of those that one may type."""
     typed = [args for args in inputs if _may_be_typed(hunt, args)]
     answers = ground.try_inputs(hunt, wrong, typed)
@@ -284,41 +279,8 @@ def _shrink(hunt: Hunt, ground: HuntGround, wrong: Program, check: Cases, args: 
         showing: list[Arguments] = []
         while not showing and tries < MAX_SHRINKS and (batch := list(islice(simpler, SHRINK_BATCH))):
             tries += len(batch)
-            showing = _showing(hunt, ground, wrong, batch)
+            showing = find_showing(hunt, ground, wrong, batch)
         if not showing:
             break
         args = showing[0]
     return args
-
-
-#: A line of the catalogue, and what is wrong with it, in French.
-HuntFault = tuple[int, str]
-
-
-def find_hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapping[str, str]) -> Iterator[HuntFault]:
-    """Yield what is wrong with an exercise's hunts, each with its line in the catalogue, in French.
-
-    Each program, in several forms, must show its mistake on an input of the announced size, on which no program that
-    is `right` (by its name) is called wrong. Runs the course's programs in this process; what they print is left out.
-    """
-    with redirect_stdout(StringIO()):
-        yield from list(_hunt_faults(exercise, public, right))
-
-
-def _hunt_faults(exercise: CodeExercise, public: Sequence[str], right: Mapping[str, str]) -> Iterator[HuntFault]:
-    ground = HuntGround(exercise, LOCAL)
-    rights = {name: ground.open(source) for name, source in right.items()}
-    for hunt in list_hunts(exercise):
-        witness = find_witness(hunt, ground, ground.open(hunt.source))
-        if witness is None:
-            continue
-        line, name = hunt.misconception.line, f"« {hunt.misconception.id} », dans {hunt.function}"
-        for seed in CHECKED_FORMS:
-            if not _showing(hunt, ground, ground.open(hunt.program(seed, public)), [witness]):
-                yield (
-                    line,
-                    f"chasse de {name} : sous la forme {seed}, rien ne montre plus l’erreur sur {witness}",
-                )
-        for file, program in rights.items():
-            if _showing(hunt, ground, program, [witness]):
-                yield line, f"chasse de {name} : {file}, qui est juste, passerait pour faux sur {witness}"
