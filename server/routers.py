@@ -32,6 +32,7 @@ from server.desk.sitting.routes import router as sitting_router
 from server.desk.studio.routes import router as studio_router
 from server.desk.talk.routes import router as talking_router
 from server.desk.talk.students import router as students_router
+from server.desk.warmup.routes import router as warm_up_router
 from server.health.routes import router as health_router
 from server.offline.routes import router as offline_router
 from server.pages.accessibility import router as accessibility_router
@@ -97,6 +98,7 @@ ROUTERS = (
     comments_router,
     board_router,
     lesson_router,
+    warm_up_router,
     remedial_router,
     lesson_mail_router,
     objectives_router,  # before those of students, whose paths take any name

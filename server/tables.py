@@ -22,6 +22,7 @@ from server.recall import models as recall
 from server.regrades import models as regrades
 from server.studio import models as studio
 from server.submissions import models as submissions
+from server.warmup import models as warmup
 
 TABLES = (
     identity.Account,
@@ -69,6 +70,7 @@ TABLES = (
     behaviour.BehaviourName,
     lesson.LiveLesson,
     lesson.LessonVisit,
+    warmup.WarmUp,
     calendars.CalendarAddress,
     mails.MailSubscription,
     mails.MailDelivery,

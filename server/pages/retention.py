@@ -199,11 +199,11 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ),
     ),
     lambda _: Row(
-        "Séances : exercices du jour, début et fin ; élèves que l’enseignant a marqués « vu »",
+        "Séances : exercices du jour, questions pour commencer, début et fin ; élèves marqués « vu »",
         "tant que la classe existe ; les élèves vus, tant que leur compte existe",
         "avec la classe ou le compte, aussitôt qu’il est effacé",
         ACCOUNT_SETTINGS,
-        ("live_lesson", "lesson_visit"),
+        ("live_lesson", "lesson_visit", "warm_up"),
     ),
     lambda _: Row(
         "Messages et mots ; phrases d’un enseignant",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
@@ -12,13 +12,20 @@ from sqlalchemy.orm import Session
 from server.database import upsert_statement
 from server.recall.models import ReaderChoice, RecallAnswer
 
-MAX_ANSWERS = 3000
+MAX_ANSWERS, MAX_CLASS_ANSWERS = 3000, 30_000
 
 
 def load_answers(db: Session, account_id: UUID) -> Sequence[RecallAnswer]:
     """Load an account's latest answers, the oldest first."""
     query = select(RecallAnswer).where(RecallAnswer.account_id == account_id)
     latest = query.order_by(RecallAnswer.answered_at.desc(), RecallAnswer.id).limit(MAX_ANSWERS)
+    return tuple(reversed(db.execute(latest).scalars().all()))
+
+
+def load_answers_of(db: Session, accounts: Collection[UUID]) -> Sequence[RecallAnswer]:
+    """Load the latest answers of several accounts, the oldest first."""
+    query = select(RecallAnswer).where(RecallAnswer.account_id.in_(accounts))
+    latest = query.order_by(RecallAnswer.answered_at.desc(), RecallAnswer.id).limit(MAX_CLASS_ANSWERS)
     return tuple(reversed(db.execute(latest).scalars().all()))
 
 

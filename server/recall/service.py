@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
@@ -14,7 +14,9 @@ from server.base import school_time
 from server.course import Course, Exercise
 from server.database import utc_now
 from server.gradebook import mistakes
+from server.gradebook.mistakes import PastMistake
 from server.recall import repository, retrievals
+from server.recall.models import RecallAnswer
 from server.recall.scheduling import Review, Schedule, choose_due, count_streak, order_due, schedule
 from server.recall.subjects import list_misconceptions, subject_of
 
@@ -63,26 +65,17 @@ def load_recall(
     now = utc_now()
     today = school_time.to_local(now).date()
     asked = [course.exercises[name] for name in course.exercises if name in solved]
-    reviews: dict[str, list[Review]] = defaultdict(list)
-    confused: dict[str, list[Candidate]] = defaultdict(list)
     past = mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]) if asked else ()
-    for mistake in past:
-        exercise = course.exercises[mistake.exercise]
-        if mistake.mended is not None and can_ask(exercise):
-            subject = subject_of(course, exercise, mistake.misconception)
-            reviews[subject].append(Review(mistake.mended.sent_at, went_well=False))
-            confused[subject].append(Candidate(exercise.id, mistake.misconception))
     answers = repository.load_answers(db, account_id)
-    for answer in answers:
-        is_missed = not answer.is_right and retrievals.find_question(course, answer.subject) is not None
-        if answer.subject in reviews or is_missed:
-            reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
+    reviews, confused = gather_reviews(course, past, answers, can_ask)
     days = [school_time.to_local(answer.answered_at).date() for answer in answers]
     schedules: dict[str, Schedule] = {subject: schedule(history, now) for subject, history in reviews.items()}
     answered_today, counts = days.count(today), Counter(answer.subject for answer in answers)
     due = choose_due(schedules, now, answered_today)
     return Recall(
-        due={subject: (*confused.get(subject, ()), *_relatives(course, asked, subject, can_ask)) for subject in due},
+        due={
+            subject: (*confused.get(subject, ()), *list_relatives(course, asked, subject, can_ask)) for subject in due
+        },
         fading={subject: confused.get(subject, ()) for subject in order_due(schedules, now)},
         answered_today=answered_today,
         answers={subject: counts[subject] for subject in due},
@@ -92,7 +85,32 @@ def load_recall(
     )
 
 
-def _relatives(
+def gather_reviews(
+    course: Course,
+    past: Iterable[PastMistake],
+    answers: Iterable[RecallAnswer],
+    can_ask: Callable[[Exercise], bool],
+) -> tuple[Mapping[str, Sequence[Review]], Mapping[str, Sequence[Candidate]]]:
+    """Return the reviews of each subject, and the mended misconceptions of it about which one may ask. Pure.
+
+    An answer about what was never confused counts for a lesson's question that was missed, and for nothing else.
+    """
+    reviews: dict[str, list[Review]] = defaultdict(list)
+    confused: dict[str, list[Candidate]] = defaultdict(list)
+    for mistake in past:
+        exercise = course.exercises[mistake.exercise]
+        if mistake.mended is not None and can_ask(exercise):
+            subject = subject_of(course, exercise, mistake.misconception)
+            reviews[subject].append(Review(mistake.mended.sent_at, went_well=False))
+            confused[subject].append(Candidate(exercise.id, mistake.misconception))
+    for answer in answers:
+        is_missed = not answer.is_right and retrievals.find_question(course, answer.subject) is not None
+        if answer.subject in reviews or is_missed:
+            reviews[answer.subject].append(Review(answer.answered_at, answer.is_right))
+    return reviews, confused
+
+
+def list_relatives(
     course: Course, solved: Sequence[Exercise], subject: str, can_ask: Callable[[Exercise], bool]
 ) -> Sequence[Candidate]:
     """List the misconceptions of the same family in solved exercises: another program than the one confused."""

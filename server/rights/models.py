@@ -15,6 +15,7 @@ class Right(StrEnum):
     leave_class = "quitter la classe"
     hand_in_together = "rendre à plusieurs les devoirs de la classe"
     sit_tests = "composer dans les contrôles de la classe"
+    answer_questions = "répondre aux questions de la classe"
     see_students = "voir les élèves de la classe"
     read_work = "lire les essais des élèves de la classe"
     comment = "commenter les essais des élèves de la classe"
@@ -45,6 +46,7 @@ ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
     Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.hand_in_together: frozenset({STUDENT}),
     Right.sit_tests: frozenset({STUDENT}),
+    Right.answer_questions: frozenset({STUDENT}),
     Right.see_students: frozenset({ASSISTANT, TEACHER}),
     Right.read_work: frozenset({ASSISTANT, TEACHER}),
     Right.comment: frozenset({ASSISTANT, TEACHER}),
@@ -67,7 +69,7 @@ ROLES_BY_RIGHT: Mapping[Right, frozenset[ClassRole]] = {
 }
 
 #: Rights of members alone, by their own role.
-MEMBER_ONLY_RIGHTS = frozenset({Right.leave_class, Right.hand_in_together, Right.sit_tests})
+MEMBER_ONLY_RIGHTS = frozenset({Right.leave_class, Right.hand_in_together, Right.sit_tests, Right.answer_questions})
 
 #: Rights of accounts that ask to join: they see that the class exists, and may withdraw.
 PENDING_RIGHTS = frozenset({Right.see_class, Right.leave_class})

@@ -272,6 +272,15 @@ class OwnLesson:
 
 
 @dataclass(frozen=True)
+class OwnWarmUp:
+    """The questions of today with which the lesson begins; `left` of `total` are still to be answered."""
+
+    href: str
+    total: int
+    left: int
+
+
+@dataclass(frozen=True)
 class OwnClassPage:
     """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes.
 
@@ -290,4 +299,5 @@ class OwnClassPage:
     marks: OwnMarks | None
     zone: str
     lesson: OwnLesson | None = None
+    warm_up: OwnWarmUp | None = None
     watched: str = ""

@@ -8,11 +8,24 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.course import Course
-from server.desk.assignments.schemas import OwnLesson, OwnLessonExercise
+from server.desk.assignments.schemas import OwnLesson, OwnLessonExercise, OwnWarmUp
+from server.desk.warmup.views import warm_up_href
 from server.gradebook import service as gradebook
 from server.lesson import service
 from server.lesson.models import Afterwards
+from server.rights.service import ClassAccess
+from server.warmup import service as warmup
 from server.web.views import exercise_href
+
+
+def find_own_warm_up(db: Session, access: ClassAccess, account_id: UUID) -> OwnWarmUp | None:
+    """Return the questions of today, or None where there are none."""
+    today = warmup.find_today(db, access.school_class.id)
+    if today is None:
+        return None
+    answered = warmup.load_own_answers(db, account_id, access.school_class, today)
+    total = len(today.questions)
+    return OwnWarmUp(warm_up_href(access.school_class), total, total - len(answered))
 
 
 def find_own_lesson(db: Session, course: Course, class_id: UUID, account_id: UUID, now: datetime) -> OwnLesson | None:

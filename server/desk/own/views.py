@@ -33,7 +33,7 @@ from server.desk.assignments.schemas import (
     StageView,
 )
 from server.desk.assignments.views import format_date, stage_view
-from server.desk.own.lesson import find_own_lesson
+from server.desk.own.lesson import find_own_lesson, find_own_warm_up
 from server.desk.own.sitting_status import find_sitting_status
 from server.desk.schemas import OwnMembership
 from server.gradebook import service as gradebook
@@ -125,6 +125,7 @@ def _build_page(
         average="" if own_marks is None or own_marks.average is None else format_points(own_marks.average),
         marks=own_marks,
         zone=school_time.time_zone_name(),
+        warm_up=find_own_warm_up(db, access, seat.account_id) if may_see else None,
         lesson=find_own_lesson(db, course, seat.class_id, seat.account_id, now) if may_see else None,
         watched=watched.name if watched else "",
     )

@@ -41,10 +41,13 @@ from server.mails.models import MailSubscription
 from server.mails.service import CONFIRM, sign
 from server.marks import rubrics
 from server.marks.models import ManualColumn, Override, Rubric
+from server.recall.retrievals import today
 from server.regrades.models import Regrade
 from server.studio.drafts import ExerciseDraft
 from server.studio.models import AuthoredExercise
 from server.submissions.models import Submission
+from server.warmup import repository as warm_ups
+from server.warmup.schemas import WarmUpOption, WarmUpQuestion
 from tests.support.service import EXERCISE, Site, fake_verdict
 
 TABLE = (ROOT / "server" / "rights" / "README.md").read_text(encoding="utf-8").split("## Routes")[1]
@@ -96,6 +99,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/reprise": {"action": "donner", "exercice": EXERCISE},
     "POST /classes/{class_id}/groupes": {"action": "liste", "nom": "Lundi", "noms": "Ada"},
     "POST /classes/{class_id}/seance": {"action": "modifier", "exercice": EXERCISE},
+    "POST /classes/{class_id}/pour-commencer/reponses": {"question": "1", "reponse": "A"},
     "POST /classes/{class_id}/courriel": {"action": "arreter"},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
@@ -287,6 +291,9 @@ class Stage:
         db.add(self.mails)
         db.flush()
         self.calendar = calendars.renew_address(db, self.accounts["student"])
+        options = (WarmUpOption("A", "1"), WarmUpOption("B", "2"))
+        question = WarmUpQuestion("s", EXERCISE, MISTAKE, "Poses", "/", "Combien ?", options, "A", 5)
+        warm_ups.add(db, self.made.id, today(), [question.to_data()])
         teacher = self.accounts["teacher"].id
         self.authored = AuthoredExercise(author_id=teacher, module="l20", draft=ExerciseDraft().to_data(), digest="")
         self.lent = AuthoredExercise(

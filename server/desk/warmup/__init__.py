@@ -1,0 +1,1 @@
+"""The pages of the questions with which a class begins a lesson."""

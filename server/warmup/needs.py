@@ -1,0 +1,62 @@
+"""What most students of a class are to see again, from the schedules of all of them. Pure."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from server.board.schemas import FEWEST_TO_PROJECT
+from server.recall.scheduling import Review, schedule
+from server.recall.service import Candidate
+
+
+@dataclass(frozen=True)
+class StudentMemory:
+    """What one student confused: the reviews of each subject, the misconceptions met, and the subjects in which one
+    is not mended yet."""
+
+    reviews: Mapping[str, Sequence[Review]]
+    confused: Mapping[str, Sequence[Candidate]]
+    unmended: Collection[str]
+
+
+@dataclass(frozen=True)
+class SubjectNeed:
+    """A subject that `students` of a class are to see again, of `met` who confused it; the misconceptions of it that
+    they met, the most common first."""
+
+    subject: str
+    students: int
+    met: int
+    candidates: tuple[Candidate, ...]
+
+
+def rank_needs(memories: Mapping[UUID, StudentMemory], now: datetime) -> Sequence[SubjectNeed]:
+    """Return the subjects that some are to see again, those of most students first.
+
+    A student is to see a subject again when it is due, or while their mistake is not mended. Subjects that fewer than
+    `FEWEST_TO_PROJECT` students met are left out: a class could guess whose they are.
+    """
+    to_see: Counter[str] = Counter()
+    met: Counter[str] = Counter()
+    candidates: dict[str, Counter[Candidate]] = defaultdict(Counter)
+    for memory in memories.values():
+        for subject in {*memory.reviews, *memory.unmended}:
+            met[subject] += 1
+            to_see[subject] += subject in memory.unmended or schedule(memory.reviews[subject], now).due_at <= now
+            candidates[subject].update(dict.fromkeys(memory.confused.get(subject, ()), 1))
+    needs = [
+        SubjectNeed(subject, to_see[subject], count, _by_number(candidates[subject]))
+        for subject, count in met.items()
+        if to_see[subject] and count >= FEWEST_TO_PROJECT
+    ]
+    return sorted(needs, key=lambda need: (-need.students, -need.met, need.subject))
+
+
+def _by_number(counts: Counter[Candidate]) -> tuple[Candidate, ...]:
+    return tuple(
+        sorted(counts, key=lambda candidate: (-counts[candidate], candidate.exercise, candidate.misconception))
+    )
