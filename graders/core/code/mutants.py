@@ -21,7 +21,7 @@ from graders.core.code.answer_arrays import AnswerColumn, AnswerSequence
 from graders.core.code.confined import ConfinedWork, Unfinished
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, ProbeAnswer, ProbeFault, Probes, same_probe_answer
-from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, reachable_pieces
+from graders.core.code.reachability import PIECE_SEPARATOR, CodePiece, is_program, reachable_pieces
 from graders.core.code.reporting import report_call
 from graders.core.contract.copies import copy_value
 from graders.core.contract.local import call_function, kit_names
@@ -144,7 +144,8 @@ class MutantAnswerCache:
             elif mistakes == 1:
                 mutants = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
             else:
-                mutants = itertools.islice(self._combined(index, mistakes), MAX_COMBINED_MUTANTS)
+                combined = filter(_is_program, self._combined(index, mistakes))
+                mutants = itertools.islice(combined, MAX_COMBINED_MUTANTS)
             self._rows[key] = [self._row(index, mutant) for mutant in mutants]
         return self._rows[key]
 
@@ -199,7 +200,8 @@ class MutantAnswerCache:
         key = index, tuple(ids)
         if key not in self._rows_by_ids:
             edits = [edit for edit in self.model.edits if edit.id in ids]
-            self._rows_by_ids[key] = [self._row(index, mutant) for mutant in self.model.mutants(edits, len(ids))]
+            mutants = filter(_is_program, self.model.mutants(edits, len(ids)))
+            self._rows_by_ids[key] = [self._row(index, mutant) for mutant in mutants]
         return self._rows_by_ids[key]
 
     def extended_mutants(self, index: int, answers: Sequence[ProbeAnswer]) -> Sequence[MutantRow]:
@@ -215,6 +217,7 @@ class MutantAnswerCache:
             MutantRow(mutant, MutantAnswers())
             for row in begun[:MAX_EXTENDED_MUTANTS]
             for mutant in self.model.with_one_more(row.mutant, self._effective_edits(index))
+            if _is_program(mutant)
         ]
         self._ask(index, extended, 1)
         return extended
@@ -282,6 +285,10 @@ class MutantAnswerCache:
         if probes.random or index not in self._kits:
             self._kits[index] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
         return dict(self._kits[index])
+
+
+def _is_program(mutant: Mutant) -> bool:
+    return is_program(mutant.text)
 
 
 def _answers(codes: Iterable[CodeType], probes: Probes, names: dict[str, Any]) -> Iterator[ProbeAnswer]:

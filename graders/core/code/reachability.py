@@ -45,6 +45,16 @@ def reachable_pieces(text: str, function: str) -> tuple[CodePiece, ...]:
         names.update(*(pieces[index].all_names for index in new))
 
 
+def is_program(text: str) -> bool:
+    """Whether all pieces of a text compile: edits that are right alone may not be so together (`** 2.astype(int)`)."""
+    try:
+        for piece_text in text.split(PIECE_SEPARATOR):
+            _compile_piece(piece_text)
+    except SyntaxError:
+        return False
+    return True
+
+
 @lru_cache(maxsize=4096)
 def _compile_piece(text: str) -> CodePiece:
     code = compile(text, "<mutant>", "exec", dont_inherit=True)

@@ -126,6 +126,18 @@ def test_a_facet_tells_three_mistakes_at_once() -> None:
     assert named(source, ["f"], Prober(model, [parts])) == ("un", "dix", "cinq")
 
 
+def test_edits_that_make_no_program_together_are_not_combined() -> None:
+    edits = (
+        edit("deux", "return x", "return 2", functions=["f"]),
+        edit("reel", " * 3", ".real * 3 + 1", functions=["f"]),
+    )
+    model = Model("def f(x):\n    return x * 3\n", edits)
+    calls = tuple((float(x),) for x in (1, 2, 3))
+    asked = Prober(model, [Probes(function="f", calls=calls, kit=world.STILL)])
+    assert named("def f(x):\n    return x * 5\n", ["f"], asked) == ()
+    assert named("def f(x):\n    return 6\n", ["f"], asked) == ("deux",)
+
+
 def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:
     twin = (*EDITS, edit("jumeau", "a + 1", "a + 3 - 1"))
     twins = Prober(Model(MODEL, twin, ()), PROBER.probes)
