@@ -184,14 +184,19 @@ class CodeGrader:
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
 
-    def name_mistakes(self, source: str, programs: Programs, seed: int) -> NamedMistakes:
-        """Return the checks that a program fails and the mistakes named in it, without simplifying anything."""
+    def name_mistakes(
+        self, source: str, programs: Programs, seed: int, spent: Callable[[], bool] | None = None
+    ) -> NamedMistakes:
+        """Return the checks that a program fails and the mistakes named in it, without simplifying anything.
+
+        `spent` is as in `Prober.recognise`.
+        """
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source.encode(), kit, budget=NO_SHRINKING)
         try:
             findings = self._findings(runner, kit, seed, source.encode())
             pairs = self._failed_pairs(findings)
-            named = self._named_mistakes(pairs, runner, seed, source.encode()) if pairs else NamedMistakes()
+            named = self._named_mistakes(pairs, runner, seed, source.encode(), spent) if pairs else NamedMistakes()
         finally:
             runner.close()
         failed = (finding.result for finding in findings if not finding.passed)
@@ -208,11 +213,12 @@ class CodeGrader:
         return [] if all(finding.cause not in DIAGNOSED for _, finding in pairs) else pairs
 
     def _named_mistakes(
-        self, pairs: Sequence[tuple[Check, Finding]], runner: Runner, seed: int, source: bytes
-    ) -> NamedMistakes:
+        self, pairs: Sequence[tuple[Check, Finding]], runner: Runner, seed: int, source: bytes,
+        spent: Callable[[], bool] | None = None,
+    ) -> NamedMistakes:  # fmt: skip
         failed = [check for check, _ in pairs]
         blamed, (functions, alone) = _blamed(failed), self._asked_of(failed)
-        found = self.prober.recognise(runner, functions, alone) if self.prober else RecognisedMistakes()
+        found = self.prober.recognise(runner, functions, alone, spent) if self.prober else RecognisedMistakes()
         told = [check for check, finding in pairs if explains_itself(finding.result.message)]
         others = {name for check in failed if check not in told for name in check.functions}
         left = ((alone if found.mistakes else blamed) - set(found.consequences)) & others

@@ -86,7 +86,7 @@ def isolate_functions(
         if spent():
             return None
         others = [name for name in grader.functions if name != function]
-        named = grader.name_mistakes(source + replacing_suffix(grader, others), programs, seed)
+        named = grader.name_mistakes(source + replacing_suffix(grader, others), programs, seed, spent)
         own[function] = replace(named, failed=named.failed & whole.failed)
     return IsolatedFunctions(whole, own, {each.id: each.functions for each in grader.misconceptions})
 

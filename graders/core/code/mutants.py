@@ -164,7 +164,7 @@ class MutantAnswerCache:
         """Yield mutants with several mistakes, by the first edits of each, in the catalogue's order."""
         taken: Counter[str] = Counter()
         usual = []
-        for edit in self._effective_edits(index):
+        for edit in self.effective_edits(index):
             taken[edit.id] += 1
             if taken[edit.id] <= MAX_WAYS_COMBINED:
                 usual.append(edit)
@@ -178,7 +178,7 @@ class MutantAnswerCache:
         ):
             yield from self.model.combine(styles, chosen)
 
-    def _effective_edits(self, index: int) -> list[Edit]:
+    def effective_edits(self, index: int) -> list[Edit]:
         """Return the edits that change some answer to these probes."""
         if index not in self._edits:
             calls = range(len(self.probes[index].calls))
@@ -216,7 +216,7 @@ class MutantAnswerCache:
         extended = [
             MutantRow(mutant, MutantAnswers())
             for row in begun[:MAX_EXTENDED_MUTANTS]
-            for mutant in self.model.with_one_more(row.mutant, self._effective_edits(index))
+            for mutant in self.model.with_one_more(row.mutant, self.effective_edits(index))
             if _is_program(mutant)
         ]
         self._ask(index, extended, 1)

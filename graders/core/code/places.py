@@ -137,6 +137,10 @@ def find_place(
         named = name_isolated(grader, isolated, verdict.checks)
         functions = isolated.unexplained()
         suffix = replacing_suffix(grader, isolated.explained()) if functions else ""
+    elif functions and len(grader.functions) == 1:
+        pair = grader.name_mistakes(source, programs, verdict.seed, spent)
+        if pair.ids and pair.certain and not pair.facts:
+            named, functions = grader.describe_mistakes(pair), []
     facts, mending, values = [], None, dict[int, str]()
     if functions:
         facts = Experimenter(grader, programs, verdict.seed, spent).find_facts(source, functions)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ from graders.core.code.answer_arrays import AnswerSequence
 from graders.core.code.confined import Unfinished
 from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantRow
 from graders.core.code.mutations import Model, Mutant
+from graders.core.code.pair_search import slice_untried_pairs
 from graders.core.code.part_matching import match_parts
 from graders.core.code.piggyback import HANG_SECONDS
 from graders.core.code.probe_runs import (
@@ -86,10 +87,17 @@ class Prober:
     def functions(self) -> frozenset[str]:
         return frozenset(probes.function for probes in self.probes)
 
-    def recognise(self, runner: Runner, functions: Collection[str], alone: Collection[str]) -> RecognisedMistakes:
+    def recognise(
+        self,
+        runner: Runner,
+        functions: Collection[str],
+        alone: Collection[str],
+        spent: Callable[[], bool] | None = None,
+    ) -> RecognisedMistakes:
         """Return the mistakes of the program in these functions; none when unsure.
 
-        `alone` are the functions that failed a check of their own.
+        `alone` are the functions that failed a check of their own. Until the time is `spent`, if given, every pair of
+        mistakes is tried.
         """
         mistakes: list[str] = []
         fallback: list[str] = []
@@ -109,6 +117,9 @@ class Prober:
                     fallback += self._fallback_names(index, sequence)
                     continue
                 names, is_certain = self._name_borne_out(index, sequence, functions, named)
+            if spent is not None and not is_certain and (pair := self._find_pair(index, sequence, functions, spent)):
+                names, is_certain = self._borne_out(pair, self.probes[index].function, named), True
+            with self._lock:
                 named[self.probes[index].function] = frozenset(names)
                 certain = certain and is_certain
                 mistakes += [mistake for mistake in names if mistake not in mistakes]
@@ -147,6 +158,31 @@ class Prober:
         for index in range(len(self.probes)):
             with self._lock:
                 yield from list(self._mutants.unfinished(index))
+
+    def _find_pair(
+        self, index: int, sequence: AnswerSequence, blamed: Collection[str], spent: Callable[[], bool]
+    ) -> Sequence[str]:
+        """Return two mistakes with which a mutant that the verdict leaves untried answers as the program does.
+
+        None where other pairs do too, or some mutant that the verdict tries. The lock is free between two slices.
+        """
+        answers = sequence.answers
+        if all(isinstance(answer, ProbeFault | str | None) for answer in answers):
+            return []
+        with self._lock:
+            for rows in itertools.islice(self._candidates(index, answers), MAX_COMBINED_MISTAKES):
+                known = (row for row in rows if row.mutant.applies_to(blamed))
+                if self._mutants.matching(index, known, sequence):
+                    return []
+            slices = slice_untried_pairs(self._mutants, index, blamed)
+        fits: list[MutantRow] = []
+        for slice_of_rows in slices:
+            if spent():
+                return []
+            with self._lock:
+                fits += self._mutants.matching(index, slice_of_rows, sequence)
+        common = _common_mistakes(fits) if fits else []
+        return common if len(common) == MAX_COMBINED_MISTAKES else []
 
     def _follows(self, index: int, sequence: AnswerSequence, mistakes: Sequence[str]) -> bool:
         """Whether the mistakes found in other functions explain all wrong answers of this one."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -62,10 +62,15 @@ def prober(**changes: Any) -> Prober:
 PROBER = prober()
 
 
-def named(source: str, functions: Sequence[str] = ("aire", "double"), asked: Prober = PROBER) -> tuple[str, ...]:
+def named(
+    source: str,
+    functions: Sequence[str] = ("aire", "double"),
+    asked: Prober = PROBER,
+    spent: Callable[[], bool] | None = None,
+) -> tuple[str, ...]:
     runner = Runner(LOCAL, source.encode(), world.STILL)
     try:
-        return asked.recognise(runner, functions, functions)[0]
+        return asked.recognise(runner, functions, functions, spent)[0]
     finally:
         runner.close()
 
@@ -136,6 +141,16 @@ def test_edits_that_make_no_program_together_are_not_combined() -> None:
     asked = Prober(model, [Probes(function="f", calls=calls, kit=world.STILL)])
     assert named("def f(x):\n    return x * 5\n", ["f"], asked) == ()
     assert named("def f(x):\n    return 6\n", ["f"], asked) == ("deux",)
+
+
+def test_pairs_that_the_verdict_leaves_untried_are_named_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("graders.core.code.mutants.MAX_COMBINED_MUTANTS", 1)
+    source = written("x", "y")
+    assert named(source, asked=prober()) == ()
+    assert named(source, asked=prober(), spent=lambda: False) == ("b_seul", "a_seul")
+    assert named(source, asked=prober(), spent=lambda: True) == ()
+    twin = Prober(Model(MODEL, (*EDITS, edit("jumeau", "a + 1", "a + 0")), ()), PROBER.probes)
+    assert named(source, asked=twin, spent=lambda: False) == ()
 
 
 def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:

@@ -1,0 +1,33 @@
+"""All pairs of mistakes of one function: those that the verdict leaves untried are searched after it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterator
+
+from graders.core.code.mutants import MAX_COMBINED_MISTAKES, MutantAnswerCache, MutantAnswers, MutantRow
+from graders.core.code.mutations import Mutant
+from graders.core.code.reachability import is_program
+
+#: Mutants that are asked in one exchange, and in all: some 0.4 ms each, in the helper process.
+SLICE, MAX_PAIRS = 50, 8000
+
+
+def slice_untried_pairs(mutants: MutantAnswerCache, index: int, blamed: Collection[str]) -> Iterator[list[MutantRow]]:
+    """Return slices of the mutants with two mistakes of the probes `index` that `mutants` does not keep.
+
+    They are made slice by slice and kept by nobody; the first mistakes of the catalogue come first.
+    """
+    edits = mutants.effective_edits(index)
+    tried = {row.mutant.edits for row in mutants.mutants_with(index, MAX_COMBINED_MISTAKES)}
+    styles = [row.mutant for row in mutants.mutants_with(index, 0)]
+    places = sorted(itertools.combinations(range(len(edits)), MAX_COMBINED_MISTAKES), key=sum)
+    pairs = (chosen for chosen in ((edits[i], edits[j]) for i, j in places) if chosen not in tried)
+    made = (mutant for chosen in pairs for mutant in mutants.model.combine(styles, chosen))
+    programs = (mutant for mutant in made if mutant.applies_to(blamed) and is_program(mutant.text))
+    return _slices(itertools.islice(programs, MAX_PAIRS))
+
+
+def _slices(mutants: Iterator[Mutant]) -> Iterator[list[MutantRow]]:
+    while taken := list(itertools.islice(mutants, SLICE)):
+        yield [MutantRow(mutant, MutantAnswers()) for mutant in taken]
