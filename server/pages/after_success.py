@@ -11,7 +11,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
 
-from graders.core.advice.ways import choose_ways
+from graders.core.advice.ways import choose_ways, without_remarks
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
 from server.base.http import client_address
@@ -103,5 +103,5 @@ def _ways(exercise: Exercise) -> tuple[tuple[str, str], ...]:
     right = [specimen for specimen in exercise.grader.specimens() if specimen.outcome is Outcome.OK]
     texts = {specimen.path.stem: specimen.path.read_text(encoding="utf-8") for specimen in right}
     names = choose_ways(exercise.solution, texts)
-    others = [(f"Autrement : {name.replace('_', ' ')}", texts[name]) for name in names]
+    others = [(f"Autrement : {name.replace('_', ' ')}", without_remarks(texts[name])) for name in names]
     return (("La référence", exercise.solution), *others)

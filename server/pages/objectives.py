@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, ExerciseProgress
 from server.hunts.service import may_have_hunts
 from server.pages.two_minutes import PATH as TWO_MINUTES
-from server.recall import paths
+from server.recall import paths, retrievals
 from server.recall.service import Candidate, Recall, load_recall
 from server.recall.subjects import title_of_subject
 from server.web.dependencies import CurrentReader
@@ -149,9 +149,7 @@ def propose(
     if recall is not None and recall.due and not recall.is_off:
         count = len(recall.due)
         titles = dict.fromkeys(title for row in rows for title in fading.get(row.objective.objective.id, ()))
-        reason = "ce que vous aviez corrigé commence à s’effacer"
-        first = next(iter(titles), "")
-        why = f"{reason} (« {first} »)" if first else reason
+        why = _why_now(recall.due, next(iter(titles), ""))
         label = f"Deux minutes : {plural(count, 'question')}"
         return Proposal(TWO_MINUTES, label, max(1, round(count * MINUTES_A_QUESTION)), why)
     if following is not None and any(row.state is not Mastery.none for row in rows):
@@ -161,6 +159,19 @@ def propose(
         minutes = round(reading_minutes(way[0]))
         return Proposal(lesson_href(way[0]), f"Commencer : {way[0].label}", minutes, "c’est par là que l’on commence")
     return None
+
+
+def _why_now(due: Collection[str], first: str) -> str:
+    """Say why these subjects are to be seen again: mended mistakes fade (`first` is one), lessons' questions were
+    missed."""
+    missed = sum(subject.startswith(retrievals.PREFIX) for subject in due)
+    questions = "vous aviez manqué une question d’une séance"
+    if missed > 1:
+        questions = f"vous aviez manqué {plural(missed, 'question')} des séances"
+    if missed == len(due):
+        return questions
+    fades = "ce que vous aviez corrigé commence à s’effacer" + (f" (« {first} »)" if first else "")
+    return f"{fades}, et {questions}" if missed else fades
 
 
 def _propose_exercise(rows: Sequence[OwnObjectiveRow], following: NextExercise) -> Proposal:

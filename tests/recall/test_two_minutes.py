@@ -94,7 +94,9 @@ def test_a_missed_question_of_a_lesson_comes_back_with_other_numbers(site: Site)
         for stored in db.execute(select(RecallAnswer)).scalars():
             stored.answered_at -= timedelta(days=2)
     assert 'id="deux-minutes"' in browser.get("/").text, "with no exercise solved"
-    assert "1 question" in browser.get("/l20/objectifs").text.replace("\u202f", " ").replace("\xa0", " ")
+    own = browser.get("/l20/objectifs").text.replace("\u202f", " ").replace("\xa0", " ")
+    assert "1 question" in own
+    assert "vous aviez manqué une question d’une séance" in own, "nothing was mended"
     assert 'value="localiser/cap"' in browser.get(PATH).text, "the right answer does not come back"
     form = {"question": "localiser/cap", "jour": day.isoformat()}
     refused = browser.post(f"{PATH}/questions/l20", data={**form, "reponse": "douze"})

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import io
 import math
+import tokenize
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
@@ -37,3 +39,37 @@ def _distance(first: Counter[str], second: Counter[str]) -> float:
     product = sum(first[name] * second[name] for name in first.keys() & second.keys())
     norms = math.sqrt(sum(n * n for n in first.values()) * sum(n * n for n in second.values()))
     return 1.0 - product / norms if norms else 1.0
+
+
+def without_remarks(source: str) -> str:
+    """Return a program without its docstrings and comments, which are for the course's authors."""
+    source = source.removeprefix("\ufeff")
+    lines: list[str] = []
+    removed = _docstring_lines(parse_source(source))
+    columns = _comment_columns(source)
+    for number, line in enumerate(source.splitlines(), 1):
+        code = line[: columns[number]].rstrip() if number in columns else line
+        if number not in removed and (code.strip() or number not in columns):
+            lines.append(code)
+    return "\n".join(lines).strip("\n") + "\n"
+
+
+def _docstring_lines(tree: ast.Module) -> set[int]:
+    """Return the numbers of the lines of docstrings, but for those that are all of a body."""
+    removed: set[int] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and len(node.body) > 1:
+            first = node.body[0]
+            if (
+                isinstance(first, ast.Expr)
+                and isinstance(first.value, ast.Constant)
+                and isinstance(first.value.value, str)
+            ):
+                removed |= set(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+    return removed
+
+
+def _comment_columns(source: str) -> dict[int, int]:
+    """Return the column at which the comment of each line with one begins."""
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
+    return {token.start[0]: token.start[1] for token in tokens if token.type == tokenize.COMMENT}
