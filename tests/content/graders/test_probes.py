@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from graders.core.code.call_graph import find_callers
 from graders.core.code.mutations import Edit, Model
 from graders.core.code.prober import Prober
 from graders.core.code.probes import MAX_ITEMS, TOO_LARGE, ProbeResults, Probes, read_answer, same_probe_answer
@@ -230,6 +231,16 @@ def test_every_mistake_that_is_an_edit_is_recognised(exercise: str, rest: int) -
         found = of(exercise).recognise(runner, mistake.functions, [])
         assert mistake.id in (found.mistakes or found.fallback), mistake.id
         runner.close()
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_functions_call_one_another_in_some_version_of_the_model_as_in_the_solution(exercise: str) -> None:
+    """Else the wrong answers of a function that calls a wrong one are taken for its own mistake."""
+    grader = CODE[exercise]
+    versions = [version.text for version in of(exercise).model.correct_versions()]
+    for function in grader.functions:
+        callers = find_callers(grader.solution.encode(), [function]).intersection(grader.functions)
+        assert callers <= frozenset().union(*(find_callers(text.encode(), [function]) for text in versions)), function
 
 
 @pytest.mark.parametrize("exercise", CODE)
