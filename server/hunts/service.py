@@ -44,6 +44,7 @@ from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.interfaces import Sender
 from server.recall import repository
+from server.recall.calculations import can_calculate
 from server.recall.models import QuestionKind, RecallAnswer
 from server.recall.subjects import list_misconceptions, subject_of
 from server.steps.service import TraceProgram
@@ -222,6 +223,11 @@ class HuntService:
 def may_have_hunts(course: Course, exercise: Exercise) -> bool:
     """Whether an exercise may have hunts: its author has not refused them, and knows mistakes. Loads its grader."""
     return exercise.hunts != "never" and _has_hunts(exercise)
+
+
+def may_ask_again(course: Course, exercise: Exercise) -> bool:
+    """Whether what was confused in an exercise may be asked again: by a hunt, a small calculation or a choice."""
+    return can_calculate(exercise) or may_have_hunts(course, exercise)
 
 
 @lru_cache(maxsize=512)

@@ -20,18 +20,19 @@ from server.database.dependencies import DatabaseOf
 from server.gradebook import service as gradebook
 from server.hunts.dependencies import HuntsOf
 from server.hunts.questions import HuntName, OfferedHunt
-from server.hunts.service import HuntService, choose_kind, may_have_hunts
+from server.hunts.service import MAX_ARGUMENTS, HuntService, choose_kind, may_ask_again
 from server.identity.dependencies import OptionalAccount, SignedIn
 from server.identity.models import Account
 from server.pages.hunts import MAX_NAME, WORDS, Act, Kind, Typed, answer_question, hunt_page
 from server.polls.models import POLL_LENGTH
-from server.recall import repository, retrievals
+from server.recall import calculations, repository, retrievals
+from server.recall.calculations import AskedCalculation
 from server.recall.retrievals import AskedQuestion
 from server.recall.scheduling import SITTING_QUESTIONS
 from server.recall.service import OFF, REMINDERS, Candidate, Recall, load_recall
 from server.web.forms import redirect, redirect_to_login
 from server.web.rendering import render_page
-from server.web.views import find_exercise, find_module
+from server.web.views import exercise_href, find_exercise, find_module
 
 router = APIRouter(include_in_schema=False)
 
@@ -44,7 +45,7 @@ def read_recall(database: Database, course: CourseOf, account: Account) -> Recal
         progress = gradebook.load_progress(db, account)
         solved = {name for name, own in progress.items() if own.succeeded}
         choices = repository.load_choices(db, account.id)
-        return load_recall(db, course, account.id, solved, lambda exercise: may_have_hunts(course, exercise), choices)
+        return load_recall(db, course, account.id, solved, lambda exercise: may_ask_again(course, exercise), choices)
 
 
 @router.get(PATH)
@@ -62,6 +63,12 @@ async def show_question(
             page = _question_page(course, asked)
             break
         turn = recall.answers.get(subject, 0)
+        if chosen := _choose_calculation(course, candidates, turn):
+            calculation = await run_in_threadpool(
+                calculations.ask, course, chosen.exercise, chosen.misconception, account, retrievals.today()
+            )
+            page = await run_in_threadpool(_calculation_page, calculation)
+            break
         offer, question = await _offer_hunt(hunts, account, turn, candidates, client_address(request))
         if offer is not None:
             exercise = course.exercises[offer.hunt.exercise]
@@ -70,12 +77,27 @@ async def show_question(
     return await run_in_threadpool(_render, request, account, page, recall)
 
 
+def _from_turn(candidates: Sequence[Candidate], turn: int) -> Sequence[Candidate]:
+    """Return the candidates from that of a turn on, the others after them."""
+    place = turn % max(1, len(candidates))
+    return [*candidates[place:], *candidates[:place]]
+
+
+def _choose_calculation(course: Course, candidates: Sequence[Candidate], turn: int) -> Candidate | None:
+    """Return the candidate of a turn where it is one of a calculation, or the first such where none has a program."""
+    ordered = _from_turn(candidates, turn)
+    answered = [candidate for candidate in ordered if course.exercises[candidate.exercise].answers is not None]
+    return answered[0] if answered and (answered[0] == ordered[0] or len(answered) == len(ordered)) else None
+
+
 async def _offer_hunt(
     hunts: HuntService, account: Account, turn: int, candidates: Sequence[Candidate], address: str
 ) -> tuple[OfferedHunt | None, Kind]:
     """Offer the first misconception about which a question can be asked: a hunt, a prediction and a line in turn."""
-    places = [(k + turn) % len(candidates) for k in range(len(candidates))]
-    names = [HuntName(exercise=candidates[k].exercise, misconception=candidates[k].misconception) for k in places]
+    names = [
+        HuntName(exercise=candidate.exercise, misconception=candidate.misconception)
+        for candidate in _from_turn(candidates, turn)
+    ]
     offer = await hunts.offer_first(account, names, address)
     return offer, "entree" if offer is None else WORDS[choose_kind(offer, turn)]
 
@@ -101,6 +123,31 @@ def answer_question_of_lesson(
     except Invalid as error:
         shown["refusal"] = str(error)
     return _render(request, account, _question_page(course, asked) | shown, read_recall(database, course, account))
+
+
+@router.post(f"{PATH}/calculs")
+def answer_calculation(
+    request: Request,
+    account: SignedIn,
+    database: DatabaseOf,
+    course: CourseOf,
+    exercice: Annotated[str, Form(max_length=MAX_NAME)],
+    erreur: Annotated[str, Form(max_length=MAX_NAME)],
+    jour: Annotated[date, Form()],
+    valeur: Annotated[list[Annotated[str, Form(max_length=MAX_LENGTH)]], Form(max_length=MAX_ARGUMENTS)] = [],  # noqa: B006 (read by FastAPI)
+) -> Response:
+    """Mark an answer to a small calculation or a choice."""
+    asked = calculations.ask(course, exercice, erreur, account, jour)
+    shown: dict[str, Any] = {"typed": valeur}
+    try:
+        with database.write() as db:
+            marked = calculations.answer(db, course, account, asked, valeur)
+        shown["marked"] = {
+            "is_right": marked.is_right, "why": asked.exercise.prose(marked.message), "right": marked.right
+        }  # fmt: skip
+    except Invalid as error:
+        shown["refusal"] = str(error)
+    return _render(request, account, _calculation_page(asked) | shown, read_recall(database, course, account))
 
 
 @router.post(PATH)
@@ -147,11 +194,27 @@ def _question_page(course: Course, asked: AskedQuestion) -> dict[str, Any]:
     return {"offer": None, "asked": asked, "lesson": title, "typed": "", "refusal": "", "marking": None}
 
 
+def _calculation_page(asked: AskedCalculation) -> dict[str, Any]:
+    exercise, question = asked.exercise, asked.question
+    return {
+        "offer": None,
+        "calculation": asked,
+        "exercise_title": exercise.title,
+        "exercise_href": exercise_href(exercise),
+        "text": exercise.prose(question.text),
+        "pieces": [(piece.id, exercise.line(piece.text)) for piece in question.pieces],
+        "given": [(exercise.line(f"${datum.symbol}$"), datum.text, datum.unit, datum.name) for datum in asked.given],
+        "typed": (),
+        "refusal": "",
+        "marked": None,
+    }
+
+
 def _split(exercise: str) -> Sequence[str]:
     module, _, slug = exercise.partition("/")
     return module, slug
 
 
 def _render(request: Request, account: Account, page: Mapping[str, Any], recall: Recall) -> Response:
-    shown = {"asked": None, **page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
+    shown = {"asked": None, "calculation": None, **page, "recall": recall, "here": PATH, "sitting": SITTING_QUESTIONS}
     return render_page(request, "two_minutes.html", account, page=shown)

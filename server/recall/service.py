@@ -10,6 +10,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import feedback
 from server.base import school_time
 from server.course import Course, Exercise
 from server.database import utc_now
@@ -58,13 +59,15 @@ def load_recall(
 ) -> Recall:
     """Load what comes back, in two queries: of the solved exercises about which questions can be asked, and of lessons.
 
-    A question of a lesson is scheduled from its first wrong answer on.
+    A question of a lesson is scheduled from its first wrong answer on. Nothing is asked of an exercise during its test.
 
     `choices` are the account's, as `repository.load_choices` loads them.
     """
     now = utc_now()
     today = school_time.to_local(now).date()
-    asked = [course.exercises[name] for name in course.exercises if name in solved]
+    held = feedback.load_all_holds(db, account_id) if solved else {}
+    tested = {name for name, holds in held.items() if holds.tests}
+    asked = [course.exercises[name] for name in course.exercises if name in solved and name not in tested]
     past = mistakes.load_past_mistakes(db, account_id, [exercise.id for exercise in asked]) if asked else ()
     answers = repository.load_answers(db, account_id)
     reviews, confused = gather_reviews(course, past, answers, can_ask)

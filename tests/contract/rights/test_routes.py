@@ -86,6 +86,12 @@ TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /deux-minutes": {"exercice": EXERCISE, "erreur": MISTAKE, "fonction": "composer", "action": "abandonner"},
+    "POST /deux-minutes/calculs": {
+        "exercice": "l20/calcul_odometrie",
+        "erreur": "roues_echangees",
+        "jour": "2026-01-05",
+        "valeur": "1",
+    },
     "POST /deux-minutes/questions/{module}": {"question": "localiser/case", "jour": "2026-01-05", "reponse": "a"},
     "POST /deux-minutes/rappels": {"rappels": "non"},
     "POST /{module}/rappels": {"question": "localiser/case", "jour": "2026-01-05", "reponse": "a"},
