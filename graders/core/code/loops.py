@@ -137,6 +137,7 @@ class ClosedLoop(Check):
             inputs={},
             expected="les vérifications d'un seul pas réussies",
             got="une d'elles au moins échoue",
+            neutral=True,
         )
 
     def _failure_rejection(self, tally: RunTally) -> Rejection:

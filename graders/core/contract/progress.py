@@ -10,13 +10,16 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import Diagnosis, Verdict
+from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
+
+#: Causes of a failed check that say nothing of the function's answers: it was not called.
+NOT_CALLED = frozenset({Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR, Outcome.MISSING_FUNCTION})
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Titles in French: `mistakes` are mended, `checks` pass now, `lost` passed before; `left` are the named mistakes,
-    then the failed checks that none of them explains."""
+    """Titles in French: `mistakes` are mended, `checks` pass now, `lost` passed before and were judged again; `left`
+    are the named mistakes, then the failed checks that none of them explains."""
 
     mistakes: tuple[str, ...]
     checks: tuple[str, ...]
@@ -31,7 +34,7 @@ def progress(before: Verdict, now: Verdict) -> Progress | None:
     passed = {check.id for check in before.checks if check.passed}
     check_ids = {check.id for check in before.checks}
     checks = tuple(c.title for c in now.checks if c.passed and c.id in check_ids - passed)
-    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed)
+    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed and _was_judged(c, now))
     failed = {check.id for check in now.checks if not check.passed}
     named = now.diagnosis.titles if now.diagnosis else ()
     failed_before = check_ids - passed
@@ -43,8 +46,15 @@ def progress(before: Verdict, now: Verdict) -> Progress | None:
     if not gone and not checks and not lost:
         return None
     unexplained = failed.difference(*(explained for _, explained in _explained(now.diagnosis, failed)))
-    left = (*named, *(check.title for check in now.checks if check.id in unexplained))
+    left = (*named, *(check.title for check in now.checks if check.id in unexplained and not check.neutral))
     return Progress(gone, checks, lost, left)
+
+
+def _was_judged(check: CheckResult, now: Verdict) -> bool:
+    """Whether a failed check compared answers: not where it waits for others, nor where the file does not run."""
+    if check.neutral or check.cause in NOT_CALLED:
+        return False
+    return check.cause is None or not now.load_error
 
 
 def _explained(diagnosis: Diagnosis | None, failed: AbstractSet[str]) -> list[tuple[str, AbstractSet[str]]]:

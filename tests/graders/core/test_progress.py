@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 
 from graders.core.contract.outcomes import Outcome
@@ -55,6 +58,29 @@ def verdict(
 )
 def test_what_is_mended_and_what_is_left(before: Verdict, now: Verdict, told: Progress | None) -> None:
     assert progress(before, now) == told
+
+
+@pytest.mark.parametrize(
+    ("changes", "load_error", "lost"),
+    [
+        ({}, "", ("b",)),
+        ({"cause": Outcome.TIMEOUT}, "", ("b",)),
+        ({"neutral": True}, "", ()),
+        ({"cause": Outcome.MISSING_FUNCTION}, "", ()),
+        ({"cause": Outcome.SYNTAX_ERROR}, "Ligne 1", ()),
+        ({"cause": Outcome.RUNTIME_ERROR}, "Ligne 1", ()),
+        ({}, "La fonction « f » est attendue", ("b",)),
+    ],
+)
+def test_only_what_was_judged_again_is_said_to_be_lost(
+    changes: dict[str, Any], load_error: str, lost: tuple[str, ...]
+) -> None:
+    now = verdict("ac")
+    checks = [replace(check, **changes) if check.id == "b" else check for check in now.checks]
+    told = progress(verdict("ab"), replace(now, checks=checks, load_error=load_error))
+    assert told is not None
+    assert told.lost == lost
+    assert told.left == (() if changes.get("neutral") else ("b",))
 
 
 def test_nothing_is_told_of_full_marks_nor_of_an_error_of_ours() -> None:
