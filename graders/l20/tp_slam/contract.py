@@ -84,7 +84,12 @@ CONTRACTS = (
         "fermetures",
         {"scans": array("k", "r"), "chaine": poses("k")},
         LOOPS,
-        (),
+        (
+            Boundary(
+                "un rayon qui lit la portée, 8 m, ne donne pas de point", lambda scans, chaine: np.max(scans) >= 8.0
+            ),
+            Boundary("la signature", free="une autre que celle de l’énoncé convient, et numpy.fft comme scipy.fft"),
+        ),
         ONCE,
     ),
     FunctionContract(
@@ -105,7 +110,15 @@ CONTRACTS = (
             "portee": NUMBER,
         },
         ArrayForm(shape=("H", "W"), called="une grille", precision="Jugée par ses signes : libre ou occupé."),
-        (),
+        (
+            Boundary(
+                "une grille qui n’est pas carrée : [ligne, colonne], donc [y, x]",
+                lambda *args: args[2][0] != args[2][1],
+            ),
+            Boundary("une lecture de 8 m : des cases libres, pas de mur", lambda *args: np.max(args[1]) >= 8.0),
+            Boundary("la portée laissée à son défaut", lambda *args: len(args) == 5),
+            Boundary("la case du robot", free="elle n’est pas jugée"),
+        ),
         ONCE,
     ),
 )

@@ -1,4 +1,4 @@
-"""Figures of l20/tp_slam: two clouds as they were matched, and the map that was drawn."""
+"""Figures of l20/tp_slam: two clouds as they were matched, graphs before and after, and the maps drawn."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
-from graders.plotting import EXPECTED, OBTAINED, ink_of
+from graders.l20.slam_graphe.figures import draw_graph
+from graders.l20.tp_slam.pictures import GRAPH, MAP, MATCH, SMALL_MAP
+from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
 from reference.se2 import transform
 
 
@@ -47,4 +50,30 @@ def draw_map(figure: Figure, data: dict[str, Any]) -> None:
     figure.colorbar(shown, ax=axes, label="log-odds", shrink=0.8)
 
 
-FIGURES = {"recalage": draw_match, "carte": draw_map}
+def draw_small_map(figure: Figure, data: dict[str, Any]) -> None:
+    """The map as it should be and as it was drawn, with the rays; the first wrong cell is framed in both."""
+    height, width = np.array(data["wanted"]).shape
+    figure.set_size_inches(6.4, 1.0 + 10.0 * height / width)
+    top, bottom = figure.subplots(2, 1, sharex=True, sharey=True)
+    (x, y), side = data["corner"], data["side"]
+    row, column = data["cell"]
+    for axes, name, title, colour in ((top, "wanted", "attendu", EXPECTED), (bottom, "got", "obtenu", OBTAINED)):
+        axes.imshow(
+            np.array(data[name]), origin="lower", cmap="gray_r", vmin=-2, vmax=2,
+            extent=(x, x + width * side, y, y + height * side), interpolation="nearest",
+        )  # fmt: skip
+        for start, *ends in data["rays"]:
+            for end in ends:
+                axes.plot(*np.array([start, end]).T, color=THIRD, lw=1.2, clip_on=True)
+            axes.plot(*start, "o", color=THIRD, ms=6)
+        axes.add_patch(
+            Rectangle((x + column * side, y + row * side), side, side, fill=False, ec=colour, lw=2.5, zorder=6)
+        )
+        axes.grid(visible=False)
+        axes.set_title(title)
+        axes.set_ylabel("y (m)")
+    bottom.set_xlabel("x (m)")
+    figure.supxlabel("noir : occupée ; blanc : libre ; gris : on n'en sait rien ; vert : les rayons", fontsize=8)
+
+
+FIGURES = {MATCH: draw_match, MAP: draw_map, SMALL_MAP: draw_small_map, GRAPH: draw_graph}

@@ -14,7 +14,7 @@ from graders.l20.tp_slam.contract import CONTRACTS
 from graders.l20.tp_slam.maps import mapping
 from graders.l20.tp_slam.probes import PROBES
 from graders.l20.tp_slam.real import through_the_laboratory
-from graders.l20.tp_slam.stages import closing, key_poses, matching, odometry, solving
+from graders.l20.tp_slam.stages import closing, key_poses, matching, odometry, show_solved, solving
 
 CHECKS = (
     Trial(
@@ -54,7 +54,7 @@ CHECKS = (
         title="A6. Le graphe : recalages, odométrie et boucles d'accord",
         points=3,
         functions=("optimiser",),
-        protocol=small.then(small.graphs, solving),
+        protocol=small.then(small.graphs, solving, shown=show_solved),
         hint="Quelle arête croit-on le plus : celle d'écart-type 2 cm, ou celle de 3 cm ? Que vaut Ω pour chacune ?",
     ),
     Trial(

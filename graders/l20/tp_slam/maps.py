@@ -13,6 +13,7 @@ from graders.core.contract.values import Floats, UnreadableError, read_array
 from graders.l20 import parcours
 from graders.l20.tp_slam import journeys
 from graders.l20.tp_slam.chain import chain_of
+from graders.l20.tp_slam.pictures import MAP
 from graders.l20.tp_slam.stages import borrowed
 from graders.l20.tp_slam.told import given_up
 from reference.registration import kabsch
@@ -58,7 +59,7 @@ def mapping(bench: Bench) -> None:
             expected=f"au moins {LEAST_FREE} cases libres, justes à {_percent(FREE)} ; murs justes à "
             f"{_percent(WALLS)} ; des log-odds entre −5 et 5",
             got=f"{count} cases libres, justes à {_percent(free)} ; des murs justes à {_percent(walls)}",
-            figure={"kind": "carte", "got": np.round(np.clip(log_odds, -6, 6), 1), "poses": np.round(poses[:, :2], 2),
+            figure={"kind": MAP, "got": np.round(np.clip(log_odds, -6, 6), 1), "poses": np.round(poses[:, :2], 2),
                     "corner": corner, "side": SIDE},
         )  # fmt: skip
     bench.measured = f"Cases libres justes à {_percent(free)}, murs justes à {_percent(walls)}."

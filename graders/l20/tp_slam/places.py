@@ -107,7 +107,8 @@ def _back_in_the_hall() -> Walk:
     truth = np.column_stack(
         [0.5 + 1.6 * np.cos(around), -0.4 + 0.55 * np.sin(around), wrap_angle(np.arange(0.0, 60.0, 2.4))]
     )
-    scans = np.array([_scan(CORRIDOR, pose, 180) + 0.5 + 0.12 * j for j, pose in enumerate(truth)])
+    longer = [_scan(CORRIDOR, pose, 180) + 0.5 + 0.12 * j for j, pose in enumerate(truth)]
+    scans = np.minimum(longer, REACH)  # no reading goes beyond the reach that the statement tells
     truth[THERE] = -1.25, -0.31, -1.74
     truth[AGAIN] = compose(truth[THERE], np.array([0.18, -0.07, -0.99]))
     for place, pose in ((THERE, truth[THERE]), (AGAIN, truth[AGAIN])):

@@ -28,7 +28,7 @@ def through_the_laboratory(bench: Bench) -> None:
     if bench.runner.failed & {"recalages", "graphe"}:
         raise Rejection(
             "Les vrais scans viendront quand les étapes A4 et A6 réussiront : il n’y a que du bruit à y ajouter.",
-            inputs={}, expected="les étapes A4 et A6 réussies", got="pas encore",
+            inputs={}, expected="les étapes A4 et A6 réussies", got="pas encore", neutral=True,
         )  # fmt: skip
     place = journeys.indoor()
     raw = steps_of(place.odometry)
@@ -63,6 +63,7 @@ def _chained(bench: Bench, moves: Floats, allowed: float, start: str, before: fl
     along = ate(journeys.added_up(matches), place.truth)
     if along >= allowed:
         bench.observe("recaler", "intel", ok=False)
+        film(bench, "intel", place.odometry, journeys.added_up(matches))
         raise Rejection(
             f"Sur les scans du laboratoire d’Intel, vos recalages partis de {start} et mis bout à bout ont une ATE de "
             f"{metres(along)}. Cette odométrie en avait {metres(before)}.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import unreadable
 from graders.core.contract.values import Arguments, Floats, UnreadableError, read_array, read_indices
+from graders.l20.tp_slam import pictures
 from graders.l20.tp_slam.chain import Loop
 from graders.l20.tp_slam.stages import matched, read_poses
 from graders.l20.tp_slam.told import given_up
@@ -20,11 +21,16 @@ Protocol = Callable[[Bench], None]
 Cell = tuple[int, int]
 
 
-def then(first: Protocol, second: Protocol) -> Protocol:
-    """One after the other."""
+def then(first: Protocol, second: Protocol, shown: Protocol | None = None) -> Protocol:
+    """One after the other. Where the first one rejects, `shown` leaves a film of what the second one would see."""
 
     def both(bench: Bench) -> None:
-        first(bench)
+        try:
+            first(bench)
+        except Rejection:
+            if shown is not None and not bench.runner.reenacting:
+                shown(bench)
+            raise
         second(bench)
 
     return both
@@ -84,9 +90,9 @@ ROOM = _scattered(3, 0.2, 90)
 STRANGE = np.column_stack([np.linspace(5.0, 7.0, 40), np.linspace(3.0, -2.0, 40)])
 FAR = np.column_stack([np.linspace(9.0, 11.0, 17), np.linspace(-7.0, -9.0, 17)])
 POSE = np.array([0.45, -0.3, 0.5])
-NEARBY = POSE + np.array([0.11, -0.09, 0.08])
+NEARBY = np.round(POSE + np.array([0.11, -0.09, 0.08]), 3)
 BACK = np.array([-0.6, 0.2, -2.9])
-BARELY = POSE + np.array([0.05, -0.04, 0.03])
+BARELY = np.round(POSE + np.array([0.05, -0.04, 0.03]), 3)
 
 
 def seen_from(pose: Floats, points: Floats) -> Floats:
@@ -112,7 +118,7 @@ def _beside(seed: int, count: int) -> Floats:
 MATCHES: tuple[tuple[tuple[Floats, Floats, Floats], Floats, float], ...] = (
     ((ROOM, ROOM, np.zeros(3)), np.zeros(3), 1.0),
     ((ROOM, seen_from(POSE, ROOM), NEARBY), POSE, 1.0),
-    ((ROOM, seen_from(BACK, ROOM), BACK + np.array([-0.07, 0.05, -0.04])), BACK, 1.0),
+    ((ROOM, seen_from(BACK, ROOM), np.round(BACK + np.array([-0.07, 0.05, -0.04]), 3)), BACK, 1.0),
     ((ROOM, np.vstack([seen_from(POSE, ROOM), STRANGE]), NEARBY), POSE, len(ROOM) / (len(ROOM) + len(STRANGE))),
     ((np.vstack([ROOM, STRANGE]), seen_from(POSE, ROOM)[::2], NEARBY), POSE, 1.0),
     ((ROOM, seen_from(POSE, np.vstack([ROOM, _beside(137, 30)])), NEARBY), POSE, 0.75),
@@ -140,19 +146,19 @@ def matches(bench: Bench) -> None:
                 inputs={"points_a": f"{len(a)} points", "points_b": f"{len(b)} points", "depart": start},
                 expected=[None if lost else np.round(wanted, 3), round(share, 3)],
                 got=[np.round(pose, 3), round(part, 3)],
-                figure={"kind": "recalage", "a": np.round(a, 3), "b": np.round(b, 3), "wanted": wanted,
+                figure={"kind": pictures.MATCH, "a": np.round(a, 3), "b": np.round(b, 3), "wanted": wanted,
                         "got": np.clip(pose, -1e4, 1e4), "start": start},
             )  # fmt: skip
 
 
 def _measured(truth: Floats) -> tuple[Floats, Floats, Floats, list[Loop]]:
     """What four poses are seen as: their chain, the matches, odometry, and a loop between the first and the last."""
-    steps = relative(truth[:-1], truth[1:])
+    steps = np.round(relative(truth[:-1], truth[1:]), 3)
     return (
-        truth + rows((0, 0, 0), (0.02, -0.03, 0.02), (0.05, 0.02, -0.04), (-0.04, 0.06, 0.05)),
-        steps + rows((0.02, 0.01, 0.01), (-0.03, 0.01, -0.02), (0.01, -0.04, 0.02)),
-        steps + rows((-0.05, 0.03, 0.06), (0.04, -0.05, 0.05), (0.06, 0.02, -0.08)),
-        [(0, 3, relative(truth[0], truth[3]) + np.array([0.05, -0.06, 0.03]))],
+        np.round(truth + rows((0, 0, 0), (0.02, -0.03, 0.02), (0.05, 0.02, -0.04), (-0.04, 0.06, 0.05)), 3),
+        np.round(steps + rows((0.02, 0.01, 0.01), (-0.03, 0.01, -0.02), (0.01, -0.04, 0.02)), 3),
+        np.round(steps + rows((-0.05, 0.03, 0.06), (0.04, -0.05, 0.05), (0.06, 0.02, -0.08)), 3),
+        [(0, 3, np.round(relative(truth[0], truth[3]) + np.array([0.05, -0.06, 0.03]), 3))],
     )
 
 
@@ -160,10 +166,10 @@ TRUTH = rows((0, 0, 0), (0.3, 0.05, 0.4), (0.5, 0.35, 1.4), (0.2, 0.5, 2.9))
 #: The same shape, eight times as large: how far one trusts an angle moves the poses by centimetres.
 WIDE = TRUTH * np.array([8.0, 8.0, 1.0])
 CHAINED, FOUND, MOVED, LOOP = _measured(TRUTH)
-BACKWARDS = [(3, 0, relative(TRUTH[3], TRUTH[0]) + np.array([-0.04, 0.05, 0.02]))]
+BACKWARDS = [(3, 0, np.round(relative(TRUTH[3], TRUTH[0]) + np.array([-0.04, 0.05, 0.02]), 3))]
 GRAPHS: tuple[Arguments, ...] = (
     (CHAINED, FOUND, MOVED, LOOP),
-    (CHAINED, FOUND, relative(TRUTH[:-1], TRUTH[1:]), []),
+    (CHAINED, FOUND, np.round(relative(TRUTH[:-1], TRUTH[1:]), 3), []),
     (CHAINED, FOUND, FOUND, LOOP),
     (CHAINED, FOUND, MOVED, BACKWARDS),
     _measured(WIDE),
@@ -173,21 +179,22 @@ SIGMAS = ((0.02, 0.01), (0.03, 0.05), (0.03, 0.015))
 SETTLED = 1e-3
 
 
-def optimum(args: Arguments) -> Floats:
-    """The poses (k, 3) at which the three kinds of edges agree best."""
+def graph_of(args: Arguments) -> PoseGraph:
+    """The three kinds of edges, each with its information."""
     chain, found, moved, loops = args
     omegas = [np.diag([s**-2, s**-2, a**-2]) for s, a in SIGMAS]
     edges = [(k, k + 1, z, omegas[0]) for k, z in enumerate(found)]
     edges += [(k, k + 1, z, omegas[1]) for k, z in enumerate(moved)]
     edges += [(a, b, z, omegas[2]) for a, b, z in loops]
     wrapped = [(a, b, np.array([z[0], z[1], wrap_angle(z[2])]), w) for a, b, z, w in edges]
-    return gauss_newton(PoseGraph.from_edges(len(chain), wrapped), chain, max_iterations=30).poses
+    return PoseGraph.from_edges(len(chain), wrapped)
 
 
 def graphs(bench: Bench) -> None:
     """Four poses: with a loop, without, where odometry repeats the matches, with a loop told backwards, and wide."""
     for args in GRAPHS:
-        wanted = optimum(args)
+        graph = graph_of(args)
+        wanted = gauss_newton(graph, args[0], max_iterations=30).poses
         got = read_poses(bench, "optimiser", bench.call("optimiser", *args), len(wanted))
         apart = np.column_stack([got[:, :2] - wanted[:, :2], wrap_angle(got[:, 2] - wanted[:, 2])])
         well = float(np.abs(apart).max()) < SETTLED
@@ -195,11 +202,12 @@ def graphs(bench: Bench) -> None:
         if not well:
             k = int(np.argmax(np.abs(apart).max(axis=1)))
             raise Rejection(
-                f"Quatre poses, {len(args[3])} boucle : la pose {k} devrait finir en "
-                f"({', '.join(_decimal(v) for v in wanted[k])}).",
+                f"Quatre poses, {'une' if args[3] else 'aucune'} boucle : la pose {k} devrait finir en "
+                f"({' ; '.join(_decimal(v) for v in wanted[k])}).",
                 inputs={"chaine": args[0], "recalages": args[1], "deplacements": args[2], "boucles": args[3]},
                 expected=wanted,
                 got=got,
+                figure=pictures.graph_figure(graph, args[0], wanted, got),
             )
 
 
@@ -240,14 +248,41 @@ def maps(bench: Bench) -> None:
         wrong = _wrong_cells(got, occupied, free, empty) if shaped else []
         bench.observe("carte", np.sign(got) if shaped else list(got.shape), ok=shaped and not wrong)
         if not shaped or wrong:
-            raise Rejection(
-                f"carte doit renvoyer un tableau de forme {SHAPE}, sans nan ni infini." if not shaped else
-                f"{len(args[0])} scan(s) de quatre rayons : la case {wrong[0]} devrait être "
-                f"{_must_be(wrong[0], occupied, free)}.",
-                inputs={"poses": args[0], "scans": args[1], "forme": list(SHAPE), "origine": CORNER, "cote": SIDE},
-                expected={"cases occupées": [list(c) for c in occupied], "cases libres": [list(c) for c in free]},
-                got=np.round(np.clip(got, -9, 9), 2) if shaped else f"forme {got.shape}",
-            )  # fmt: skip
+            raise _misdrawn(args, got, _wishes(occupied, free, empty) if shaped else {}, wrong)
+
+
+def _misdrawn(args: Arguments, got: Floats, wishes: Mapping[Cell, str], wrong: Sequence[Cell]) -> Rejection:
+    """What is said of a map of another shape, or else of its first wrong cell."""
+    poses, scans = args[0], args[1]
+    inputs = {"poses": poses, "scans": scans, "forme": list(SHAPE), "origine": CORNER, "cote": SIDE}
+    if not wrong:
+        return Rejection(
+            f"carte doit renvoyer un tableau de forme {SHAPE}, sans nan ni infini.", inputs=inputs,
+            expected=f"forme {SHAPE}",
+            got=f"forme {got.shape}" if got.shape != SHAPE else "des nombres qui n’en sont pas",
+        )  # fmt: skip
+    cell = wrong[0]
+    many = "Deux scans" if len(poses) > 1 else "Un scan"
+    others = f" ; {len(wrong) - 1} autres cases sont fausses" if len(wrong) > 2 else ""
+    return Rejection(
+        f"{many} de quatre rayons : la case {cell} (ligne, colonne) devrait être {MUST_BE[wishes[cell]]}{others}.",
+        inputs=inputs,
+        expected=f"{wishes[cell]} dans la case {cell}",
+        got=f"{_decimal(float(got[cell]))} dans la case {cell}",
+        figure=pictures.small_map_figure(poses, scans, CORNER, SIDE, float(SCAN.max()), got, cell),
+    )
+
+
+POSITIVE, NEGATIVE, NOT_POSITIVE = "un log-odds positif", "un log-odds négatif", "un log-odds nul ou négatif"
+MUST_BE = {
+    POSITIVE: "occupée",
+    NEGATIVE: "libre",
+    NOT_POSITIVE: "sans mur : le rayon qui y finit n’a rien vu",
+}
+
+
+def _wishes(occupied: Sequence[Cell], free: Sequence[Cell], empty: Sequence[Cell]) -> dict[Cell, str]:
+    return dict.fromkeys(empty, NOT_POSITIVE) | dict.fromkeys(free, NEGATIVE) | dict.fromkeys(occupied, POSITIVE)
 
 
 def _wrong_cells(got: Floats, occupied: Sequence[Cell], free: Sequence[Cell], empty: Sequence[Cell]) -> list[Cell]:
@@ -256,9 +291,3 @@ def _wrong_cells(got: Floats, occupied: Sequence[Cell], free: Sequence[Cell], em
         *(cell for cell in free if got[cell] >= 0),
         *(cell for cell in empty if got[cell] > 0),
     ]
-
-
-def _must_be(cell: Cell, occupied: Sequence[Cell], free: Sequence[Cell]) -> str:
-    if cell in occupied:
-        return "occupée"
-    return "libre" if cell in free else "sans mur : le rayon qui y finit n’a rien vu"

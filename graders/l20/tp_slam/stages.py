@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import unreadable
+from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
 from graders.l20 import parcours
 from graders.l20.tp_slam import journeys
@@ -23,6 +25,7 @@ from graders.l20.tp_slam.chain import (
     steps_of,
     truth_at,
 )
+from graders.l20.tp_slam.pictures import FAR, MATCH
 from graders.l20.tp_slam.told import centimetres, given_up, metres
 from reference.odometry import DifferentialDrive, integrate
 from reference.se2 import relative, wrap_angle
@@ -127,6 +130,8 @@ def matching(bench: Bench) -> None:
                     f"{len(clouds[k + 1])} points"},
             expected=truth[k],
             got=found[k],
+            figure={"kind": MATCH, "a": np.round(clouds[k], 3), "b": np.round(clouds[k + 1], 3), "wanted": truth[k],
+                    "got": np.clip(found[k], -FAR, FAR), "start": moves[k]},
         )  # fmt: skip
     if not (0.75 <= float(np.mean(parts)) <= 1.0 and min(parts) >= 0.0 and max(parts) <= 1.0):
         raise Rejection(
@@ -224,11 +229,10 @@ def solving(bench: Bench) -> None:
     """The graph of all that: odometry, matches, loops."""
     chain = chain_of(bench)
     matches, loops = chain.matches, chain.loops
-    moves, start, truth = steps_of(chain.odometry[chain.keys]), journeys.added_up(matches), truth_at(chain.keys)
-    got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
+    start, got = _solved(bench, chain)
+    truth = truth_at(chain.keys)
     before, after = ate(start, truth), ate(got, truth)
     bench.observe("optimiser", after < SOLVED, ok=after < SOLVED)
-    film(bench, "simule", chain.odometry[chain.keys], start, loops, got, chain.keys, borrows=chain.borrowed)
     if after >= SOLVED:
         raise Rejection(
             f"Le graphe devrait ramener l’ATE de {metres(before)} à {metres(0.10)} environ ; elle vaut "
@@ -241,33 +245,46 @@ def solving(bench: Bench) -> None:
     chain.own.poses = got
 
 
+def show_solved(bench: Bench) -> None:
+    """Leave the film of the whole journey where a small graph has failed: nothing is judged."""
+    with suppress(Rejection, StudentFault):
+        _solved(bench, chain_of(bench))
+
+
+def _solved(bench: Bench, chain: Chain) -> tuple[Floats, Floats]:
+    """The chain (k, 3) of the matches and what `optimiser` makes of it, filmed. Raises Rejection, StudentFault."""
+    matches, loops = chain.matches, chain.loops
+    moves, start = steps_of(chain.odometry[chain.keys]), journeys.added_up(matches)
+    got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
+    film(bench, "simule", chain.odometry[chain.keys], start, loops, got, chain.keys, borrows=chain.borrowed)
+    return start, got
+
+
 def film(
     bench: Bench,
     place: str,
     odometry: Floats,
     start: Floats,
-    loops: list[Loop],
-    solved: Floats,
+    loops: Sequence[Loop] = (),
+    solved: Floats | None = None,
     keys: Sequence[int] = (),
     before: Floats | None = None,
     borrows: bool = False,
 ) -> None:
     """Leave what the stages have come to: poses of the key scans, and the loops by their ends.
 
-    `before`: what matches came to from odometry that was not yet calibrated. `borrows`: it began with results of the
-    course.
+    `solved`: None where the matches did not get that far. `before`: what matches came to from odometry that was not yet
+    calibrated. `borrows`: it began with results of the course.
     """
+    paths = {"before": before, "odometry": odometry, "matched": start, "solved": solved}
     bench.film(
-        ({} if before is None else {"before": np.round(before, 3)})
+        {name: np.round(np.clip(path, -FAR, FAR), 3) for name, path in paths.items() if path is not None}
         | {
             "kind": "chaine",
             "place": place,
             "borrowed": borrows,
             "keys": list(keys),
-            "odometry": np.round(odometry, 3),
-            "matched": np.round(start, 3),
             "loops": [[a, b] for a, b, _ in loops][:400],
-            "solved": np.round(np.clip(solved, -1e4, 1e4), 3),
         }
     )
 

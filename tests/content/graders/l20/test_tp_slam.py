@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, partial
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from graders.core.code.bench import Bench
+from graders.core.code.checks import Rejection
 from graders.core.code.runner import Runner
+from graders.core.code.running import FIGURE_ITEMS
+from graders.core.compare.words import whole_jsonable
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
+from graders.core.contract.values import Value
 from graders.core.contract.verdict import Verdict
-from graders.l20.tp_slam import chain, journeys, maps, small
+from graders.l20.tp_slam import chain, journeys, maps, places, real, small
+from graders.l20.tp_slam.replays import REPLAYS
 from graders.plotting import counterexample
 from graders.scene.films import wire
 from reference.calibration import calibrate_steps
@@ -107,6 +116,91 @@ def test_the_true_poses_draw_a_map_that_passes() -> None:
     assert across[1] < maps.WALLS - 0.1
 
 
+def bench(answer: Value, failed: frozenset[str] = frozenset()) -> Any:
+    """A bench on which every call gives the same answer, with the films that are left on it."""
+    films: list[dict[str, Any]] = []
+    return SimpleNamespace(
+        call=lambda function, *args: answer,
+        observe=lambda *args, **more: None,
+        film=films.append,
+        films=films,
+        runner=Told(failed),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    failed: frozenset[str]
+    reenacting: bool = False
+
+
+def rejection(protocol: Callable[[Bench], None], answer: Value, failed: frozenset[str] = frozenset()) -> Rejection:
+    with pytest.raises(Rejection) as refused:
+        protocol(bench(answer, failed))
+    return refused.value
+
+
+def test_a_wrong_map_is_told_by_one_cell_in_words_and_drawn() -> None:
+    right = OccupancyGrid(np.zeros(small.SHAPE), small.SIDE, [*small.CORNER, 0.0])
+    right.integrate(Scan.full_turn(small.SCAN, 8.0), small.PLACES[0])
+    upside_down = rejection(small.maps, right.log_odds[::-1])
+    assert upside_down.message.startswith("Un scan de quatre rayons : la case (6, 2) (ligne, colonne) devrait être occ")
+    assert upside_down.expected == "un log-odds positif dans la case (6, 2)"
+    assert upside_down.got == "−0,847 dans la case (6, 2)"
+    assert upside_down.figure is not None
+    assert upside_down.figure["kind"] == "petite_carte"
+    shape = rejection(small.maps, right.log_odds.T)
+    assert (shape.expected, shape.got, shape.figure) == ("forme (12, 30)", "forme (30, 12)", None)
+
+
+def test_a_wrong_graph_is_drawn_and_its_journey_filmed() -> None:
+    """A small graph fails: what the whole journey comes to is looked at all the same."""
+    assert rejection(small.graphs, small.CHAINED).message.startswith("Quatre poses, une boucle : la pose")
+    both = small.then(small.graphs, lambda bench: None, shown=lambda bench: bench.film({"kind": "x"}))
+    on = bench(small.CHAINED)
+    with pytest.raises(Rejection):
+        both(on)
+    assert on.films == [{"kind": "x"}]
+
+
+def test_inputs_by_hand_are_short_numbers() -> None:
+    """They are copied to be tried at home: `0.020000000000000004` is no number that anyone has chosen."""
+    for args in small.GRAPHS:
+        for number in np.hstack([np.ravel(value) for value in (*args[:3], *(z for _, _, z in args[3]))]).tolist():
+            assert len(repr(abs(number))) <= 6
+
+
+def test_no_reading_of_a_walk_goes_beyond_the_reach_that_is_told() -> None:
+    """A reading of 8 m sees nothing: one of 11 m would be read as a point by some, and by others not."""
+    for walk in places.WALKS:
+        assert walk.scans.max() <= places.REACH
+        assert walk.scans.min() > 0.0
+
+
+def test_the_real_place_is_not_judged_before_its_stages_pass() -> None:
+    waiting = rejection(real.through_the_laboratory, None, frozenset({"graphe"}))
+    assert waiting.neutral
+
+
+def test_errors_of_two_orders_of_magnitude_are_shown_by_their_logarithms() -> None:
+    place, found = journeys.indoor(), journeys.matched_indoor()
+    first, matched = journeys.added_up(found.first), journeys.added_up(found.matches)
+    begun = {"kind": "chaine", "place": "intel", "keys": [], "loops": [], "odometry": place.odometry, "matched": first}
+    whole = {**begun, "before": first, "matched": matched, "solved": matched}
+    replays = [REPLAYS["chaine"](data) for data in (begun, whole)]
+    assert [len(replay.frames) for replay in replays] == [2, 5]
+    assert [replay.charts[0].logarithmic for replay in replays] == [False, True]
+    lowest = replays[1].charts[0].y_range[0]
+    assert lowest is not None
+    assert 0.0 < lowest < 0.2
+    for replay in replays:
+        x, y = place.odometry[:, 0], place.odometry[:, 1]
+        view = replay.view
+        assert view.x0 < x.min() <= x.max() < view.x1
+        assert view.y0 < y.min() <= y.max() < view.y1
+        assert "Inf" not in str(replay.wire())
+
+
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_are_drawn(theme: str) -> None:
     a, pose = small.ROOM.tolist(), small.POSE.tolist()
@@ -118,5 +212,8 @@ def test_figures_are_drawn(theme: str) -> None:
         "corner": [0, 0],
         "side": 0.5,
     }
-    for data in (match, map_):
-        assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
+    small_map = rejection(small.maps, np.ones(small.SHAPE)).figure
+    graph = rejection(small.graphs, small.CHAINED).figure
+    for data in (match, map_, small_map, graph):
+        recorded = whole_jsonable(data, limit=FIGURE_ITEMS)
+        assert counterexample(GRADER.exercise, recorded, theme=theme).startswith(b"<?xml")
