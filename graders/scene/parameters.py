@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from graders.typography import french
@@ -14,6 +14,8 @@ from reference.se2 import wrap_angle
 NUMBER = re.compile(r"-?[0-9]{1,9}(\.[0-9]{1,9})?")
 Pose = tuple[float, float, float]
 Value = float | int | bool | str | Pose | None
+#: Names of choices, each with those of its values with which a setting acts: it is not shown with the others.
+OnlyWith = Mapping[str, tuple[str, ...]]
 
 
 class RefusedError(Exception):
@@ -34,6 +36,10 @@ class Parameter(Protocol):
 
     def describe(self) -> dict[str, Any]:
         """Return the description from which the browser shows it."""
+
+
+def _condition(only_with: OnlyWith) -> dict[str, Any]:
+    return {"onlyWith": {name: list(values) for name, values in only_with.items()}} if only_with else {}
 
 
 def _number(text: str) -> float:
@@ -60,7 +66,7 @@ def on_step(value: float, least: float, step: float) -> float:
 
 @dataclass(frozen=True)
 class Slider:
-    """A number in [least, most] by steps of `step`; whole when all of these are."""
+    """A number in [least, most] by steps of `step`; whole when all of these are. `only_with`: with what it acts."""
 
     label: str
     least: float
@@ -68,6 +74,7 @@ class Slider:
     step: float
     default: float
     unit: str = ""
+    only_with: OnlyWith = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         assert self.least <= self.default <= self.most, self.label
@@ -86,16 +93,17 @@ class Slider:
     def describe(self) -> dict[str, Any]:
         decimals = 0 if self.whole else max(decimals_of(self.step), decimals_of(self.least))
         return {"kind": "slider", "least": self.least, "most": self.most, "step": self.step, "unit": self.unit,
-                "decimals": decimals}  # fmt: skip
+                "decimals": decimals, **_condition(self.only_with)}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the `options`, as pairs (value in the address, label)."""
+    """One of the `options`, as pairs (value in the address, label). `only_with`: with what it acts."""
 
     label: str
     options: tuple[tuple[str, str], ...]
     default: str
+    only_with: OnlyWith = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         assert self.default in dict(self.options), self.label
@@ -106,7 +114,8 @@ class Choice:
         return text
 
     def describe(self) -> dict[str, Any]:
-        return {"kind": "choice", "options": [[value, french(label)] for value, label in self.options]}
+        options = [[value, french(label)] for value, label in self.options]
+        return {"kind": "choice", "options": options, **_condition(self.only_with)}
 
 
 @dataclass(frozen=True)

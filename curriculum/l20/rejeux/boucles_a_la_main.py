@@ -61,11 +61,11 @@ PREDICTION = Prediction(
     ),
     settings={"reponse": "1"},
 )
-#: Côté des carrés que l'on compte, en mètres ; marge du dessin autour des lieux que les boucles relient.
-SQUARE, MARGIN = 0.1, 6.0
+#: Côté des carrés que l'on compte, et marge autour de ce que les boucles superposent, en mètres.
+SQUARE, MARGIN = 0.1, 0.7
 THIN = 3
 EXAMINED, MAP = 0, 1
-PANELS = ("La boucle examinée", "Votre carte")
+PANELS = ("La boucle examinée", "Votre carte, au même endroit")
 
 
 def compute(values: Values, rng: np.random.Generator) -> Replay:
@@ -115,13 +115,19 @@ def correction(loop: int) -> np.ndarray:
     return wanted(loop)[:2] - chain()[laboratoire.loops().pairs[loop, 1], :2]
 
 
+def superposed(loop: int) -> tuple[np.ndarray, np.ndarray]:
+    """Les points du premier scan d'une boucle, et ceux du second là où elle le pose."""
+    (a, b), clouds = laboratoire.loops().pairs[loop].tolist(), journeys.indoor().clouds
+    return transform(chain()[a], clouds[a]), transform(wanted(loop), clouds[b])
+
+
 def picture(rank: int, loop: int, accepted: bool, told: bool) -> Frame:
     """Les deux scans d'une boucle, tels qu'elle les superpose."""
     a, b = laboratoire.loops().pairs[loop].tolist()
-    clouds, target = journeys.indoor().clouds, wanted(loop)
+    (before, after), target = superposed(loop), wanted(loop)
     layers: list[Layer] = [
-        Points(transform(chain()[a], clouds[a]), "ink", 2.0, panel=EXAMINED),
-        Points(transform(target, clouds[b]), "measure", 2.0, panel=EXAMINED),
+        Points(before, "ink", 2.0, panel=EXAMINED),
+        Points(after, "measure", 2.0, panel=EXAMINED),
         Segments([chain()[b, :2]], [target[:2]], "second", width=3.0, panel=EXAMINED),
         Pose(target, "measure", 0.5, panel=EXAMINED),
         Pose(chain()[b], "estimate", 0.5, style="ghost", panel=EXAMINED),
@@ -176,12 +182,17 @@ def squares(path: np.ndarray) -> int:
     return len(np.unique(np.floor(points / SQUARE).astype(np.int64), axis=0))
 
 
+def thousands(count: int) -> str:
+    return f"{count:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+
+
 @cache
 def view() -> View:
-    """Autour des lieux que les boucles relient."""
-    closing = laboratoire.loops()
-    places = np.vstack([*(chain()[closing.pairs[list(CHOSEN)].ravel(), :2],), *(wanted(loop)[:2] for loop in CHOSEN)])
-    low, high = places.min(axis=0) - MARGIN, places.max(axis=0) + MARGIN
+    """Les deux scans de chaque boucle, tels qu'elle les superpose, et les places du robot."""
+    seen = [points for loop in CHOSEN for points in superposed(loop)]
+    places = [np.array([wanted(loop)[:2], chain()[laboratoire.loops().pairs[loop, 1], :2]]) for loop in CHOSEN]
+    everything = np.vstack([*seen, *places])
+    low, high = everything.min(axis=0) - MARGIN, everything.max(axis=0) + MARGIN
     return View(float(low[0]), float(low[1]), float(high[0]), float(high[1]), up=True)
 
 
@@ -189,7 +200,10 @@ def summary(path: np.ndarray, accepted: np.ndarray, told: bool) -> list[str]:
     closing = laboratoire.loops()
     count = int(np.sum(accepted))
     kept = f"{pluriel(count, 'boucle acceptée', 'boucles acceptées') if count else 'Aucune boucle'} sur {len(CHOSEN)}"
-    sharp = f"La carte occupe {squares(path)} carrés de 10 cm : plus elle est nette, moins elle en occupe."
+    sharp = (
+        f"La carte occupe {thousands(squares(path))} carrés de 10 cm. Ce compte juge toutes les boucles acceptées "
+        "ensemble, pas la dernière cochée : cherchez le choix qui en laisse le moins."
+    )
     if not told:
         return [f"{kept}.", sharp]
     false = int(np.sum(accepted & closing.false))

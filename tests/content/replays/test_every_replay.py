@@ -48,6 +48,15 @@ def ends_of(parameter: dict[str, Any]) -> list[str]:
     raise AssertionError(parameter)
 
 
+@pytest.mark.parametrize(("module", "name"), NAMES)
+def test_settings_depend_on_choices_that_there_are_and_fit_a_phone(module: str, name: str) -> None:
+    described = {key: one.describe() for key, one in REPLAYS.find(module, name).parameters.items()}
+    for one in described.values():
+        for choice, values in one.get("onlyWith", {}).items():
+            assert set(values) < {value for value, _ in described[choice]["options"]}
+        assert all(len(words) <= 38 for _, words in one.get("options", ()))
+
+
 #: The fast suite computes each replay as it opens, and with all settings at one end; the thorough run each end alone.
 CASES = [
     *(pytest.param(*one, case, id=f"{'-'.join(one)}-{case}") for one in NAMES for case in together(*one)),

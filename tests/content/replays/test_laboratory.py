@@ -23,9 +23,11 @@ def test_each_step_of_the_practical_work_comes_to_what_its_page_says() -> None:
 
 
 def test_false_loops_are_worse_than_none() -> None:
-    """What the prediction says, and its explanation."""
-    none, some, every = (error(poses="graphe", ecart=allowed) for allowed in ("0", "0.6", "2.2"))
-    assert (none, some, every) == pytest.approx((0.21, 0.10, 0.54), abs=0.015)
+    """What the page says, and the explanation of the prediction."""
+    errors = [error(poses="graphe", ecart=allowed) for allowed in ("0", "0.6", "1.0", "1.2", "2.2")]
+    assert errors == pytest.approx([0.21, 0.10, 0.16, 0.30, 0.54], abs=0.015)
+    assert scene("laboratoire", ecart="0")["summary"][0] == "Aucune boucle acceptée sur 23."
+    assert scene("laboratoire", ecart="0")["frames"][-1]["caption"].endswith("Aucune boucle acceptée sur 23.")
     assert scene("laboratoire", ecart="2.2")["summary"][0] == "23 boucles acceptées sur 23, dont 7 fausses."
     assert scene("laboratoire")["summary"][0] == "16 boucles acceptées sur 23, dont aucune fausse."
 
@@ -37,6 +39,25 @@ def test_loops_are_drawn_as_they_are_met() -> None:
     assert "boucle" not in captions[40]
     assert captions[-1].endswith("18 boucles acceptées sur 23.")
     assert "boucle" not in scene("laboratoire", poses="recalages")["frames"][-1]["caption"]
+
+
+@pytest.mark.parametrize("poses", ["odometrie", "graphe"])
+def test_nothing_is_cut_at_the_frame(poses: str) -> None:
+    body = scene("laboratoire", poses=poses)
+    x0, y0, x1, y1 = body["box"]
+    layers = [*body["layers"], *body["frames"][-1]["layers"]]
+    points = np.vstack([unpacked(layer["at"]) for layer in layers if layer["kind"] in ("points", "polyline")])
+    assert np.all(points > [x0, y0])
+    assert np.all(points < [x1, y1])
+
+
+def test_settings_are_shown_only_where_they_act() -> None:
+    conditions = {one["name"]: one.get("onlyWith") for one in scene("laboratoire")["parameters"]}
+    assert conditions == {
+        "trajet": None,
+        "poses": {"trajet": ["tp"]},
+        "ecart": {"trajet": ["tp"], "poses": ["graphe"]},
+    }
 
 
 def test_the_map_of_the_log_grows_beside_ours() -> None:

@@ -8,16 +8,16 @@ import numpy as np
 
 from curriculum.l20.rejeux import boucles_a_la_main as replay
 from curriculum.l20.rejeux import laboratoire
-from tests.support.replays import scene
+from tests.support.replays import scene, unpacked
 from tests.support.shipped import ROOT
 
 TRUE = {f"b{k}": "1" for k in (2, 3, 4, 7, 8)}
 
 
 def squares(**settings: str) -> int:
-    found = re.search(r"(\d+) carrés", str(scene("boucles-a-la-main", **settings)["summary"][1]))
+    found = re.search(r"([\d\u202f]+) carrés", str(scene("boucles-a-la-main", **settings)["summary"][1]))
     assert found
-    return int(found[1])
+    return int(found[1].replace("\u202f", ""))
 
 
 def test_true_loops_make_the_map_sharper_and_each_false_one_blurs_it() -> None:
@@ -25,6 +25,21 @@ def test_true_loops_make_the_map_sharper_and_each_false_one_blurs_it() -> None:
     text = (ROOT / "curriculum/l20/seances/slam.md").read_text(encoding="utf-8").replace("\\,", "")
     assert f"${none}$ sans boucle, ${best}$ avec les cinq vraies" in text
     assert best < min(squares(**TRUE, **{name: "1"}) for name in ("b1", "b5", "b6")) < none
+
+
+def test_the_count_judges_all_loops_together_and_not_the_last_one() -> None:
+    """What the text warns of: a true loop that adds squares, and two false ones that agree."""
+    none, second, third = squares(), squares(b2="1"), squares(b2="1", b3="1")
+    assert third - second == 9
+    assert squares(b5="1", b6="1") < none < min(squares(b5="1"), squares(b6="1"))
+
+
+def test_no_scan_that_is_examined_is_cut_at_the_frame() -> None:
+    (x0, y0, x1, y1), frames = scene("boucles-a-la-main")["box"], scene("boucles-a-la-main")["frames"]
+    for frame in frames:
+        points = np.vstack([unpacked(layer["at"]) for layer in frame["layers"] if layer["kind"] == "points"])
+        assert np.all(points > [x0, y0])
+        assert np.all(points < [x1, y1])
 
 
 def test_what_the_question_tells_of_each_loop() -> None:

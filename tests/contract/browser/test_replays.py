@@ -20,6 +20,19 @@ PIXELS = """canvas => {
 }"""
 COLOURS = f"canvas => new Set(({PIXELS})(canvas)).size"
 CORNER = f"canvas => ({PIXELS})(canvas)[2]"
+#: How each text of a drawing was last aligned.
+WRITTEN = """const { fillText } = CanvasRenderingContext2D.prototype;
+window.written = {};
+CanvasRenderingContext2D.prototype.fillText = function (words, ...where) {
+  window.written[words] = this.textAlign;
+  fillText.call(this, words, ...where);
+};"""
+#: The width that the longest choice of a list takes, with its arrow.
+NEEDS = """select => {
+  const context = document.createElement("canvas").getContext("2d");
+  context.font = getComputedStyle(select).font;
+  return 28 + Math.max(...[...select.options].map((one) => context.measureText(one.text).width));
+}"""
 #: Looked for at each frame: what expects a text looks again after a second or so.
 BEGUN = "counter => !counter.textContent.startsWith('1 / ')"
 
@@ -32,7 +45,7 @@ def reading(visitor: Visit, *names: str, module: str = "l20") -> Page:
     scripts = style.replace("css/app.css", "js/")
     figures = "".join(
         f'<figure class="replay" id="rejeu-{name}" data-source="/{module}/rejeux/{name}">'
-        '<div class="replay-stage"></div><figcaption>Légende.</figcaption></figure>'
+        '<div class="replay-stage"></div><figcaption><p>Légende.</p></figcaption></figure>'
         for name in names
     )
     script = f'import {{ enhance }} from "{scripts}replays/index.js"; enhance(document);'
@@ -210,12 +223,34 @@ def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
     figure.get_by_label("Ajouter une fausse fermeture").check()
     expect(figure.locator(".replay-summary")).to_be_hidden()  # words and curves would tell what is asked
     expect(figure.locator(".replay-charts")).to_be_hidden()
+    expect(figure.get_by_text("Légende.")).to_be_hidden()  # so would the text below
     figure.locator(".replay-transport select").select_option("4")
     figure.get_by_role("button", name="Lecture").click()
     page.clock.fast_forward(60_000)
     expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^(\d+) / \1$"))
     expect(figure.locator(".replay-summary")).to_be_visible()
+    expect(figure.get_by_text("Légende.")).to_be_visible()
     expect(asked.get_by_role("radio")).to_have_count(3)
+
+
+def test_settings_that_do_not_act_are_hidden_and_no_label_lies_on_a_dot(visit: NewVisit) -> None:
+    visitor = visit(width=1280)
+    visitor.page.add_init_script(WRITTEN)
+    figure = reading(visitor, "laboratoire").locator("#rejeu-laboratoire")
+    allowed, poses = (
+        figure.get_by_role("slider", name="Boucles acceptées"),
+        figure.get_by_role("combobox", name="Poses utilisées"),
+    )
+    expect(allowed).to_be_visible()
+    assert visitor.page.evaluate("written['acceptées au-dessous']") == "left"  # false loops are on the right
+    for select in figure.locator(".replay-settings select").all():
+        assert select.evaluate(NEEDS) <= select.evaluate("select => select.clientWidth")
+    poses.select_option("recalages")
+    expect(allowed).to_be_hidden()
+    figure.get_by_role("combobox", name="Trajet").select_option("entier")
+    expect(poses).to_be_hidden()
+    figure.get_by_role("button", name="Réglages de départ").click()
+    expect(allowed).to_be_visible()
 
 
 def test_keys_that_every_keyboard_has_lead_through_the_frames(visit: NewVisit) -> None:

@@ -162,8 +162,10 @@ export class Chart {
       ctx.strokeStyle = ctx.fillStyle = css(colours[level.color], 0.8);
       ctx.setLineDash([2, 3]);
       stroke(ctx, [left, y(level.y)], [right, y(level.y)]);
-      ctx.textAlign = "right";
-      haloed(ctx, colours, level.label, right, y(level.y) - 2 < 14 ? y(level.y) + 16 : y(level.y) - 2);
+      const base = y(level.y) - 2 < 14 ? y(level.y) + 16 : y(level.y) - 2;
+      const far = this.#hides(right - ctx.measureText(level.label).width, right, base);
+      ctx.textAlign = far ? "left" : "right";
+      haloed(ctx, colours, level.label, far ? left + 4 : right, base);
     }
     const said = []; // where the labels of marks are, so that none lies on another
     for (const mark of this.data.marks) {
@@ -179,6 +181,14 @@ export class Chart {
       haloed(ctx, colours, mark.label, px + (late ? -4 : 4), MARGIN.top + 12 + LINE * above);
     }
     ctx.setLineDash([]);
+  }
+
+  /** Whether a label between two abscissas, standing on a line, would lie on a dot. */
+  #hides(from, to, base) {
+    const { x, y } = this.plot;
+    const dots = this.data.series.filter((one) => one.style === "dots");
+    const under = (px, py) => px > from - 6 && px < to + 6 && py > base - LINE - 3 && py < base + 3;
+    return dots.some((one) => one.x.some((value, i) => one.y[i] !== null && under(x(value), y(one.y[i]))));
   }
 
   #cursor(ctx, colours, now) {

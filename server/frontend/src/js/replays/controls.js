@@ -9,6 +9,7 @@ const ICONS = {
   on: "M6.5 5.5v13l9-6.5zM16 5.5h2v13h-2z",
 };
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
+const SHORT = 22; // characters of a choice that the narrowest column shows whole
 
 export class Transport {
   constructor({ toggle, step, seek, speed }) {
@@ -56,6 +57,7 @@ export class Settings {
   #defaults = {};
   #values = {};
   #shown = {};
+  #conditions = [];
 
   constructor(parameters, values, { changed, currentStep }) {
     this.changed = changed;
@@ -63,7 +65,7 @@ export class Settings {
     this.#defaults = Object.fromEntries(parameters.map(({ name }) => [name, asText(values[name])]));
     this.#values = { ...this.#defaults };
     this.reset = button("Réglages de départ", () => this.take({}), "link-button");
-    const fields = parameters.map((one) => this.#field(one)).filter(Boolean);
+    const fields = parameters.map((one) => this.#conditional(one, this.#field(one))).filter(Boolean);
     this.element = make("div", { class: "replay-settings", hidden: fields.length === 0 }, ...fields, this.reset);
     this.#refresh();
   }
@@ -94,7 +96,16 @@ export class Settings {
 
   #refresh() {
     for (const [name, text] of Object.entries(this.#values)) this.#shown[name]?.(text);
+    for (const [field, needs] of this.#conditions) {
+      field.hidden = needs.some(([name, values]) => !values.includes(this.#values[name]));
+    }
     this.reset.hidden = Object.keys(this.asked()).length === 0;
+  }
+
+  /** A setting that acts only with some values of others is shown with these alone. */
+  #conditional({ onlyWith }, field) {
+    if (onlyWith) this.#conditions.push([field, Object.entries(onlyWith)]);
+    return field;
   }
 
   #field(parameter) {
@@ -126,7 +137,8 @@ export class Settings {
     const select = make("select", { id, onchange: () => this.set(name, select.value) });
     select.append(...options.map(([value, words]) => make("option", { value }, words)));
     this.#shown[name] = (text) => (select.value = text);
-    return make("div", { class: "replay-field" }, make("label", { for: id }, ...lowered(label)), select);
+    const long = options.some(([, words]) => words.length > SHORT);
+    return make("div", { class: long ? "replay-field replay-wide" : "replay-field" }, make("label", { for: id }, ...lowered(label)), select);
   }
 
   #switch({ name, label }, id) {

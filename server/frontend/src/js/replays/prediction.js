@@ -22,6 +22,7 @@ export class Prediction {
     };
     this.place = asked.place ? new Place(asked.place, stage, { changed: draw, prepare: first }) : null;
     this.said = new Said(figure);
+    this.caption = figure.querySelector("figcaption");
     this.answer = this.said.of(name);
     if (!this.#words(this.answer)) this.answer = undefined; // the question has changed since
     if (this.place && this.answer) this.place.at = this.place.read(this.answer);
@@ -34,6 +35,7 @@ export class Prediction {
     if (this.#seen || !same(settings, this.asked.settings)) return;
     this.#seen = true;
     if (this.answer) this.#show();
+    else this.#fold();
   }
 
   /** What it adds to the drawing of these settings, on which it was asked. */
@@ -57,6 +59,18 @@ export class Prediction {
   #show() {
     this.element.replaceChildren(...(this.answer ? this.#told() : [this.#form()]));
     this.element.classList.toggle("replay-prediction-told", Boolean(this.answer));
+    this.#fold();
+  }
+
+  /** The text below says what happens, or nearly: it is folded until one has answered, or seen it. */
+  #fold() {
+    const folded = this.caption?.querySelector(":scope > .replay-guide");
+    if (this.answer || this.#seen) folded?.replaceWith(...[...folded.childNodes].slice(1));
+    else if (this.caption && !folded) {
+      const words = [...this.caption.childNodes];
+      const title = make("summary", {}, "Ce que l’on peut y essayer, et y voir");
+      this.caption.append(make("details", { class: "replay-guide" }, title, ...words));
+    }
   }
 
   #form() {
