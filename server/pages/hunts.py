@@ -61,7 +61,7 @@ async def show_hunt(
     if account is None:
         return redirect_to_login(request)
     offer = await hunts.offer(account, exercise.id, skip, client_address(request))
-    page = hunt_page(course, exercise, offer, question)
+    page = hunt_page(course, exercise, offer, "entree" if offer is None else possible_question(offer, question))
     return await run_in_threadpool(render_page, request, "hunt.html", account, page=page)
 
 
@@ -112,6 +112,12 @@ async def answer_question(
         return await hunts.try_prediction(account, offer.hunt, typed[0] if typed else "", address)
     names = [argument.name for argument in offer.arguments]
     return await hunts.try_input(account, offer.hunt, dict(zip(names, typed, strict=False)), address)
+
+
+def possible_question(offer: OfferedHunt, question: Kind) -> Kind:
+    """Return the question where it can be asked about a hunt, else that for an input."""
+    possible = {"entree": True, "prevision": offer.predictable, "ligne": offer.wrong_lines > 0}
+    return question if possible[question] else "entree"
 
 
 def is_line_number(typed: str) -> bool:

@@ -118,3 +118,15 @@ def test_an_exercise_may_switch_its_hunts_off(course: Course) -> None:
     assert not may_have_hunts(course, replace(poses, hunts="never"))
     assert not may_have_hunts(course, course.exercises["l20/association"])
     assert not may_have_hunts(course, course.exercises["l20/calcul_odometrie"])
+
+
+@pytest.mark.parametrize("question", ["ligne", "prevision"])
+def test_a_question_that_a_hunt_has_not_leads_to_that_for_an_input(site: Site, question: str) -> None:
+    plain = OFFER.model_copy(update={"predictable": False})
+
+    async def offer(_question: bytes, *, reader: str, flow: str, rank: int = 0) -> bytes:
+        return HuntReply(offer=plain).model_dump_json().encode()
+
+    add_services(site.app, replace(get_service(site.app, HuntService), ask=offer))
+    solve(site)
+    assert "Trouvez une entrée qui le montre" in site.client.get(f"{HUNT}?question={question}").text
