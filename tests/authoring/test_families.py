@@ -68,3 +68,11 @@ def test_a_misconception_that_is_filed_nowhere_is_a_fault() -> None:
     (problem,) = faults(replace(course, modules=modules))
     assert problem.path.parent.name == "poses"
     assert "« angle_jamais_ramene » n’a pas de famille" in problem.message
+
+
+def test_a_mistake_of_one_exercise_alone_has_a_name_of_its_own(course_folder: CourseFolder) -> None:
+    course_folder.write("curriculum/families.toml", FAMILIES.format("signe", 'slips = ["oppose"]'))
+    for slug, reason in (("a", "propre à cet exercice"), ("b", "même nom, autre erreur")):
+        course_folder.write(f"curriculum/m9/exercices/{slug}/families.toml", f'[apart]\n"{reason}" = ["perdue"]\n')
+    found = [(fault.path.parent.name, fault.message) for fault in faults(course_folder.load(render=False))]
+    assert [folder for folder, message in found if "« b » a une erreur du même nom" in message] == ["a"]
